@@ -1,0 +1,20 @@
+//! The laws of metal cutting as pure functions of numbers.
+//!
+//! Every law is one file that states its equation, its source and its limits,
+//! and lists its parameters once, as data ([`Parameter`]). The scenario parser,
+//! the error messages, the JSON schema, the catalogue and the generic tests
+//! read that table. All numbers are SI.
+//!
+//! This crate does no I/O and knows no file format, clock or environment.
+
+pub mod catalogue;
+pub mod elasticity;
+pub mod flow_stress;
+pub mod friction;
+pub mod heat;
+pub mod parameter;
+pub mod quantity;
+pub mod radial_return;
+
+pub use parameter::{Parameter, ParameterError, Range, Values};
+pub use quantity::Quantity;

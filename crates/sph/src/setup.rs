@@ -1,0 +1,309 @@
+//! The complete description of a run in SI units: what `scenario` produces and
+//! the solver consumes. Plain data; building the particles is the solver's work.
+
+use crate::options;
+use sphcut_physics::Values;
+use sphcut_physics::elasticity::ElasticModuli;
+use sphcut_physics::flow_stress::FlowStressEntry;
+use sphcut_physics::friction::FrictionEntry;
+
+/// A vector with three components; plane problems leave the third at zero.
+pub type Vector = [f64; 3];
+
+/// Plane strain or three dimensions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// Plane strain in x and y; extensive results are per metre of width.
+    Two,
+    /// Three dimensions.
+    Three,
+}
+
+/// A run, fully resolved.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// Plane strain or three dimensions.
+    pub dimension: Dimension,
+    /// Initial particle spacing in m.
+    pub particle_spacing: f64,
+    /// Materials; bodies refer to them by index.
+    pub materials: Vec<Material>,
+    /// Bodies made of particles.
+    pub bodies: Vec<Body>,
+    /// Regions whose particles are held in place, moved, or kept at a temperature.
+    pub supports: Vec<Support>,
+    /// The rigid tool, if there is one.
+    pub tool: Option<Tool>,
+    /// Directions in which forces are reported.
+    pub frame: CuttingFrame,
+    /// Width of cut b in m; turns the forces per width of a plane run into forces.
+    pub width_of_cut: f64,
+    /// Uncut chip thickness h in m, for reporting; `None` where there is no cut.
+    pub uncut_chip_thickness: Option<f64>,
+    /// End of the simulated time in s.
+    pub end_time: f64,
+    /// Interval over which forces are averaged and a channel sample is emitted, in s.
+    pub sampling_interval: f64,
+    /// Which of the heat mechanisms act.
+    pub heat: Heat,
+    /// Values of [`options::NUMERICS`].
+    pub numerics: Values,
+    /// Values of [`options::CONTACT`].
+    pub contact: Values,
+    /// Kernel and lattice.
+    pub discretisation: Discretisation,
+    /// Seed of everything random (only [`Lattice::Disordered`] uses it).
+    pub seed: u64,
+}
+
+impl Setup {
+    /// A setup with default options and nothing in it: the starting point of tests and cases.
+    #[must_use]
+    pub fn empty(dimension: Dimension, particle_spacing: f64, end_time: f64) -> Self {
+        Self {
+            dimension,
+            particle_spacing,
+            materials: Vec::new(),
+            bodies: Vec::new(),
+            supports: Vec::new(),
+            tool: None,
+            frame: CuttingFrame::default(),
+            width_of_cut: 1.0,
+            uncut_chip_thickness: None,
+            end_time,
+            sampling_interval: end_time / 100.0,
+            heat: Heat::default(),
+            numerics: Values::defaults(options::NUMERICS),
+            contact: Values::defaults(options::CONTACT),
+            discretisation: Discretisation::default(),
+            seed: 0,
+        }
+    }
+}
+
+/// Unit vectors in which forces are reported. A force is that of the tool on the workpiece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CuttingFrame {
+    /// Direction of the tool's motion relative to the workpiece: F_c is the force along it.
+    pub cutting: Vector,
+    /// From the tool into the machined surface: F_f (thrust) is the force along it.
+    pub feed: Vector,
+    /// Along the cutting edge: F_p; zero in a plane problem.
+    pub passive: Vector,
+}
+
+impl Default for CuttingFrame {
+    fn default() -> Self {
+        Self { cutting: [1.0, 0.0, 0.0], feed: [0.0, -1.0, 0.0], passive: [0.0, 0.0, 1.0] }
+    }
+}
+
+/// A material with its laws chosen.
+#[derive(Debug, Clone)]
+pub struct Material {
+    /// Name for reports.
+    pub name: String,
+    /// rho_0 in kg/m^3.
+    pub density: f64,
+    /// K and G in Pa.
+    pub moduli: ElasticModuli,
+    /// cp in J/(kg K).
+    pub specific_heat: f64,
+    /// k in W/(m K).
+    pub thermal_conductivity: f64,
+    /// The flow-stress law.
+    pub flow_stress: &'static FlowStressEntry,
+    /// Its parameters.
+    pub flow_stress_values: Values,
+}
+
+/// A body filled with particles.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// Name for reports and messages.
+    pub name: String,
+    /// Index into [`Setup::materials`].
+    pub material: usize,
+    /// The space it fills.
+    pub shape: Shape,
+    /// Initial velocity field.
+    pub velocity: VelocityField,
+    /// Initial temperature in K.
+    pub temperature: f64,
+}
+
+/// A filled region of space. Lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// Axis-parallel rectangle (2D) or box (3D), rotated about the z axis through the origin
+    /// afterwards. The particles' lattice is aligned with the unrotated box.
+    Box {
+        /// Smallest corner before rotation.
+        min: Vector,
+        /// Largest corner before rotation.
+        max: Vector,
+        /// Rotation about the origin in rad.
+        rotation: f64,
+        /// Mirror y -> -y before the rotation.
+        mirrored: bool,
+    },
+    /// Disc (2D) or cylinder along z (3D) with an optional hole.
+    Cylinder {
+        /// Centre of the lower end face.
+        centre: Vector,
+        /// Outer radius.
+        radius: f64,
+        /// Inner radius; 0 for a full disc.
+        inner_radius: f64,
+        /// Length along z; ignored in 2D.
+        length: f64,
+    },
+}
+
+/// An initial velocity field in m/s.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VelocityField {
+    /// The same everywhere.
+    Uniform(Vector),
+    /// Rigid rotation about an axis through `centre` along z, in rad/s.
+    Rotation {
+        /// A point of the axis.
+        centre: Vector,
+        /// Angular velocity, counter-clockwise.
+        angular_velocity: f64,
+    },
+    /// First bending mode of a plate clamped at x = `clamp` and free at x = `clamp` + `length`:
+    /// velocity along y, `amplitude` times the mode shape scaled to 1 at the free end.
+    CantileverMode {
+        /// x of the clamped end.
+        clamp: f64,
+        /// Free length.
+        length: f64,
+        /// Velocity of the free end.
+        amplitude: f64,
+    },
+    /// A sine of displacement velocity along x: amplitude sin(2 pi x / wavelength).
+    LongitudinalSine {
+        /// Amplitude in m/s.
+        amplitude: f64,
+        /// Wavelength in m.
+        wavelength: f64,
+    },
+}
+
+/// Which particles a support takes: those of the initial configuration inside a box.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Support {
+    /// Name for reports.
+    pub name: String,
+    /// The region, as of a [`Shape`] at time zero.
+    pub region: Shape,
+    /// What is prescribed for the velocity of these particles, component by component in the
+    /// unrotated frame of `region`: `Some(v)` holds it at v m/s, `None` leaves it free.
+    pub velocity: [Option<f64>; 3],
+    /// Fixed temperature in K, if any.
+    pub temperature: Option<f64>,
+}
+
+/// The rigid tool.
+#[derive(Debug, Clone)]
+pub struct Tool {
+    /// Its surface at time zero.
+    pub surface: ToolSurface,
+    /// Its constant velocity in m/s.
+    pub velocity: Vector,
+    /// Edge radius r_n in m, for reporting; `None` where unknown.
+    pub edge_radius: Option<f64>,
+    /// The law of friction.
+    pub friction: &'static FrictionEntry,
+    /// Its parameters.
+    pub friction_values: Values,
+}
+
+/// The surface of a rigid tool. Normals point out of the tool.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ToolSurface {
+    /// Closed polygon in the plane, counter-clockwise: the tool lies to the left of each side.
+    Polygon(Vec<[f64; 2]>),
+    /// Closed triangle mesh, vertices of each triangle counter-clockwise seen from outside.
+    Triangles {
+        /// Vertex coordinates.
+        vertices: Vec<Vector>,
+        /// Indices of the vertices of each triangle.
+        triangles: Vec<[usize; 3]>,
+    },
+    /// A half space that is all tool: a wall.
+    HalfSpace {
+        /// A point of the wall.
+        point: Vector,
+        /// Unit normal out of the wall.
+        normal: Vector,
+    },
+}
+
+/// Switches of the heat mechanisms, with values of `sphcut_physics::heat::PARAMETERS`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heat {
+    /// Plastic work heats the particles.
+    pub plastic_heating: Switch,
+    /// Friction heats the particles.
+    pub friction_heating: Switch,
+    /// Heat is conducted between particles.
+    pub conduction: Switch,
+    /// Shares.
+    pub values: Values,
+}
+
+impl Default for Heat {
+    fn default() -> Self {
+        Self {
+            plastic_heating: Switch::On,
+            friction_heating: Switch::On,
+            conduction: Switch::On,
+            values: Values::defaults(sphcut_physics::heat::PARAMETERS),
+        }
+    }
+}
+
+/// Whether an optional mechanism acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Switch {
+    /// It acts.
+    On,
+    /// It does not exist.
+    Off,
+}
+
+impl Switch {
+    /// `true` if on.
+    #[must_use]
+    pub fn is_on(self) -> bool {
+        self == Self::On
+    }
+}
+
+/// Kernel and initial arrangement of the particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Discretisation {
+    /// The kernel.
+    pub kernel: crate::kernel::KernelChoice,
+    /// The initial arrangement.
+    pub lattice: Lattice,
+}
+
+impl Default for Discretisation {
+    fn default() -> Self {
+        Self { kernel: crate::kernel::KernelChoice::WendlandC2, lattice: Lattice::Square }
+    }
+}
+
+/// Initial arrangement of the particles of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lattice {
+    /// Square (2D) or cubic (3D).
+    Square,
+    /// Rows shifted by half a spacing, hexagonal in 2D; in 3D as `Square`.
+    Hexagonal,
+    /// `Square`, each particle moved at random by up to a fifth of the spacing (seeded).
+    Disordered,
+}
