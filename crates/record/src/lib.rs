@@ -1,1 +1,24 @@
-//! Placeholder until its first content lands.
+//! The record of a run: plain types ([`Run`]), their form on disk (`run.h5`,
+//! `snapshots.vtkhdf`, `forces.csv`), checkpoints, and the [`driver`] that steps
+//! a simulation and keeps the record.
+//!
+//! Three promises, each with a test: nothing that was saved is lost by a crash;
+//! a resumed run has the same bits as an uninterrupted one; a result never
+//! exists without its [`Provenance`].
+
+pub mod driver;
+mod error;
+mod facts;
+mod files;
+mod provenance;
+mod run;
+mod samples;
+mod snapshots;
+
+pub use error::{Divergence, RunError};
+pub use facts::{Facts, MaterialFacts};
+pub use files::RunFiles;
+pub use provenance::{Provenance, Setting};
+pub use run::{Outcome, Performance, Run};
+pub use samples::Samples;
+pub use snapshots::{SnapshotInfo, Snapshots};
