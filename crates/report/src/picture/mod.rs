@@ -1,0 +1,250 @@
+//! Pictures of the particles: discs coloured by a field, the tool, axes in mm, a colour bar.
+
+mod field;
+mod raster;
+mod view;
+
+pub use field::Field;
+pub use view::View;
+
+use crate::canvas::{Anchor, Canvas, INK, Rectangle, Rgb, Text};
+use crate::ticks::Ticks;
+use raster::Mapping;
+use sphcut_sph::Snapshot;
+
+/// Fine pixels per pixel and direction.
+const OVERSAMPLING: usize = 2;
+const MISSING: Rgb = [255, 0, 255];
+const FRAME: Rgb = [150, 155, 162];
+
+/// How a picture is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureOptions {
+    /// Width of the image in pixels, colour bar included; the height follows from the view.
+    pub width: u32,
+    /// The part of the plane shown; `None` shows all particles.
+    pub view: Option<View>,
+    /// Ends of the colour bar in the unit of [`Field::title`]; `None` takes [`Field::range`].
+    pub range: Option<(f64, f64)>,
+    /// A line of text above the picture; `None` prints the simulated time.
+    pub caption: Option<String>,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self { width: 1200, view: None, range: None, caption: None }
+    }
+}
+
+/// Draws the particles coloured by `field` with the tool, axes in mm, a scale bar and a colour
+/// bar, and returns a PNG file.
+///
+/// Every pixel within 0.8 spacings of a particle takes the colour of the nearest one: white
+/// inside the chip is a void. Values beyond the colour bar take the colour of its end; how far
+/// they reach is printed there. A value that is not a number is magenta.
+#[must_use]
+pub fn render_snapshot(snapshot: &Snapshot, field: Field, options: &PictureOptions) -> Vec<u8> {
+    draw(snapshot, field, options).png()
+}
+
+/// The picture as pixels.
+pub(crate) fn draw(snapshot: &Snapshot, field: Field, options: &PictureOptions) -> Canvas {
+    let view = options.view.unwrap_or_else(|| View::whole(snapshot));
+    let layout = Layout::new(options.width, view);
+    let range = options.range.unwrap_or_else(|| field.range([snapshot]));
+    let values = field.values(snapshot);
+
+    let mut canvas = Canvas::new(layout.width, layout.height);
+    let plot = draw_plot(&layout, snapshot, &colours(&values, field, range));
+    for (row, source) in plot.pixels.chunks_exact(plot.width).enumerate() {
+        let start = (layout.plot.y0 + row) * canvas.width + layout.plot.x0;
+        canvas.pixels[start..start + plot.width].copy_from_slice(source);
+    }
+    draw_axes(&mut canvas, &layout);
+    draw_colour_bar(&mut canvas, &layout, &ColourBar { field, range, values: &values });
+    draw_scale_bar(&mut canvas, &layout);
+    let caption = options.caption.clone().unwrap_or_else(|| time_text(snapshot.time));
+    let middle = (layout.plot.x0 + layout.plot.x1) as f64 / 2.0;
+    let at = [middle, layout.plot.y0 as f64 - 0.6 * layout.font];
+    canvas.text(&Text { at, anchor: Anchor::Middle, size: layout.font, text: &caption }, INK);
+    canvas
+}
+
+/// Simulated time in a unit that suits it.
+fn time_text(seconds: f64) -> String {
+    if seconds < 1e-3 {
+        format!("t = {:.1} \u{b5}s", seconds * 1e6)
+    } else {
+        format!("t = {:.3} ms", seconds * 1e3)
+    }
+}
+
+/// Where things are in the image.
+struct Layout {
+    width: usize,
+    height: usize,
+    plot: Rectangle,
+    font: f64,
+    mapping: Mapping,
+}
+
+impl Layout {
+    fn new(width: u32, view: View) -> Self {
+        let width = (width as usize).clamp(240, 8000);
+        let font = (width as f64 / 62.0).clamp(11.0, 40.0);
+        let (left, right) = ((4.2 * font) as usize, (8.2 * font) as usize);
+        let (top, bottom) = ((2.2 * font) as usize, (3.6 * font) as usize);
+        let plot_width = width - left - right;
+        let scale = plot_width as f64 / view.width().max(1e-12);
+        let tallest = 3 * plot_width;
+        let plot_height = ((view.height() * scale).ceil() as usize).clamp(40, tallest);
+        let plot = Rectangle { x0: left, y0: top, x1: left + plot_width, y1: top + plot_height };
+        let height = top + plot_height + bottom;
+        Self { width, height, plot, font, mapping: Mapping { view, scale } }
+    }
+}
+
+/// The colours of the particles.
+fn colours(values: &[f64], field: Field, range: (f64, f64)) -> Vec<Rgb> {
+    let colour = |value: &f64| {
+        let share = (value - range.0) / (range.1 - range.0);
+        if share.is_nan() {
+            return MISSING;
+        }
+        colour_at(field, share)
+    };
+    values.iter().map(colour).collect()
+}
+
+/// The colour at a share of the colour bar. The darkest tenth of the map is left out: it cannot
+/// be told from black on paper.
+fn colour_at(field: Field, share: f64) -> Rgb {
+    field.gradient().eval_continuous(0.1 + 0.9 * share.clamp(0.0, 1.0)).as_array()
+}
+
+fn draw_plot(layout: &Layout, snapshot: &Snapshot, colours: &[Rgb]) -> Canvas {
+    let (width, height) = (layout.plot.x1 - layout.plot.x0, layout.plot.y1 - layout.plot.y0);
+    let mut fine = Canvas::new(width * OVERSAMPLING, height * OVERSAMPLING);
+    let scale = layout.mapping.scale * OVERSAMPLING as f64;
+    let mapping = Mapping { view: layout.mapping.view, scale };
+    raster::draw_particles(&mut fine, &mapping, snapshot, colours);
+    let line_width = layout.font / 9.0 * OVERSAMPLING as f64;
+    raster::draw_tool(&mut fine, &mapping, snapshot, line_width);
+    raster::reduce(&fine, OVERSAMPLING)
+}
+
+fn draw_axes(canvas: &mut Canvas, layout: &Layout) {
+    let Layout { plot, font, mapping, .. } = layout;
+    let (x0, x1) = (plot.x0 as f64, plot.x1 as f64);
+    let (y0, y1) = (plot.y0 as f64, plot.y1 as f64);
+    for (from, to) in
+        [([x0, y0], [x1, y0]), ([x1, y0], [x1, y1]), ([x1, y1], [x0, y1]), ([x0, y1], [x0, y0])]
+    {
+        canvas.line(from, to, 1.0, FRAME);
+    }
+    let View { min, max } = mapping.view;
+    let ticks = Ticks::new(min[0] * 1e3, max[0] * 1e3, 6);
+    for &value in &ticks.values {
+        let x = x0 + mapping.pixel(value * 1e-3, min[1])[0];
+        canvas.line([x, y1], [x, y1 + 0.35 * font], 1.0, FRAME);
+        let at = [x, y1 + 1.35 * font];
+        canvas.text(
+            &Text { at, anchor: Anchor::Middle, size: *font, text: &ticks.label(value) },
+            INK,
+        );
+    }
+    let wanted = ((y1 - y0) / (4.0 * font)).clamp(2.0, 8.0) as usize;
+    let ticks = Ticks::new(min[1] * 1e3, max[1] * 1e3, wanted);
+    for &value in &ticks.values {
+        let y = y0 + mapping.pixel(min[0], value * 1e-3)[1];
+        canvas.line([x0 - 0.35 * font, y], [x0, y], 1.0, FRAME);
+        let at = [x0 - 0.6 * font, y + 0.35 * font];
+        canvas.text(&Text { at, anchor: Anchor::End, size: *font, text: &ticks.label(value) }, INK);
+    }
+    let at = [(x0 + x1) / 2.0, y1 + 2.8 * font];
+    canvas.text(&Text { at, anchor: Anchor::Middle, size: *font, text: "x in mm" }, INK);
+    let at = [0.4 * font, y0 - 0.6 * font];
+    canvas.text(&Text { at, anchor: Anchor::Start, size: *font, text: "y in mm" }, INK);
+}
+
+/// What the colour bar shows.
+struct ColourBar<'a> {
+    field: Field,
+    range: (f64, f64),
+    values: &'a [f64],
+}
+
+fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &ColourBar<'_>) {
+    let Layout { plot, font, .. } = layout;
+    let x0 = plot.x1 + (1.2 * font) as usize;
+    let x1 = x0 + (1.3 * font) as usize;
+    let height = (plot.y1 - plot.y0) as f64;
+    for y in plot.y0..plot.y1 {
+        let share = (plot.y1 as f64 - y as f64 - 0.5) / height;
+        let colour = colour_at(bar.field, share);
+        canvas.fill(Rectangle { x0, y0: y, x1, y1: y + 1 }, colour);
+    }
+    let (low, high) = bar.range;
+    let wanted = (height / (3.0 * font)).clamp(2.0, 7.0) as usize;
+    let ticks = Ticks::new(low, high, wanted);
+    for &value in &ticks.values {
+        let y = plot.y1 as f64 - (value - low) / (high - low) * height;
+        canvas.line([x1 as f64, y], [x1 as f64 + 0.3 * font, y], 1.0, FRAME);
+        let at = [x1 as f64 + 0.5 * font, y + 0.35 * font];
+        canvas
+            .text(&Text { at, anchor: Anchor::Start, size: *font, text: &ticks.label(value) }, INK);
+    }
+    let end = layout.width as f64 - 0.5 * font;
+    let at = [end, plot.y0 as f64 - 0.6 * font];
+    canvas.text(&Text { at, anchor: Anchor::End, size: *font, text: bar.field.title() }, INK);
+    let largest = bar.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if largest > high + 1e-3 * (high - low) {
+        let text = format!("max. {}", three_digits(largest));
+        let at = [end, plot.y1 as f64 + 1.35 * font];
+        canvas.text(&Text { at, anchor: Anchor::End, size: 0.9 * font, text: &text }, INK);
+    }
+}
+
+/// A number with about three significant digits.
+pub(crate) fn three_digits(value: f64) -> String {
+    let magnitude = value.abs();
+    let decimals = match magnitude {
+        m if m >= 99.95 => 0,
+        m if m >= 9.995 => 1,
+        _ => 2,
+    };
+    format!("{value:.decimals$}").replacen('-', "\u{2212}", 1)
+}
+
+/// A bar of a round length in the upper right corner of the plot.
+fn draw_scale_bar(canvas: &mut Canvas, layout: &Layout) {
+    let Layout { plot, font, mapping, .. } = layout;
+    let target = 0.16 * mapping.view.width() * 1e6;
+    let power = 10_f64.powf(target.max(1e-9).log10().floor());
+    let micrometres = [5.0, 2.0, 1.0].map(|f| f * power).into_iter().find(|&l| l <= target);
+    let micrometres = micrometres.unwrap_or(power);
+    let text = if micrometres >= 1000.0 {
+        format!("{} mm", micrometres / 1000.0)
+    } else {
+        format!("{micrometres} \u{b5}m")
+    };
+    let length = micrometres * 1e-6 * mapping.scale;
+    let (x1, y) = (plot.x1 as f64 - font, plot.y0 as f64 + 1.9 * font);
+    let x0 = x1 - length;
+    let half = crate::canvas::text_width(&text, *font).max(length) / 2.0 + 0.5 * font;
+    let middle = (x0 + x1) / 2.0;
+    let clamp = |x: f64| x.clamp(plot.x0 as f64, plot.x1 as f64 - 1.0) as usize;
+    let area = Rectangle {
+        x0: clamp(middle - half),
+        x1: clamp(middle + half),
+        y0: (y - 1.9 * font).max(plot.y0 as f64) as usize,
+        y1: (y + 0.5 * font) as usize,
+    };
+    canvas.fill(area, crate::canvas::WHITE);
+    canvas.line([x0, y], [x1, y], font / 6.0, INK);
+    for x in [x0, x1] {
+        canvas.line([x, y - 0.3 * font], [x, y + 0.3 * font], font / 9.0, INK);
+    }
+    let at = [middle, y - 0.6 * font];
+    canvas.text(&Text { at, anchor: Anchor::Middle, size: *font, text: &text }, INK);
+}

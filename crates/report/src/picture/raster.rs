@@ -1,0 +1,160 @@
+//! From particles and a polygon to pixels.
+
+use super::View;
+use crate::canvas::{Canvas, Rgb};
+use sphcut_sph::Snapshot;
+
+/// Radius of a particle's disc in spacings. Discs of 0.71 just cover a square lattice; a little
+/// more allows for the disorder of a flow, so that a hole in the picture is one in the material.
+const DISC_RADIUS: f64 = 0.80;
+const TOOL_FILL: Rgb = [196, 200, 205];
+const TOOL_EDGE: Rgb = [70, 76, 84];
+
+/// The mapping from metres to pixels of one picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mapping {
+    pub view: View,
+    /// Pixels per metre.
+    pub scale: f64,
+}
+
+impl Mapping {
+    pub fn pixel(&self, x: f64, y: f64) -> [f64; 2] {
+        [(x - self.view.min[0]) * self.scale, (self.view.max[1] - y) * self.scale]
+    }
+}
+
+/// Colours every pixel within reach of a particle like the nearest one. In three dimensions the
+/// particles nearer to the eye (larger z) hide those behind.
+pub(super) fn draw_particles(
+    canvas: &mut Canvas,
+    mapping: &Mapping,
+    snapshot: &Snapshot,
+    colours: &[Rgb],
+) {
+    let radius = (DISC_RADIUS * snapshot.particle_spacing * mapping.scale).max(0.6);
+    let depth_per_pixel = if snapshot.dimension == 3 { radius } else { 0.0 };
+    let mut nearest = vec![f64::INFINITY; canvas.width * canvas.height];
+    for (position, &colour) in snapshot.position.iter().zip(colours) {
+        let [x, y] = mapping.pixel(position[0], position[1]);
+        let depth = -position[2] * mapping.scale * depth_per_pixel;
+        let columns = overlap(x, radius, canvas.width);
+        for row in overlap(y, radius, canvas.height) {
+            for column in columns.clone() {
+                let (dx, dy) = (column as f64 + 0.5 - x, row as f64 + 0.5 - y);
+                let squared = dx * dx + dy * dy;
+                let index = row * canvas.width + column;
+                if squared <= radius * radius && squared + depth < nearest[index] {
+                    nearest[index] = squared + depth;
+                    canvas.pixels[index] = colour;
+                }
+            }
+        }
+    }
+}
+
+/// Pixels of a row of `size` whose centres lie within `radius` of `centre`.
+fn overlap(centre: f64, radius: f64, size: usize) -> std::ops::Range<usize> {
+    let low = (centre - radius - 0.5).ceil().clamp(0.0, size as f64);
+    let high = ((centre + radius - 0.5).floor() + 1.0).clamp(low, size as f64);
+    low as usize..high as usize
+}
+
+/// The tool: a closed polygon in the plane, triangles in space; grey with an outline.
+pub(super) fn draw_tool(
+    canvas: &mut Canvas,
+    mapping: &Mapping,
+    snapshot: &Snapshot,
+    line_width: f64,
+) {
+    let corners: Vec<[f64; 2]> =
+        snapshot.tool.iter().map(|corner| mapping.pixel(corner[0], corner[1])).collect();
+    if snapshot.dimension == 3 {
+        corners.chunks_exact(3).for_each(|triangle| fill_polygon(canvas, triangle, TOOL_FILL));
+        return;
+    }
+    fill_polygon(canvas, &corners, TOOL_FILL);
+    for (k, &corner) in corners.iter().enumerate() {
+        canvas.line(corner, corners[(k + 1) % corners.len()], line_width, TOOL_EDGE);
+    }
+}
+
+/// Fills a polygon by the even-odd rule at pixel centres.
+fn fill_polygon(canvas: &mut Canvas, corners: &[[f64; 2]], colour: Rgb) {
+    for row in 0..canvas.height {
+        let mut crossings = crossings_at(corners, row as f64 + 0.5);
+        crossings.sort_by(f64::total_cmp);
+        for pair in crossings.chunks_exact(2) {
+            let limit = |x: f64| (x + 0.5).floor().clamp(0.0, canvas.width as f64) as usize;
+            let row_start = row * canvas.width;
+            canvas.pixels[row_start + limit(pair[0])..row_start + limit(pair[1])].fill(colour);
+        }
+    }
+}
+
+/// Where the sides of a polygon cross a horizontal line.
+fn crossings_at(corners: &[[f64; 2]], y: f64) -> Vec<f64> {
+    let mut crossings = Vec::new();
+    for (k, from) in corners.iter().enumerate() {
+        let to = corners[(k + 1) % corners.len()];
+        if (from[1] <= y) != (to[1] <= y) {
+            crossings.push(from[0] + (y - from[1]) / (to[1] - from[1]) * (to[0] - from[0]));
+        }
+    }
+    crossings
+}
+
+/// The image with `factor` times fewer pixels in each direction, each the mean of its block.
+pub(super) fn reduce(fine: &Canvas, factor: usize) -> Canvas {
+    let mut coarse = Canvas::new(fine.width / factor, fine.height / factor);
+    let count = (factor * factor) as u32;
+    for (index, pixel) in coarse.pixels.iter_mut().enumerate() {
+        let (row, column) = (index / coarse.width * factor, index % coarse.width * factor);
+        let mut sum = [0_u32; 3];
+        for y in row..row + factor {
+            for source in &fine.pixels[y * fine.width + column..][..factor] {
+                sum.iter_mut().zip(source).for_each(|(total, &part)| *total += u32::from(part));
+            }
+        }
+        *pixel = sum.map(|total| ((total + count / 2) / count) as u8);
+    }
+    coarse
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_polygon_covers_its_area() {
+        let mut canvas = Canvas::new(100, 100);
+        // A triangle of half of 80 times 60 = 2400 square pixels, partly outside on the left.
+        fill_polygon(&mut canvas, &[[10.0, 20.0], [90.0, 20.0], [10.0, 80.0]], TOOL_FILL);
+        let covered = canvas.pixels.iter().filter(|&&p| p == TOOL_FILL).count() as f64;
+        // One pixel per row of error at most: 60.
+        assert!((covered - 2400.0).abs() < 60.0, "{covered}");
+    }
+
+    #[test]
+    fn the_nearer_particle_colours_the_pixel() {
+        let snapshot = Snapshot {
+            dimension: 2,
+            particle_spacing: 1.0,
+            position: vec![[2.0, 2.0, 0.0], [3.0, 2.0, 0.0]],
+            ..Snapshot::default()
+        };
+        let mapping = Mapping { view: View { min: [0.0; 2], max: [5.0, 4.0] }, scale: 10.0 };
+        let mut canvas = Canvas::new(50, 40);
+        draw_particles(&mut canvas, &mapping, &snapshot, &[[255, 0, 0], [0, 0, 255]]);
+        assert_eq!(canvas.pixels[20 * 50 + 24], [255, 0, 0]);
+        assert_eq!(canvas.pixels[20 * 50 + 25], [0, 0, 255]);
+        assert_eq!(canvas.pixels[20 * 50 + 10], [255, 255, 255]);
+    }
+
+    #[test]
+    fn reducing_takes_the_mean() {
+        let mut fine = Canvas::new(2, 2);
+        fine.pixels = vec![[0, 0, 0], [100, 0, 0], [0, 0, 0], [100, 200, 0]];
+        assert_eq!(reduce(&fine, 2).pixels, [[50, 50, 0]]);
+    }
+}
