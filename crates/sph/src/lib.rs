@@ -3,12 +3,24 @@
 //! The crate turns a [`setup::Setup`] into a [`Simulation`] and steps it. It
 //! does no I/O: what happens is told as plain data ([`observation`]).
 
+mod account;
+mod contact;
+mod engine;
 pub mod error;
+mod heat_conduction;
 pub mod kernel;
+mod lattice;
+mod material_point;
+mod neighbours;
 pub mod observation;
+mod observe;
 pub mod options;
+mod refresh;
 pub mod setup;
 mod simulation;
+mod supports;
+mod sweeps;
+mod tensor;
 
 pub use error::{Diverged, SetupError};
 pub use observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};

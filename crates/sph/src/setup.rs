@@ -46,6 +46,8 @@ pub struct Setup {
     pub sampling_interval: f64,
     /// Which of the heat mechanisms act.
     pub heat: Heat,
+    /// Whether the particles move; off solves heat conduction alone.
+    pub mechanics: Switch,
     /// Values of [`options::NUMERICS`].
     pub numerics: Values,
     /// Values of [`options::CONTACT`].
@@ -73,6 +75,7 @@ impl Setup {
             end_time,
             sampling_interval: end_time / 100.0,
             heat: Heat::default(),
+            mechanics: Switch::On,
             numerics: Values::defaults(options::NUMERICS),
             contact: Values::defaults(options::CONTACT),
             discretisation: Discretisation::default(),

@@ -1,8 +1,9 @@
 //! The simulation: a setup turned into particles, stepped in time.
 
+use crate::engine::Engine;
 use crate::error::{Diverged, SetupError};
 use crate::observation::{CheckpointState, Sample, Snapshot};
-use crate::setup::Setup;
+use crate::setup::{Dimension, Setup};
 
 /// What one step tells its caller.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +27,30 @@ pub struct Estimate {
     pub time_step: f64,
     /// Expected number of steps.
     pub steps: u64,
-    /// Expected memory of the solver in bytes.
+    /// Memory of the solver's arrays in bytes.
     pub memory_bytes: u64,
+}
+
+#[derive(Debug)]
+enum AnyEngine {
+    Two(Box<Engine<2>>),
+    Three(Box<Engine<3>>),
+}
+
+macro_rules! with_engine {
+    ($any:expr, $engine:ident => $body:expr) => {
+        match $any {
+            AnyEngine::Two($engine) => $body,
+            AnyEngine::Three($engine) => $body,
+        }
+    };
 }
 
 /// A run in progress, in two or three dimensions.
 #[derive(Debug)]
 pub struct Simulation {
     setup: Setup,
+    engine: AnyEngine,
 }
 
 impl Simulation {
@@ -42,7 +59,11 @@ impl Simulation {
     /// # Errors
     /// An empty body, an unusable tool surface, a tool that overlaps the workpiece.
     pub fn new(setup: Setup) -> Result<Self, SetupError> {
-        Ok(Self { setup })
+        let engine = match setup.dimension {
+            Dimension::Two => AnyEngine::Two(Box::new(Engine::new(&setup)?)),
+            Dimension::Three => AnyEngine::Three(Box::new(Engine::new(&setup)?)),
+        };
+        Ok(Self { setup, engine })
     }
 
     /// Goes on from a stored state of the same setup, with the same bits as without interruption.
@@ -50,16 +71,28 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::new`]; and a state that does not fit the setup.
     pub fn restore(setup: Setup, state: &CheckpointState) -> Result<Self, SetupError> {
-        let _ = state;
-        Self::new(setup)
+        let engine = match setup.dimension {
+            Dimension::Two => AnyEngine::Two(Box::new(Engine::restore(&setup, state)?)),
+            Dimension::Three => AnyEngine::Three(Box::new(Engine::restore(&setup, state)?)),
+        };
+        Ok(Self { setup, engine })
     }
 
     /// Advances by one time step.
     ///
     /// # Errors
-    /// A quantity that is not finite or left its physical range.
+    /// A quantity that is not finite or left its physical range; the simulation is then of no
+    /// further use, and the last checkpoint is the last good state.
     pub fn step(&mut self) -> Result<StepReport, Diverged> {
-        todo!()
+        let setup = &self.setup;
+        with_engine!(&mut self.engine, engine => {
+            engine.advance()?;
+            let interval = setup.sampling_interval;
+            let due = engine.time >= engine.account.interval_start + interval
+                || engine.time >= setup.end_time;
+            let sample = due.then(|| engine.sample(setup));
+            Ok(StepReport { step: engine.step, time: engine.time, sample })
+        })
     }
 
     /// Whether the end time is reached.
@@ -71,19 +104,25 @@ impl Simulation {
     /// Simulated time in s.
     #[must_use]
     pub fn time(&self) -> f64 {
-        0.0
+        with_engine!(&self.engine, engine => engine.time)
     }
 
     /// Steps since the start.
     #[must_use]
     pub fn steps(&self) -> u64 {
-        0
+        with_engine!(&self.engine, engine => engine.step)
     }
 
     /// Number of particles.
     #[must_use]
     pub fn particle_count(&self) -> usize {
-        0
+        with_engine!(&self.engine, engine => engine.id.len())
+    }
+
+    /// Number of neighbour pairs, each counted from both sides.
+    #[must_use]
+    pub fn pair_count(&self) -> usize {
+        with_engine!(&self.engine, engine => engine.list.pairs())
     }
 
     /// The setup this run was built from.
@@ -95,18 +134,25 @@ impl Simulation {
     /// What the whole run will need.
     #[must_use]
     pub fn estimate(&self) -> Estimate {
-        todo!()
+        with_engine!(&self.engine, engine => Estimate {
+            particles: engine.id.len(),
+            mean_neighbours: engine.list.pairs() as f64 / engine.id.len() as f64,
+            time_step: engine.time_step,
+            // Exact while the time step keeps its first value; crowding shortens it later.
+            steps: (self.setup.end_time / engine.time_step).ceil() as u64,
+            memory_bytes: engine.memory() as u64,
+        })
     }
 
     /// The particles now, in the order of their identifiers.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        todo!()
+        with_engine!(&self.engine, engine => engine.snapshot(&self.setup))
     }
 
     /// The complete state for [`Simulation::restore`].
     #[must_use]
     pub fn checkpoint(&self) -> CheckpointState {
-        todo!()
+        with_engine!(&self.engine, engine => engine.checkpoint())
     }
 }

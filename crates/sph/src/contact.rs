@@ -1,0 +1,477 @@
+//! Contact of particles with a rigid tool: node to surface, by penalty, with friction.
+//!
+//! A particle is a sphere of radius `dx/2`. Its overlap `g` with the surface
+//! gives the normal force `f_n = kappa M dx^(D-2) g` (M: p-wave modulus; per
+//! width in 2D). Friction is the force that stops the slip predicted for the
+//! next half step, clipped at the law's limit: it sticks below and slides at it,
+//! whatever the time step or stiffness. The slip is the true projection
+//! `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
+
+use crate::error::SetupError;
+use crate::setup::{Tool, ToolSurface, Vector as Vector3};
+use crate::tensor::Vector;
+use rstar::{AABB, RTree, RTreeObject};
+use sphcut_physics::friction::{ContactState, FrictionLaw};
+
+/// One flat piece of the tool's surface in the tool's own frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Facet {
+    /// Corners; a segment repeats its second one.
+    corners: [Vector3; 3],
+    /// Unit normal out of the tool.
+    normal: Vector3,
+    kind: FacetKind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FacetKind {
+    Segment,
+    Triangle,
+    Plane,
+}
+
+/// Half-extent that stands for "everywhere" in the box of a plane, in m.
+const FAR: f64 = 1e6;
+
+impl RTreeObject for Facet {
+    type Envelope = AABB<[f64; 3]>;
+    fn envelope(&self) -> Self::Envelope {
+        if self.kind == FacetKind::Plane {
+            return AABB::from_corners([-FAR; 3], [FAR; 3]);
+        }
+        AABB::from_points(&self.corners)
+    }
+}
+
+fn sub(a: &Vector3, b: &Vector3) -> Vector3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot3(a: &Vector3, b: &Vector3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: &Vector3, b: &Vector3) -> Vector3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn along(a: &Vector3, factor: f64, direction: &Vector3) -> Vector3 {
+    [a[0] + factor * direction[0], a[1] + factor * direction[1], a[2] + factor * direction[2]]
+}
+
+/// Point of the segment `a b` closest to `x`.
+fn closest_on_segment(x: &Vector3, a: &Vector3, b: &Vector3) -> Vector3 {
+    let edge = sub(b, a);
+    let length_square = dot3(&edge, &edge);
+    let t = if length_square > 0.0 { dot3(&sub(x, a), &edge) / length_square } else { 0.0 };
+    along(a, t.clamp(0.0, 1.0), &edge)
+}
+
+impl Facet {
+    fn closest(&self, x: &Vector3) -> Vector3 {
+        let [a, b, c] = &self.corners;
+        let height = dot3(&sub(x, a), &self.normal);
+        let foot = along(x, -height, &self.normal);
+        match self.kind {
+            FacetKind::Plane => foot,
+            FacetKind::Segment => closest_on_segment(x, a, b),
+            FacetKind::Triangle => {
+                let inside = |p: &Vector3, q: &Vector3| {
+                    dot3(&cross(&sub(q, p), &sub(&foot, p)), &self.normal) >= 0.0
+                };
+                if inside(a, b) && inside(b, c) && inside(c, a) {
+                    return foot;
+                }
+                let candidates = [(a, b), (b, c), (c, a)].map(|(p, q)| {
+                    let point = closest_on_segment(x, p, q);
+                    let d = sub(x, &point);
+                    (dot3(&d, &d), point)
+                });
+                candidates.into_iter().min_by(|p, q| p.0.total_cmp(&q.0)).expect("three edges").1
+            }
+        }
+    }
+}
+
+/// The nearest point of the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Nearest {
+    /// Distance in m, negative inside the tool.
+    pub(crate) distance: f64,
+    /// Unit normal out of the tool.
+    pub(crate) normal: Vector3,
+}
+
+/// The surface of a rigid tool with its spatial index.
+#[derive(Debug)]
+pub(crate) struct Surface {
+    facets: Vec<Facet>,
+    tree: RTree<IndexedFacet>,
+    low: Vector3,
+    high: Vector3,
+}
+
+#[derive(Debug, Clone)]
+struct IndexedFacet {
+    facet: Facet,
+    index: u32,
+}
+
+impl RTreeObject for IndexedFacet {
+    type Envelope = AABB<[f64; 3]>;
+    fn envelope(&self) -> Self::Envelope {
+        self.facet.envelope()
+    }
+}
+
+impl Surface {
+    /// From the description of the setup.
+    ///
+    /// # Errors
+    /// Fewer than three corners, a degenerate or inward-facing facet, an open surface.
+    pub(crate) fn new(surface: &ToolSurface) -> Result<Self, SetupError> {
+        let facets = match surface {
+            ToolSurface::Polygon(corners) => polygon_facets(corners)?,
+            ToolSurface::Triangles { vertices, triangles } => triangle_facets(vertices, triangles)?,
+            ToolSurface::HalfSpace { point, normal } => {
+                vec![Facet { corners: [*point; 3], normal: *normal, kind: FacetKind::Plane }]
+            }
+        };
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for facet in &facets {
+            let envelope = facet.envelope();
+            for k in 0..3 {
+                low[k] = low[k].min(envelope.lower()[k]);
+                high[k] = high[k].max(envelope.upper()[k]);
+            }
+        }
+        let indexed = facets
+            .iter()
+            .enumerate()
+            .map(|(index, facet)| IndexedFacet { facet: *facet, index: index as u32 })
+            .collect();
+        Ok(Self { facets, tree: RTree::bulk_load(indexed), low, high })
+    }
+
+    /// Whether `x` (tool frame) lies within `reach` of the surface's bounding box.
+    pub(crate) fn is_near(&self, x: &Vector3, reach: f64) -> bool {
+        (0..3).all(|k| x[k] >= self.low[k] - reach && x[k] <= self.high[k] + reach)
+    }
+
+    /// Facets whose boxes lie within `reach` of `x`, in the order of their index.
+    fn facets_near(&self, x: &Vector3, reach: f64, found: &mut Vec<u32>) {
+        let range = AABB::from_corners(
+            [x[0] - reach, x[1] - reach, x[2] - reach],
+            [x[0] + reach, x[1] + reach, x[2] + reach],
+        );
+        let first = found.len();
+        found.extend(self.tree.locate_in_envelope_intersecting(&range).map(|f| f.index));
+        found[first..].sort_unstable();
+    }
+
+    /// Nearest point among the facets listed.
+    fn nearest_of(&self, x: &Vector3, facets: &[u32]) -> Option<Nearest> {
+        let mut best: Option<(f64, Vector3, &Facet)> = None;
+        for &index in facets {
+            let facet = &self.facets[index as usize];
+            let d = sub(x, &facet.closest(x));
+            let square = dot3(&d, &d);
+            // Of two facets that share the nearest corner, the one seen more frontally decides the side.
+            let better = match best {
+                None => true,
+                Some((least, previous, other)) => {
+                    square < least * (1.0 - 1e-12)
+                        || (square <= least * (1.0 + 1e-12)
+                            && dot3(&d, &facet.normal).abs() > dot3(&previous, &other.normal).abs())
+                }
+            };
+            if better {
+                best = Some((square, d, facet));
+            }
+        }
+        best.map(|(square, d, facet)| {
+            let length = square.sqrt();
+            let side = if dot3(&d, &facet.normal) >= 0.0 { 1.0 } else { -1.0 };
+            // On the surface itself the direction of d is noise: take the facet's normal there.
+            let normal = if length > 1e-15 {
+                [side * d[0] / length, side * d[1] / length, side * d[2] / length]
+            } else {
+                facet.normal
+            };
+            Nearest { distance: side * length, normal }
+        })
+    }
+
+    /// Nearest point of the whole surface; for checks, not for the time loop.
+    pub(crate) fn nearest(&self, x: &Vector3) -> Nearest {
+        let all: Vec<u32> = (0..self.facets.len() as u32).collect();
+        self.nearest_of(x, &all).expect("a surface has at least one facet")
+    }
+}
+
+fn unusable(reason: String) -> SetupError {
+    SetupError::ToolSurface { reason }
+}
+
+fn polygon_facets(corners: &[[f64; 2]]) -> Result<Vec<Facet>, SetupError> {
+    if corners.len() < 3 {
+        return Err(unusable(format!("{} corners; a polygon needs three", corners.len())));
+    }
+    let next = |i: usize| (i + 1) % corners.len();
+    let area: f64 = (0..corners.len())
+        .map(|i| corners[i][0] * corners[next(i)][1] - corners[next(i)][0] * corners[i][1])
+        .sum();
+    if area <= 0.0 {
+        return Err(unusable(
+            "its corners run clockwise, so its normals point into the tool".to_owned(),
+        ));
+    }
+    (0..corners.len())
+        .map(|i| {
+            let (a, b) = (corners[i], corners[next(i)]);
+            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+            let length = dx.hypot(dy);
+            if length <= 0.0 || !length.is_finite() {
+                return Err(unusable(format!("side {i} has no length")));
+            }
+            let (a, b) = ([a[0], a[1], 0.0], [b[0], b[1], 0.0]);
+            let normal = [dy / length, -dx / length, 0.0];
+            Ok(Facet { corners: [a, b, b], normal, kind: FacetKind::Segment })
+        })
+        .collect()
+}
+
+fn triangle_facets(
+    vertices: &[Vector3],
+    triangles: &[[usize; 3]],
+) -> Result<Vec<Facet>, SetupError> {
+    let mut edges = std::collections::BTreeMap::new();
+    let mut volume = 0.0;
+    let mut facets = Vec::with_capacity(triangles.len());
+    for (index, triangle) in triangles.iter().enumerate() {
+        if let Some(missing) = triangle.iter().find(|&&v| v >= vertices.len()) {
+            return Err(unusable(format!(
+                "facet {index} uses vertex {missing}, which is not there"
+            )));
+        }
+        let [a, b, c] = triangle.map(|v| vertices[v]);
+        let area_vector = cross(&sub(&b, &a), &sub(&c, &a));
+        let length = dot3(&area_vector, &area_vector).sqrt();
+        if length <= 0.0 || !length.is_finite() {
+            return Err(unusable(format!("facet {index} has no area")));
+        }
+        volume += dot3(&a, &cross(&b, &c));
+        for k in 0..3 {
+            let edge = (triangle[k], triangle[(k + 1) % 3]);
+            if let Some(other) = edges.insert(edge, index) {
+                return Err(unusable(format!(
+                    "facets {other} and {index} run the same way along an edge: a flipped normal"
+                )));
+            }
+        }
+        let normal = area_vector.map(|component| component / length);
+        facets.push(Facet { corners: [a, b, c], normal, kind: FacetKind::Triangle });
+    }
+    if let Some(((from, to), index)) =
+        edges.iter().find(|((p, q), _)| !edges.contains_key(&(*q, *p)))
+    {
+        return Err(unusable(format!(
+            "facet {index} has an open edge between vertices {from} and {to}: a hole"
+        )));
+    }
+    if volume <= 0.0 {
+        return Err(unusable("its normals point into the tool".to_owned()));
+    }
+    Ok(facets)
+}
+
+/// A particle that may touch the tool before the next refresh.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    particle: u32,
+    first: u32,
+    last: u32,
+}
+
+/// A particle in contact and its forces in N (N/m in 2D).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Touch<const D: usize> {
+    pub(crate) particle: u32,
+    pub(crate) normal_force: Vector<D>,
+    pub(crate) friction_force: Vector<D>,
+}
+
+/// The tool in contact with particles.
+#[derive(Debug)]
+pub(crate) struct ToolContact<const D: usize> {
+    pub(crate) surface: Surface,
+    law: Box<dyn FrictionLaw>,
+    /// Velocity of the tool in m/s.
+    pub(crate) velocity: Vector3,
+    radius: f64,
+    stiffness: f64,
+    area: f64,
+    candidates: Vec<Candidate>,
+    candidate_facets: Vec<u32>,
+    /// Contacts of the last force evaluation, ordered by particle.
+    pub(crate) touches: Vec<Touch<D>>,
+}
+
+/// Kinematics of one particle as contact sees it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactInput<const D: usize> {
+    pub(crate) position: Vector<D>,
+    pub(crate) velocity: Vector<D>,
+    /// Force on the particle without contact in N (N/m in 2D).
+    pub(crate) other_force: Vector<D>,
+    /// Inertia in kg (kg/m in 2D).
+    pub(crate) inertia: f64,
+    pub(crate) flow_stress: f64,
+    pub(crate) temperature: f64,
+}
+
+pub(crate) fn extended<const D: usize>(x: &Vector<D>) -> Vector3 {
+    std::array::from_fn(|k| if k < D { x[k] } else { 0.0 })
+}
+
+pub(crate) fn reduced<const D: usize>(x: &Vector3) -> Vector<D> {
+    std::array::from_fn(|k| x[k])
+}
+
+impl<const D: usize> ToolContact<D> {
+    /// `modulus`: p-wave modulus of the workpiece in Pa; `kappa`: the contact option `stiffness`.
+    pub(crate) fn new(
+        tool: &Tool,
+        spacing: f64,
+        modulus: f64,
+        kappa: f64,
+    ) -> Result<Self, SetupError> {
+        let power = i32::try_from(D).expect("2 or 3");
+        Ok(Self {
+            surface: Surface::new(&tool.surface)?,
+            law: (tool.friction.build)(&tool.friction_values),
+            velocity: tool.velocity,
+            radius: 0.5 * spacing,
+            stiffness: kappa * modulus * spacing.powi(power - 2),
+            area: spacing.powi(power - 1),
+            candidates: Vec::new(),
+            candidate_facets: Vec::new(),
+            touches: Vec::new(),
+        })
+    }
+
+    /// Displacement of the tool at `time`.
+    pub(crate) fn displacement(&self, time: f64) -> Vector3 {
+        self.velocity.map(|v| v * time)
+    }
+
+    /// An error if any particle overlaps the tool by more than rounding.
+    pub(crate) fn check_start(&self, positions: &[Vector<D>]) -> Result<(), SetupError> {
+        let tolerance = 1e-6 * self.radius;
+        let mut deepest: Option<(f64, Vector3)> = None;
+        let mut count = 0;
+        for position in positions {
+            let x = extended(position);
+            if !self.surface.is_near(&x, self.radius) {
+                continue;
+            }
+            let depth = self.radius - self.surface.nearest(&x).distance;
+            if depth > tolerance {
+                count += 1;
+                if deepest.is_none_or(|(most, _)| depth > most) {
+                    deepest = Some((depth, x));
+                }
+            }
+        }
+        match deepest {
+            None => Ok(()),
+            Some((depth, position)) => Err(SetupError::InitialOverlap { position, depth, count }),
+        }
+    }
+
+    /// Lists the particles that can come into contact while nothing moves by more than
+    /// `margin` relative to the tool.
+    pub(crate) fn refresh(&mut self, positions: &[Vector<D>], time: f64, margin: f64) {
+        let reach = self.radius + margin;
+        let displacement = self.displacement(time);
+        self.candidates.clear();
+        self.candidate_facets.clear();
+        for (particle, position) in positions.iter().enumerate() {
+            let x = sub(&extended(position), &displacement);
+            if !self.surface.is_near(&x, reach) {
+                continue;
+            }
+            let first = self.candidate_facets.len() as u32;
+            self.surface.facets_near(&x, reach, &mut self.candidate_facets);
+            let last = self.candidate_facets.len() as u32;
+            if last > first {
+                self.candidates.push(Candidate { particle: particle as u32, first, last });
+            }
+        }
+    }
+
+    /// Computes the contact forces at `time`; `look` tells about a particle.
+    pub(crate) fn evaluate(
+        &mut self,
+        time: f64,
+        time_step: f64,
+        look: impl Fn(usize) -> ContactInput<D>,
+    ) {
+        let displacement = self.displacement(time);
+        let mut touches = std::mem::take(&mut self.touches);
+        touches.clear();
+        for candidate in &self.candidates {
+            let input = look(candidate.particle as usize);
+            let x = sub(&extended(&input.position), &displacement);
+            let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
+            let Some(nearest) = self.surface.nearest_of(&x, facets) else { continue };
+            if nearest.distance >= self.radius {
+                continue;
+            }
+            touches.push(self.touch(candidate.particle, &input, &nearest, time_step));
+        }
+        self.touches = touches;
+    }
+
+    fn touch(
+        &self,
+        particle: u32,
+        input: &ContactInput<D>,
+        nearest: &Nearest,
+        time_step: f64,
+    ) -> Touch<D> {
+        let normal: Vector<D> = reduced(&nearest.normal);
+        let pressing = self.stiffness * (self.radius - nearest.distance);
+        let normal_force = normal.map(|n| n * pressing);
+        // Slip after the coming step without friction, projected on the surface.
+        let tool_velocity: Vector<D> = reduced(&self.velocity);
+        let mut slip: Vector<D> = std::array::from_fn(|k| {
+            input.velocity[k] - tool_velocity[k]
+                + time_step / input.inertia * (input.other_force[k] + normal_force[k])
+        });
+        let through = crate::tensor::dot(&slip, &normal);
+        for k in 0..D {
+            slip[k] -= through * normal[k];
+        }
+        let speed = crate::tensor::dot(&slip, &slip).sqrt();
+        let limit = self.area
+            * self.law.shear_limit(&ContactState {
+                pressure: pressing / self.area,
+                flow_stress: input.flow_stress,
+                sliding_speed: speed,
+                temperature: input.temperature,
+            });
+        let sticking = input.inertia * speed / time_step;
+        let size = sticking.min(limit);
+        let friction_force = if speed > 0.0 { slip.map(|v| -v / speed * size) } else { [0.0; D] };
+        Touch { particle, normal_force, friction_force }
+    }
+
+    /// Follows a reordering of the particles: `new_place[old]`.
+    pub(crate) fn reorder(&mut self, new_place: &[u32]) {
+        for touch in &mut self.touches {
+            touch.particle = new_place[touch.particle as usize];
+        }
+        self.touches.sort_by_key(|touch| touch.particle);
+    }
+}

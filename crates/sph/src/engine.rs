@@ -1,0 +1,423 @@
+//! The solver in `D` dimensions: one step is the method, one call per equation.
+//!
+//! Momentum and velocity gradient are a work-conjugate pair: with the weights
+//! `w_ij = -W'(r_ij)/r_ij V_j` and separations `X_ij = X_j - X_i` of the
+//! reference configuration (renewed every few per cent of strain),
+//! ```text
+//! F_dot_i = sum_j w_ij (v_j - v_i) (x) X_ij B_i,    B_i = (sum_j w_ij X_ij (x) X_ij)^-1
+//! f_i     = V_i sum_j w_ij (P_i B_i + P_j B_j) X_ij
+//! ```
+//! so that internal power is `sum_i V_i P_i : F_dot_i` exactly, linear fields
+//! are differentiated exactly, and momentum and angular momentum are kept to
+//! rounding. What the affine fit does not see (hourglass motion,
+//! `d_ij = v_j - v_i - F_dot_i X_ij`) is damped by the potential
+//! `1/2 sum_i eta_i V_i sum_j w_ij |d_ij|^2`; because `F_dot_i` is the
+//! least-squares fit with the same weights, its force needs no second sweep and
+//! keeps both momenta. `docs/theory.md` derives all of it.
+
+use crate::account::{Account, Tally};
+use crate::contact::{ContactInput, ToolContact, reduced};
+use crate::error::{Diverged, SetupError};
+use crate::material_point::MaterialPoint;
+use crate::neighbours::{CHUNK, NeighbourList, Smoothing};
+use crate::setup::Setup;
+use crate::supports::{FREE, Hold};
+use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
+use rayon::prelude::*;
+use sphcut_physics::elasticity::ElasticModuli;
+use sphcut_physics::flow_stress::FlowStressModel;
+
+/// Constants of one material.
+#[derive(Debug)]
+pub(crate) struct MaterialData {
+    pub(crate) density: f64,
+    pub(crate) moduli: ElasticModuli,
+    pub(crate) specific_heat: f64,
+    pub(crate) conductivity: f64,
+    pub(crate) law: Box<dyn FlowStressModel>,
+    /// beta / (rho_0 cp), 0 without plastic heating.
+    pub(crate) heating: f64,
+    pub(crate) hourglass: f64,
+    pub(crate) linear_viscosity: f64,
+    pub(crate) quadratic_viscosity: f64,
+    pub(crate) wave_speed: f64,
+}
+
+/// What a neighbour needs to know of a particle in the force sweep.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Exchange<const D: usize> {
+    /// `P B - eta F_dot`.
+    pub(crate) flux: Matrix<D>,
+    /// eta in Pa s.
+    pub(crate) damping: f64,
+}
+
+/// The discrete operators of one particle in the reference configuration.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame<const D: usize> {
+    /// B.
+    pub(crate) correction: Matrix<D>,
+    /// sum_j w_ij X_ij.
+    pub(crate) moment: Vector<D>,
+    /// V / V_0 of the reference.
+    pub(crate) volume_ratio: f64,
+    /// Correction of the Laplacian, D / tr(sum w X X).
+    pub(crate) laplacian: f64,
+}
+
+/// Values of the numerical options, read once.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Numerics {
+    pub(crate) courant: f64,
+    pub(crate) refresh_strain: f64,
+    pub(crate) yield_fraction: f64,
+    pub(crate) mass_scaling: f64,
+    pub(crate) density_diffusion: f64,
+}
+
+/// The particles and all that moves them.
+#[derive(Debug)]
+pub(crate) struct Engine<const D: usize> {
+    // Per particle, in storage order.
+    pub(crate) id: Vec<u64>,
+    pub(crate) body: Vec<u32>,
+    pub(crate) material: Vec<u8>,
+    pub(crate) hold: Vec<u8>,
+    pub(crate) position: Vec<Vector<D>>,
+    pub(crate) velocity: Vec<Vector<D>>,
+    pub(crate) reference: Vec<Vector<D>>,
+    /// Volume in the undeformed state in m^3 (m^2).
+    pub(crate) volume: Vec<f64>,
+    pub(crate) point: Vec<MaterialPoint<D>>,
+    /// Total force except the reaction of supports.
+    pub(crate) force: Vec<Vector<D>>,
+    pub(crate) frame: Vec<Frame<D>>,
+    pub(crate) exchange: Vec<Exchange<D>>,
+    pub(crate) reference_volume: Vec<f64>,
+    pub(crate) list: NeighbourList,
+    pub(crate) tallies: Vec<Tally>,
+    // The whole.
+    pub(crate) materials: Vec<MaterialData>,
+    pub(crate) holds: Vec<Hold<D>>,
+    pub(crate) tool: Option<ToolContact<D>>,
+    pub(crate) account: Account,
+    pub(crate) time: f64,
+    pub(crate) step: u64,
+    pub(crate) time_step: f64,
+    pub(crate) refresh_time: f64,
+    /// Strain and displacements since the last refresh.
+    pub(crate) since_refresh: Tally,
+    /// Time since the last conduction step in s.
+    pub(crate) conduction_pending: f64,
+    /// Length of a conduction step in s.
+    pub(crate) conduction_interval: f64,
+    pub(crate) mechanics: bool,
+    pub(crate) numerics: Numerics,
+    pub(crate) smoothing: Smoothing,
+    pub(crate) spacing: f64,
+    pub(crate) contact_stiffness: f64,
+    pub(crate) friction_heat_share: f64,
+    pub(crate) friction_heats: bool,
+    pub(crate) conducts: bool,
+    /// Upper limit of a time step without mechanics in s.
+    pub(crate) longest_step: f64,
+    /// Largest sum_j |w_ij B_i X_ij| at the start: unit of the time step; 0 until known.
+    pub(crate) lattice_gradient: f64,
+}
+
+impl MaterialData {
+    /// beta, or 0 without plastic heating.
+    pub(crate) fn heating_share(&self) -> f64 {
+        self.heating * self.density * self.specific_heat
+    }
+}
+
+impl<const D: usize> Engine<D> {
+    /// Fills the bodies and prepares the first step.
+    pub(crate) fn new(setup: &Setup) -> Result<Self, SetupError> {
+        let mut engine = Self::without_particles(setup)?;
+        for (index, seed) in crate::lattice::fill(setup)?.into_iter().enumerate() {
+            let hold = Hold::<D>::of(setup, &seed.position);
+            let mut velocity: Vector<D> = reduced(&seed.velocity);
+            let mut temperature = seed.temperature;
+            if hold != FREE {
+                let support = &engine.holds[hold as usize];
+                velocity = support.constrained(&velocity);
+                temperature = support.temperature.unwrap_or(temperature);
+            }
+            engine.id.push(index as u64);
+            engine.body.push(seed.body);
+            let material = setup.bodies[seed.body as usize].material;
+            engine.material.push(u8::try_from(material).expect("fewer than 256 materials"));
+            engine.hold.push(hold);
+            engine.position.push(reduced(&seed.position));
+            engine.velocity.push(velocity);
+            engine.volume.push(seed.volume);
+            engine.point.push(MaterialPoint::at_rest(temperature));
+        }
+        engine.size_arrays();
+        if let Some(tool) = &engine.tool {
+            tool.check_start(&engine.position)?;
+        }
+        engine.refresh();
+        engine.account.initial_energy = engine.kinetic_energy() + engine.elastic_energy();
+        engine.account.initial_heat = engine.heat_content();
+        engine.sweep_gradients(0.0);
+        engine.sweep_forces();
+        engine.touch_tool();
+        Ok(engine)
+    }
+
+    fn without_particles(setup: &Setup) -> Result<Self, SetupError> {
+        let numerics = Numerics {
+            courant: setup.numerics.get("courant"),
+            refresh_strain: setup.numerics.get("refresh_strain"),
+            yield_fraction: setup.numerics.get("hourglass_yield_fraction"),
+            mass_scaling: setup.numerics.get("mass_scaling"),
+            density_diffusion: setup.numerics.get("density_diffusion"),
+        };
+        let length = setup.numerics.get("smoothing_ratio") * setup.particle_spacing;
+        let materials = material_data(setup, length);
+        let stiffest = setup
+            .materials
+            .iter()
+            .map(|m| m.moduli.bulk + 4.0 / 3.0 * m.moduli.shear)
+            .fold(0.0, f64::max);
+        let contact_stiffness = setup.contact.get("stiffness");
+        let tool = setup
+            .tool
+            .as_ref()
+            .map(|tool| ToolContact::new(tool, setup.particle_spacing, stiffest, contact_stiffness))
+            .transpose()?;
+        Ok(Self {
+            id: Vec::new(),
+            body: Vec::new(),
+            material: Vec::new(),
+            hold: Vec::new(),
+            position: Vec::new(),
+            velocity: Vec::new(),
+            reference: Vec::new(),
+            volume: Vec::new(),
+            point: Vec::new(),
+            force: Vec::new(),
+            frame: Vec::new(),
+            exchange: Vec::new(),
+            reference_volume: Vec::new(),
+            list: NeighbourList::default(),
+            tallies: Vec::new(),
+            materials,
+            holds: Hold::all(setup),
+            tool,
+            account: Account::default(),
+            time: 0.0,
+            step: 0,
+            time_step: 0.0,
+            refresh_time: 0.0,
+            since_refresh: Tally::default(),
+            conduction_pending: 0.0,
+            conduction_interval: f64::INFINITY,
+            mechanics: setup.mechanics.is_on(),
+            numerics,
+            smoothing: Smoothing { kernel: setup.discretisation.kernel, length },
+            spacing: setup.particle_spacing,
+            contact_stiffness,
+            friction_heat_share: setup.heat.values.get("friction_heat_share"),
+            friction_heats: setup.heat.friction_heating.is_on(),
+            conducts: setup.heat.conduction.is_on(),
+            longest_step: setup.sampling_interval,
+            lattice_gradient: 0.0,
+        })
+    }
+
+    pub(crate) fn size_arrays(&mut self) {
+        let count = self.position.len();
+        let frame =
+            Frame { correction: zero(), moment: [0.0; D], volume_ratio: 1.0, laplacian: 0.0 };
+        self.reference = self.position.clone();
+        self.force = vec![[0.0; D]; count];
+        self.frame = vec![frame; count];
+        self.exchange = vec![Exchange { flux: zero(), damping: 0.0 }; count];
+        self.reference_volume = vec![0.0; count];
+        self.tallies = vec![Tally::default(); count.div_ceil(CHUNK)];
+    }
+
+    /// One step, kick-drift-kick.
+    pub(crate) fn advance(&mut self) -> Result<(), Diverged> {
+        let dt = self.time_step;
+        self.step += 1;
+        if !self.mechanics {
+            self.time += dt;
+            self.conduct_when_due(dt);
+            return Ok(());
+        }
+        self.kick(0.5 * dt);
+        self.book_contact(0.5 * dt);
+        self.drift(dt);
+        self.sweep_gradients(dt);
+        self.close_tallies()?;
+        self.sweep_forces();
+        self.touch_tool();
+        self.book_contact(0.5 * dt);
+        self.kick(0.5 * dt);
+        self.conduct_when_due(dt);
+        if self.refresh_is_due() {
+            self.refresh();
+            self.sweep_gradients(0.0);
+            self.sweep_forces();
+            self.add_contact_forces();
+        }
+        Ok(())
+    }
+
+    /// Memory of the arrays in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        let each = size_of::<u64>()
+            + size_of::<u32>()
+            + 2
+            + 4 * size_of::<Vector<D>>()
+            + 2 * size_of::<f64>()
+            + size_of::<MaterialPoint<D>>()
+            + size_of::<Frame<D>>()
+            + size_of::<Exchange<D>>();
+        self.id.len() * each + self.list.memory()
+    }
+
+    /// Inertia of a particle in kg (kg/m).
+    pub(crate) fn inertia(&self, i: usize) -> f64 {
+        self.numerics.mass_scaling * self.mass(i)
+    }
+
+    /// Mass of a particle in kg (kg/m).
+    pub(crate) fn mass(&self, i: usize) -> f64 {
+        self.materials[self.material[i] as usize].density * self.volume[i]
+    }
+
+    /// v += a dt; supports prescribe their components and book their reaction.
+    fn kick(&mut self, duration: f64) {
+        let (materials, scaling) = (&self.materials, self.numerics.mass_scaling);
+        self.velocity
+            .par_chunks_mut(CHUNK)
+            .zip(self.force.par_chunks(CHUNK))
+            .zip(self.material.par_chunks(CHUNK))
+            .zip(self.volume.par_chunks(CHUNK))
+            .for_each(|(((velocity, force), material), volume)| {
+                for k in 0..velocity.len() {
+                    let inertia = scaling * materials[material[k] as usize].density * volume[k];
+                    velocity[k] = plus_scaled(&velocity[k], duration / inertia, &force[k]);
+                }
+            });
+        for i in 0..self.hold.len() {
+            if self.hold[i] == FREE {
+                continue;
+            }
+            let support = &self.holds[self.hold[i] as usize];
+            self.velocity[i] = support.constrained(&self.velocity[i]);
+            let reaction = support.reaction(&self.force[i]);
+            self.account.support_work += duration * dot(&reaction, &self.velocity[i]);
+            for k in 0..D {
+                self.account.reaction_impulse[k] += duration * reaction[k];
+            }
+        }
+    }
+
+    /// x += v dt, and the clock.
+    fn drift(&mut self, duration: f64) {
+        self.position.par_chunks_mut(CHUNK).zip(self.velocity.par_chunks(CHUNK)).for_each(
+            |(position, velocity)| {
+                for k in 0..position.len() {
+                    position[k] = plus_scaled(&position[k], duration, &velocity[k]);
+                }
+            },
+        );
+        self.time += duration;
+    }
+
+    /// Contact forces at the present positions for the coming step, added to the internal ones.
+    fn touch_tool(&mut self) {
+        let Some(mut tool) = self.tool.take() else { return };
+        tool.evaluate(self.time, self.time_step, |i| ContactInput {
+            position: self.position[i],
+            velocity: self.velocity[i],
+            other_force: self.force[i],
+            inertia: self.inertia(i),
+            flow_stress: self.point[i].flow_stress,
+            temperature: self.point[i].temperature,
+        });
+        self.tool = Some(tool);
+        self.add_contact_forces();
+    }
+
+    fn add_contact_forces(&mut self) {
+        let Some(tool) = &self.tool else { return };
+        for touch in &tool.touches {
+            let force = &mut self.force[touch.particle as usize];
+            for k in 0..D {
+                force[k] += touch.normal_force[k] + touch.friction_force[k];
+            }
+        }
+    }
+
+    /// Impulse, tool work and friction of the present contacts over half a step, with the
+    /// velocities of the middle of the step; friction heats the particle at once.
+    ///
+    /// Tool work = work on particles + friction + contact energy, exactly.
+    fn book_contact(&mut self, duration: f64) {
+        let Some(tool) = &self.tool else { return };
+        let tool_velocity: Vector<D> = reduced(&tool.velocity);
+        for touch in &tool.touches {
+            let i = touch.particle as usize;
+            let slip = crate::tensor::minus(&tool_velocity, &self.velocity[i]);
+            let friction = duration * dot(&touch.friction_force, &slip);
+            self.account.friction += friction;
+            self.account.contact += duration * dot(&touch.normal_force, &slip);
+            for k in 0..D {
+                let impulse = duration * (touch.normal_force[k] + touch.friction_force[k]);
+                self.account.tool_impulse[k] += impulse;
+                self.account.tool_work += impulse * tool_velocity[k];
+            }
+            if self.friction_heats {
+                let data = &self.materials[self.material[i] as usize];
+                let heat = self.friction_heat_share * friction;
+                self.point[i].temperature +=
+                    heat / (data.density * self.volume[i] * data.specific_heat);
+                self.account.heat_supplied += heat;
+            }
+        }
+    }
+}
+
+/// Constants of the materials for a smoothing length.
+fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
+    let option = |key| setup.numerics.get(key);
+    let taylor_quinney = setup.heat.values.get("taylor_quinney");
+    setup
+        .materials
+        .iter()
+        .map(|material| {
+            let wave_speed =
+                material.moduli.p_wave_speed(material.density * option("mass_scaling"));
+            let inertial_density = material.density * option("mass_scaling");
+            let impedance = inertial_density * wave_speed * smoothing_length;
+            let heating = if setup.heat.plastic_heating.is_on() {
+                taylor_quinney / (material.density * material.specific_heat)
+            } else {
+                0.0
+            };
+            MaterialData {
+                density: material.density,
+                moduli: material.moduli,
+                specific_heat: material.specific_heat,
+                conductivity: material.thermal_conductivity,
+                law: (material.flow_stress.build)(&material.flow_stress_values),
+                heating,
+                hourglass: option("hourglass_coefficient") * impedance,
+                linear_viscosity: option("linear_viscosity") * impedance,
+                quadratic_viscosity: option("quadratic_viscosity")
+                    * inertial_density
+                    * smoothing_length
+                    * smoothing_length,
+                wave_speed,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,80 @@
+//! Conduction between particles.
+//!
+//! ```text
+//! rho_0 cp V_0 dT_i/dt = V_i sum_j w_ij k_ij (c_i + c_j) (T_j - T_i),   c_i = D / tr(sum_j w_ij X X)
+//! ```
+//! with the harmonic mean conductivity `k_ij` (Cleary and Monaghan 1999). With c = 1 this is the
+//! usual SPH Laplacian; the correction makes it exact for a quadratic field on an isotropic
+//! neighbourhood whatever the truncation of the kernel. It conserves heat to rounding.
+//! First order at a surface across which heat flows; insulated surfaces need nothing.
+
+use crate::engine::Engine;
+use crate::neighbours::CHUNK;
+use crate::supports::FREE;
+use rayon::prelude::*;
+
+impl<const D: usize> Engine<D> {
+    /// Conducts once the pending time reaches the conduction interval.
+    pub(crate) fn conduct_when_due(&mut self, elapsed: f64) {
+        if !self.conducts {
+            self.hold_temperatures();
+            return;
+        }
+        self.conduction_pending += elapsed;
+        // Half a step of tolerance: an interval equal to the step must be due every step.
+        if self.conduction_pending + 0.5 * elapsed >= self.conduction_interval || !self.mechanics {
+            let pending = std::mem::take(&mut self.conduction_pending);
+            self.conduct(pending);
+        }
+        self.hold_temperatures();
+    }
+
+    fn conduct(&mut self, duration: f64) {
+        let temperature: Vec<f64> = self.point.iter().map(|point| point.temperature).collect();
+        let conductivity: Vec<f64> = self
+            .material
+            .iter()
+            .map(|&material| self.materials[material as usize].conductivity)
+            .collect();
+        let (list, frame, materials) = (&self.list, &self.frame, &self.materials);
+        let (material, temperature, conductivity) = (&self.material, &temperature, &conductivity);
+        self.point.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, points)| {
+            for (offset, point) in points.iter_mut().enumerate() {
+                let i = chunk * CHUNK + offset;
+                let (index, weight) = list.row(i);
+                let mut flux = 0.0;
+                for (&j, &w) in index.iter().zip(weight) {
+                    let j = j as usize;
+                    let both = conductivity[i] + conductivity[j];
+                    let mean = if both > 0.0 {
+                        2.0 * conductivity[i] * conductivity[j] / both
+                    } else {
+                        0.0
+                    };
+                    let correction = frame[i].laplacian + frame[j].laplacian;
+                    flux += w * mean * correction * (temperature[j] - temperature[i]);
+                }
+                let data = &materials[material[i] as usize];
+                point.temperature +=
+                    duration * flux * frame[i].volume_ratio / (data.density * data.specific_heat);
+            }
+        });
+    }
+
+    /// Resets the particles of fixed-temperature supports and books the heat that takes.
+    fn hold_temperatures(&mut self) {
+        if self.holds.iter().all(|support| support.temperature.is_none()) {
+            return;
+        }
+        for i in 0..self.hold.len() {
+            if self.hold[i] == FREE {
+                continue;
+            }
+            let Some(fixed) = self.holds[self.hold[i] as usize].temperature else { continue };
+            let data = &self.materials[self.material[i] as usize];
+            let capacity = data.density * self.volume[i] * data.specific_heat;
+            self.account.heat_supplied += capacity * (fixed - self.point[i].temperature);
+            self.point[i].temperature = fixed;
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Neighbour lists over a fixed reference configuration, by cells of the
+//! kernel's support and counting sort.
+//!
+//! Every particle lists all its neighbours (no half lists): each gathers over
+//! its own ordered list, so that results do not depend on the thread count.
+
+use crate::kernel::KernelChoice;
+use crate::tensor::{Vector, dot, minus};
+use rayon::prelude::*;
+
+/// Particles handled by one task; fixed, so that sums over tasks have one order.
+pub(crate) const CHUNK: usize = 256;
+
+/// Neighbours of all particles in compressed rows.
+#[derive(Debug, Default)]
+pub(crate) struct NeighbourList {
+    /// `start[i]..start[i + 1]` is the row of particle `i`.
+    start: Vec<u32>,
+    /// Index of the neighbour.
+    index: Vec<u32>,
+    /// `-W'(r)/r V_j` in 1/m^2.
+    weight: Vec<f64>,
+}
+
+impl NeighbourList {
+    /// Neighbours of particle `i` with their weights.
+    #[inline]
+    pub(crate) fn row(&self, i: usize) -> (&[u32], &[f64]) {
+        let range = self.start[i] as usize..self.start[i + 1] as usize;
+        (&self.index[range.clone()], &self.weight[range])
+    }
+
+    /// Number of neighbours of particle `i`.
+    pub(crate) fn count(&self, i: usize) -> u32 {
+        self.start[i + 1] - self.start[i]
+    }
+
+    /// Number of listed pairs, each counted from both sides.
+    pub(crate) fn pairs(&self) -> usize {
+        self.index.len()
+    }
+
+    /// Memory in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        4 * (self.start.capacity() + self.index.capacity()) + 8 * self.weight.capacity()
+    }
+}
+
+/// Cells of the size of the support, covering the bounding box of the particles.
+#[derive(Debug)]
+pub(crate) struct Cells<const D: usize> {
+    origin: Vector<D>,
+    inverse_size: f64,
+    counts: [usize; 3],
+    /// First particle of each cell, after sorting.
+    start: Vec<u32>,
+}
+
+/// Upper limit on the number of cells: a far-flung particle must not exhaust the memory.
+const MAX_CELLS_PER_PARTICLE: usize = 64;
+
+impl<const D: usize> Cells<D> {
+    /// Lays cells of at least `size` over `positions`.
+    pub(crate) fn new(positions: &[Vector<D>], size: f64) -> Self {
+        let mut low = [f64::INFINITY; D];
+        let mut high = [f64::NEG_INFINITY; D];
+        for position in positions {
+            for k in 0..D {
+                low[k] = low[k].min(position[k]);
+                high[k] = high[k].max(position[k]);
+            }
+        }
+        let mut size = size;
+        let limit = MAX_CELLS_PER_PARTICLE * positions.len().max(64);
+        loop {
+            let mut counts = [1_usize; 3];
+            let mut total = 1.0;
+            for k in 0..D {
+                let extent = ((high[k] - low[k]) / size).floor() + 1.0;
+                total *= extent;
+                // Exact for the sizes admitted by `limit`; a larger value is retried with larger cells.
+                counts[k] = extent.min(1e9) as usize;
+            }
+            if total <= limit as f64 {
+                let start = vec![0; counts[0] * counts[1] * counts[2] + 1];
+                return Self { origin: low, inverse_size: 1.0 / size, counts, start };
+            }
+            size *= 1.5;
+        }
+    }
+
+    /// Cell coordinates of a position inside the bounding box.
+    fn coordinates(&self, position: &Vector<D>) -> [usize; 3] {
+        let mut cell = [0; 3];
+        for k in 0..D {
+            // Non-negative by construction; truncation is the floor.
+            let along = ((position[k] - self.origin[k]) * self.inverse_size) as usize;
+            cell[k] = along.min(self.counts[k] - 1);
+        }
+        cell
+    }
+
+    fn flat(&self, cell: [usize; 3]) -> usize {
+        (cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]
+    }
+
+    /// Sorts by cell, stably: the order in which the particles are to be stored.
+    pub(crate) fn sort(&mut self, positions: &[Vector<D>]) -> Vec<u32> {
+        let cell_of: Vec<u32> =
+            positions.iter().map(|position| self.flat(self.coordinates(position)) as u32).collect();
+        self.start.fill(0);
+        for &cell in &cell_of {
+            self.start[cell as usize + 1] += 1;
+        }
+        for cell in 1..self.start.len() {
+            self.start[cell] += self.start[cell - 1];
+        }
+        let mut next = self.start.clone();
+        let mut order = vec![0; positions.len()];
+        for (particle, &cell) in cell_of.iter().enumerate() {
+            let place = &mut next[cell as usize];
+            order[*place as usize] = particle as u32;
+            *place += 1;
+        }
+        order
+    }
+
+    /// Calls `visit` with each range of particles in the cells around `position`.
+    fn around(&self, position: &Vector<D>, mut visit: impl FnMut(std::ops::Range<usize>)) {
+        let cell = self.coordinates(position);
+        let low = |k: usize| cell[k].saturating_sub(1);
+        let high = |k: usize| (cell[k] + 1).min(self.counts[k] - 1);
+        for plane in low(2)..=high(2) {
+            for row in low(1)..=high(1) {
+                let first = self.flat([low(0), row, plane]);
+                let last = self.flat([high(0), row, plane]);
+                visit(self.start[first] as usize..self.start[last + 1] as usize);
+            }
+        }
+    }
+}
+
+/// A kernel with its smoothing length.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Smoothing {
+    pub(crate) kernel: KernelChoice,
+    pub(crate) length: f64,
+}
+
+/// Builds the list for particles already stored in cell order.
+pub(crate) fn build_list<const D: usize>(
+    list: &mut NeighbourList,
+    cells: &Cells<D>,
+    positions: &[Vector<D>],
+    volumes: &[f64],
+    smoothing: Smoothing,
+) {
+    let support = 2.0 * smoothing.length;
+    let support_square = support * support;
+    let chunks: Vec<(Vec<u32>, Vec<u32>, Vec<f64>)> = positions
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(chunk, own)| {
+            let mut counts = Vec::with_capacity(own.len());
+            let mut index = Vec::with_capacity(own.len() * 32);
+            let mut weight = Vec::with_capacity(own.len() * 32);
+            for (offset, position) in own.iter().enumerate() {
+                let i = chunk * CHUNK + offset;
+                let before = index.len();
+                cells.around(position, |range| {
+                    for j in range {
+                        let separation = minus(&positions[j], position);
+                        let square = dot(&separation, &separation);
+                        if square < support_square && j != i {
+                            index.push(j as u32);
+                            weight.push(
+                                volumes[j]
+                                    * smoothing.kernel.weight(square.sqrt(), smoothing.length, D),
+                            );
+                        }
+                    }
+                });
+                counts.push((index.len() - before) as u32);
+            }
+            (counts, index, weight)
+        })
+        .collect();
+    list.start.clear();
+    list.index.clear();
+    list.weight.clear();
+    list.start.push(0);
+    let mut end = 0;
+    for (counts, index, weight) in &chunks {
+        for count in counts {
+            end += count;
+            list.start.push(end);
+        }
+        list.index.extend_from_slice(index);
+        list.weight.extend_from_slice(weight);
+    }
+}

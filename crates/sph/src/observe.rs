@@ -1,0 +1,404 @@
+//! What the engine tells: channels, snapshots, and its complete state.
+
+use crate::account::Account;
+use crate::contact::{Touch, extended};
+use crate::engine::Engine;
+use crate::error::SetupError;
+use crate::material_point::MaterialPoint;
+use crate::neighbours::Cells;
+use crate::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};
+use crate::setup::{Setup, ToolSurface, Vector as Vector3};
+use crate::tensor::{Matrix, Vector, dot};
+
+impl<const D: usize> Engine<D> {
+    /// Kinetic energy with the inertia as scaled.
+    pub(crate) fn kinetic_energy(&self) -> f64 {
+        (0..self.velocity.len())
+            .map(|i| 0.5 * self.inertia(i) * dot(&self.velocity[i], &self.velocity[i]))
+            .sum()
+    }
+
+    /// Stored elastic energy.
+    pub(crate) fn elastic_energy(&self) -> f64 {
+        (0..self.point.len())
+            .map(|i| {
+                let data = &self.materials[self.material[i] as usize];
+                self.volume[i] * self.point[i].elastic_energy(&data.moduli)
+            })
+            .sum()
+    }
+
+    /// Thermal energy above 0 K.
+    pub(crate) fn heat_content(&self) -> f64 {
+        (0..self.point.len())
+            .map(|i| {
+                let data = &self.materials[self.material[i] as usize];
+                self.mass(i) * data.specific_heat * self.point[i].temperature
+            })
+            .sum()
+    }
+
+    fn momentum(&self) -> Vector3 {
+        let mut sum = [0.0; 3];
+        for i in 0..self.velocity.len() {
+            for k in 0..D {
+                sum[k] += self.inertia(i) * self.velocity[i][k];
+            }
+        }
+        sum
+    }
+
+    /// Closes the sampling interval that ends now.
+    pub(crate) fn sample(&mut self, setup: &Setup) -> Sample {
+        let mut values = vec![0.0; CHANNELS.len()];
+        let mut set = |id: ChannelId, value: f64| values[id as usize] = value;
+        self.sample_motion(setup, &mut set);
+        self.sample_energies(&mut set);
+        self.sample_extremes(&mut set);
+        self.account.interval_start = self.time;
+        self.account.tool_impulse = [0.0; 3];
+        self.account.reaction_impulse = [0.0; 3];
+        Sample { values }
+    }
+
+    fn sample_motion(&self, setup: &Setup, set: &mut impl FnMut(ChannelId, f64)) {
+        let along = |a: &Vector3, b: &Vector3| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let interval = self.time - self.account.interval_start;
+        let rate = if interval > 0.0 { 1.0 / interval } else { 0.0 };
+        let force = self.account.tool_impulse.map(|impulse| impulse * rate);
+        let reaction = self.account.reaction_impulse.map(|impulse| impulse * rate);
+        let momentum = self.momentum();
+        let frame = &setup.frame;
+        let travel = setup
+            .tool
+            .as_ref()
+            .map_or(0.0, |tool| along(&tool.velocity, &frame.cutting) * self.time);
+        set(ChannelId::Time, self.time);
+        set(ChannelId::Travel, travel);
+        set(ChannelId::CuttingForce, along(&force, &frame.cutting));
+        set(ChannelId::FeedForce, along(&force, &frame.feed));
+        set(ChannelId::PassiveForce, along(&force, &frame.passive));
+        set(ChannelId::ReactionCutting, along(&reaction, &frame.cutting));
+        set(ChannelId::ReactionFeed, along(&reaction, &frame.feed));
+        set(ChannelId::MomentumCutting, along(&momentum, &frame.cutting));
+        set(ChannelId::MomentumFeed, along(&momentum, &frame.feed));
+        set(ChannelId::TimeStep, self.time_step);
+    }
+
+    fn sample_energies(&self, set: &mut impl FnMut(ChannelId, f64)) {
+        let account = &self.account;
+        let (kinetic, elastic) = (self.kinetic_energy(), self.elastic_energy());
+        let numerical = account.hourglass
+            + account.viscosity
+            + account.density_diffusion
+            + account.artificial_stress
+            + account.residue
+            + account.contact;
+        let supplied = account.initial_energy + account.tool_work + account.support_work;
+        let found = kinetic + elastic + account.plastic + account.friction + numerical;
+        set(ChannelId::ToolWork, account.tool_work);
+        set(ChannelId::SupportWork, account.support_work);
+        set(ChannelId::KineticEnergy, kinetic);
+        set(ChannelId::ElasticEnergy, elastic);
+        set(ChannelId::PlasticWork, account.plastic);
+        set(ChannelId::FrictionWork, account.friction);
+        set(ChannelId::ContactEnergy, account.contact);
+        set(ChannelId::HourglassWork, account.hourglass);
+        set(ChannelId::ViscosityWork, account.viscosity);
+        set(ChannelId::DensityDiffusionWork, account.density_diffusion);
+        set(ChannelId::ArtificialStressWork, account.artificial_stress);
+        set(ChannelId::UpdateResidue, account.residue);
+        set(ChannelId::EnergyError, supplied - found);
+        set(ChannelId::HeatContent, self.heat_content() - account.initial_heat);
+        set(ChannelId::HeatSupplied, account.heat_supplied);
+    }
+
+    fn sample_extremes(&self, set: &mut impl FnMut(ChannelId, f64)) {
+        let over = |value: &dyn Fn(&MaterialPoint<D>) -> f64| {
+            self.point
+                .iter()
+                .map(value)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
+        };
+        let temperature = over(&|point| point.temperature);
+        let plastic_strain = over(&|point| point.plastic_strain);
+        let volume_ratio = over(&|point| point.volume_ratio);
+        set(ChannelId::MaxTemperature, temperature.1);
+        set(ChannelId::MinTemperature, temperature.0);
+        set(ChannelId::MaxPlasticStrain, plastic_strain.1);
+        set(ChannelId::MinDensityRatio, 1.0 / volume_ratio.1);
+        set(ChannelId::MaxDensityRatio, 1.0 / volume_ratio.0);
+        let count = self.point.len();
+        let fewest = (0..count).map(|i| self.list.count(i)).min().unwrap_or(0);
+        set(ChannelId::MeanNeighbours, self.list.pairs() as f64 / count as f64);
+        set(ChannelId::MinNeighbours, f64::from(fewest));
+        if let Some(tool) = &self.tool {
+            let touches = &tool.touches;
+            let (mut force, mut heat) = (0.0, 0.0);
+            for touch in touches {
+                let size = dot(&touch.normal_force, &touch.normal_force).sqrt();
+                force += size;
+                heat += size * self.point[touch.particle as usize].temperature;
+            }
+            set(ChannelId::ContactCount, touches.len() as f64);
+            set(ChannelId::ContactLength, touches.len() as f64 * self.spacing);
+            set(ChannelId::InterfaceTemperature, if force > 0.0 { heat / force } else { 0.0 });
+        }
+    }
+
+    /// The particles now, by identifier.
+    pub(crate) fn snapshot(&self, setup: &Setup) -> Snapshot {
+        let count = self.id.len();
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by_key(|&i| self.id[i]);
+        let mut contact = vec![[0.0; 3]; count];
+        for touch in self.tool.iter().flat_map(|tool| &tool.touches) {
+            contact[touch.particle as usize] = extended(&std::array::from_fn::<f64, D, _>(|k| {
+                touch.normal_force[k] + touch.friction_force[k]
+            }));
+        }
+        let mut snapshot = Snapshot {
+            time: self.time,
+            step: self.step,
+            dimension: D,
+            particle_spacing: self.spacing,
+            tool: self.tool_outline(setup),
+            ..Snapshot::default()
+        };
+        for i in order {
+            let (point, data) = (&self.point[i], &self.materials[self.material[i] as usize]);
+            let pressure = data.moduli.pressure(point.volume_ratio)
+                + point.viscous_pressure / point.volume_ratio;
+            snapshot.id.push(self.id[i]);
+            snapshot.body.push(self.body[i]);
+            snapshot.position.push(extended(&self.position[i]));
+            snapshot.velocity.push(extended(&self.velocity[i]));
+            snapshot.stress.push(cauchy(&point.deviator, point.volume_ratio, pressure));
+            let square = MaterialPoint::<D>::deviator_square(&point.deviator);
+            snapshot.von_mises_stress.push((1.5 * square).sqrt() / point.volume_ratio);
+            snapshot.pressure.push(pressure);
+            snapshot.density.push(data.density / point.volume_ratio);
+            snapshot.plastic_strain.push(point.plastic_strain);
+            snapshot.plastic_strain_rate.push(point.plastic_strain_rate);
+            snapshot.temperature.push(point.temperature);
+            snapshot.contact_force.push(contact[i]);
+            snapshot.neighbours.push(self.list.count(i));
+        }
+        snapshot
+    }
+
+    fn tool_outline(&self, setup: &Setup) -> Vec<Vector3> {
+        let Some(tool) = &setup.tool else { return Vec::new() };
+        let shift = tool.velocity.map(|v| v * self.time);
+        let moved = |x: &Vector3| [x[0] + shift[0], x[1] + shift[1], x[2] + shift[2]];
+        match &tool.surface {
+            ToolSurface::Polygon(corners) => {
+                corners.iter().map(|c| moved(&[c[0], c[1], 0.0])).collect()
+            }
+            ToolSurface::Triangles { vertices, triangles } => {
+                triangles.iter().flatten().map(|&vertex| moved(&vertices[vertex])).collect()
+            }
+            ToolSurface::HalfSpace { .. } => Vec::new(),
+        }
+    }
+
+    /// Everything that [`Engine::restore`] needs.
+    pub(crate) fn checkpoint(&self) -> CheckpointState {
+        let mut state = CheckpointState::default();
+        let mut real = |name: &str, values: Vec<f64>| state.reals.push((name.to_owned(), values));
+        real("position", flat(&self.position));
+        real("velocity", flat(&self.velocity));
+        real("reference", flat(&self.reference));
+        real("force", flat(&self.force));
+        real("volume", self.volume.clone());
+        real("reference_volume_ratio", self.frame.iter().map(|f| f.volume_ratio).collect());
+        real("point", self.point.iter().flat_map(|point| point_to_vec(point)).collect());
+        real("account", self.account.to_array().to_vec());
+        real(
+            "clock",
+            vec![
+                self.time,
+                self.time_step,
+                self.refresh_time,
+                self.conduction_pending,
+                self.conduction_interval,
+                self.lattice_gradient,
+                self.since_refresh.strain,
+            ],
+        );
+        real("displacements", [self.since_refresh.low, self.since_refresh.high].concat());
+        let touches: &[Touch<D>] = self.tool.as_ref().map_or(&[], |tool| &tool.touches);
+        real(
+            "touches",
+            touches.iter().flat_map(|t| [t.normal_force, t.friction_force].concat()).collect(),
+        );
+        let mut integer =
+            |name: &str, values: Vec<u64>| state.integers.push((name.to_owned(), values));
+        integer("id", self.id.clone());
+        integer("body", self.body.iter().map(|&b| u64::from(b)).collect());
+        integer("material", self.material.iter().map(|&m| u64::from(m)).collect());
+        integer("hold", self.hold.iter().map(|&h| u64::from(h)).collect());
+        integer("touched", touches.iter().map(|t| u64::from(t.particle)).collect());
+        integer("step", vec![self.step]);
+        state
+    }
+
+    /// The engine of `setup` in the state stored.
+    pub(crate) fn restore(setup: &Setup, state: &CheckpointState) -> Result<Self, SetupError> {
+        let fresh = Self::new(setup)?;
+        let count = fresh.id.len();
+        let mut engine = fresh;
+        let reader = Reader { state, count };
+        engine.position = reader.vectors("position")?;
+        engine.velocity = reader.vectors("velocity")?;
+        engine.reference = reader.vectors("reference")?;
+        engine.force = reader.vectors("force")?;
+        engine.volume = reader.reals("volume", count)?.to_vec();
+        let ratios = reader.reals("reference_volume_ratio", count)?;
+        for (frame, ratio) in engine.frame.iter_mut().zip(ratios) {
+            frame.volume_ratio = *ratio;
+        }
+        let width = point_to_vec(&engine.point[0]).len();
+        let points = reader.reals("point", count * width)?;
+        engine.point = points.chunks_exact(width).map(point_from_slice).collect();
+        let account = reader.reals("account", 20)?;
+        engine.account = Account::from_array(account.try_into().expect("length was checked"));
+        engine.id = reader.integers("id")?.to_vec();
+        engine.body = narrow(reader.integers("body")?)?;
+        engine.material = narrow(reader.integers("material")?)?;
+        engine.hold = narrow(reader.integers("hold")?)?;
+        engine.restore_clock(&reader)?;
+        engine.restore_touches(&reader)?;
+        Ok(engine)
+    }
+
+    fn restore_clock(&mut self, reader: &Reader) -> Result<(), SetupError> {
+        let clock = reader.reals("clock", 7)?;
+        let displacements = reader.reals("displacements", 6)?;
+        self.time = clock[0];
+        self.refresh_time = clock[2];
+        self.lattice_gradient = clock[5];
+        let mut cells = Cells::new(&self.reference, 2.0 * self.smoothing.length);
+        // The particles are stored in cell order already: sorting only fills the cells.
+        cells.sort(&self.reference);
+        self.rebuild(&cells);
+        self.time_step = clock[1];
+        self.conduction_pending = clock[3];
+        self.conduction_interval = clock[4];
+        self.since_refresh.strain = clock[6];
+        self.since_refresh.low.copy_from_slice(&displacements[..3]);
+        self.since_refresh.high.copy_from_slice(&displacements[3..]);
+        self.step = *reader
+            .state
+            .integer("step")
+            .and_then(|steps| steps.first())
+            .ok_or_else(|| missing("step"))?;
+        Ok(())
+    }
+
+    fn restore_touches(&mut self, reader: &Reader) -> Result<(), SetupError> {
+        let Some(tool) = &mut self.tool else { return Ok(()) };
+        let touched = reader.state.integer("touched").ok_or_else(|| missing("touched"))?;
+        let forces = reader.reals("touches", touched.len() * 2 * D)?;
+        tool.touches = touched
+            .iter()
+            .zip(forces.chunks_exact(2 * D))
+            .map(|(&particle, force)| {
+                let particle =
+                    u32::try_from(particle).ok().filter(|p| (*p as usize) < reader.count);
+                Ok(Touch {
+                    particle: particle.ok_or_else(|| missing("touched"))?,
+                    normal_force: std::array::from_fn(|k| force[k]),
+                    friction_force: std::array::from_fn(|k| force[D + k]),
+                })
+            })
+            .collect::<Result<_, SetupError>>()?;
+        Ok(())
+    }
+}
+
+/// Cauchy stress xx, yy, zz, xy, yz, xz; in the plane zz closes the deviator's trace.
+fn cauchy<const D: usize>(deviator: &Matrix<D>, volume_ratio: f64, pressure: f64) -> [f64; 6] {
+    let at = |row: usize, column: usize| {
+        if row < D && column < D { deviator[row][column] / volume_ratio } else { 0.0 }
+    };
+    let out = if D == 2 { -at(0, 0) - at(1, 1) } else { at(2, 2) };
+    [at(0, 0) - pressure, at(1, 1) - pressure, out - pressure, at(0, 1), at(1, 2), at(0, 2)]
+}
+
+fn flat<const D: usize>(vectors: &[Vector<D>]) -> Vec<f64> {
+    vectors.iter().flatten().copied().collect()
+}
+
+fn point_to_vec<const D: usize>(point: &MaterialPoint<D>) -> Vec<f64> {
+    let mut values: Vec<f64> = point.deviator.iter().flatten().copied().collect();
+    values.extend(point.deformation.iter().flatten());
+    values.extend([
+        point.volume_ratio,
+        point.plastic_strain,
+        point.plastic_strain_rate,
+        point.temperature,
+        point.flow_stress,
+        point.viscous_pressure,
+    ]);
+    values
+}
+
+fn point_from_slice<const D: usize>(values: &[f64]) -> MaterialPoint<D> {
+    let square = D * D;
+    let matrix = |from: usize| -> Matrix<D> {
+        std::array::from_fn(|row| std::array::from_fn(|column| values[from + row * D + column]))
+    };
+    let rest = &values[2 * square..];
+    MaterialPoint {
+        deviator: matrix(0),
+        deformation: matrix(square),
+        volume_ratio: rest[0],
+        plastic_strain: rest[1],
+        plastic_strain_rate: rest[2],
+        temperature: rest[3],
+        flow_stress: rest[4],
+        viscous_pressure: rest[5],
+    }
+}
+
+fn missing(name: &str) -> SetupError {
+    SetupError::Checkpoint { reason: format!("`{name}` is missing or damaged") }
+}
+
+fn narrow<T: TryFrom<u64>>(values: &[u64]) -> Result<Vec<T>, SetupError> {
+    values.iter().map(|&v| T::try_from(v).map_err(|_| missing("an index"))).collect()
+}
+
+/// Reads arrays of the expected length.
+struct Reader<'a> {
+    state: &'a CheckpointState,
+    count: usize,
+}
+
+impl Reader<'_> {
+    fn reals(&self, name: &str, length: usize) -> Result<&[f64], SetupError> {
+        let values = self.state.real(name).ok_or_else(|| missing(name))?;
+        if values.len() == length {
+            return Ok(values);
+        }
+        Err(SetupError::Checkpoint {
+            reason: format!("`{name}` has {} numbers instead of {length}", values.len()),
+        })
+    }
+
+    fn integers(&self, name: &str) -> Result<&[u64], SetupError> {
+        let values = self.state.integer(name).ok_or_else(|| missing(name))?;
+        if values.len() == self.count {
+            return Ok(values);
+        }
+        Err(SetupError::Checkpoint {
+            reason: format!("`{name}` has {} numbers instead of {}", values.len(), self.count),
+        })
+    }
+
+    fn vectors<const D: usize>(&self, name: &str) -> Result<Vec<Vector<D>>, SetupError> {
+        let values = self.reals(name, self.count * D)?;
+        Ok(values.chunks_exact(D).map(|chunk| std::array::from_fn(|k| chunk[k])).collect())
+    }
+}

@@ -1,0 +1,200 @@
+//! Renewal of the reference configuration: storage order, neighbours, corrections, time step.
+
+use crate::engine::{Engine, Frame};
+use crate::neighbours::{CHUNK, Cells, NeighbourList, build_list};
+use crate::tensor::{
+    Vector, apply, determinant, dot, identity, inverse_nonsingular, minus, plus_scaled, trace, zero,
+};
+use rayon::prelude::*;
+
+/// Spread of the displacements since the last refresh, in particle spacings, that triggers one.
+const REFRESH_SPREAD: f64 = 0.25;
+/// Particles within this many spacings of the surface are watched for contact until the next refresh.
+const CONTACT_MARGIN: f64 = 1.0;
+/// A moment matrix flatter than this (determinant over that of the isotropic one of the same
+/// trace) has no inverse worth using: such a particle has neighbours on a line only, sees no
+/// velocity gradient and bears no stress until it meets others.
+const FLATTEST_MOMENT: f64 = 0.02;
+/// Share of the explicit limit of the hourglass damping that the time step may use.
+const DAMPING_SAFETY: f64 = 0.8;
+/// The same for the oscillation of a particle on the contact penalty, in terms of (m/k)^(1/2).
+const CONTACT_SAFETY: f64 = 0.5;
+/// Share of the explicit limit of conduction that a conduction step may use.
+const CONDUCTION_SAFETY: f64 = 0.25;
+/// The time step never falls below this share of its value on the undisturbed lattice.
+const SMALLEST_TIME_STEP: f64 = 0.1;
+
+impl<const D: usize> Engine<D> {
+    /// Whether strain or displacement since the last refresh demand a new one.
+    pub(crate) fn refresh_is_due(&self) -> bool {
+        let since = &self.since_refresh;
+        if since.strain >= self.numerics.refresh_strain {
+            return true;
+        }
+        let (mut low, mut high) = (since.low, since.high);
+        if let Some(tool) = &self.tool {
+            let moved = tool.displacement(self.time - self.refresh_time);
+            for k in 0..3 {
+                low[k] = low[k].min(moved[k]);
+                high[k] = high[k].max(moved[k]);
+            }
+        }
+        (0..D).any(|k| high[k] - low[k] > REFRESH_SPREAD * self.spacing)
+    }
+
+    /// Makes the present configuration the reference.
+    pub(crate) fn refresh(&mut self) {
+        let mut cells = Cells::new(&self.position, 2.0 * self.smoothing.length);
+        let order = cells.sort(&self.position);
+        self.reorder(&order);
+        self.reference.copy_from_slice(&self.position);
+        self.refresh_time = self.time;
+        for (point, frame) in self.point.iter_mut().zip(&mut self.frame) {
+            point.deformation = identity();
+            frame.volume_ratio = point.volume_ratio;
+        }
+        self.rebuild(&cells);
+    }
+
+    /// Rebuilds everything that follows from reference positions and volumes.
+    pub(crate) fn rebuild(&mut self, cells: &Cells<D>) {
+        for i in 0..self.volume.len() {
+            self.reference_volume[i] = self.volume[i] * self.frame[i].volume_ratio;
+        }
+        let mut list = std::mem::take(&mut self.list);
+        build_list(&mut list, cells, &self.reference, &self.reference_volume, self.smoothing);
+        self.list = list;
+        let limits = self.correct_operators();
+        self.set_time_step(&limits);
+        if let Some(mut tool) = self.tool.take() {
+            tool.refresh(&self.reference, self.refresh_time, CONTACT_MARGIN * self.spacing);
+            self.tool = Some(tool);
+        }
+        self.since_refresh = crate::account::Tally::default();
+    }
+
+    /// Stores the particles in `order`.
+    fn reorder(&mut self, order: &[u32]) {
+        fn permute<T: Clone>(values: &mut Vec<T>, order: &[u32]) {
+            *values = order.iter().map(|&old| values[old as usize].clone()).collect();
+        }
+        permute(&mut self.id, order);
+        permute(&mut self.body, order);
+        permute(&mut self.material, order);
+        permute(&mut self.hold, order);
+        permute(&mut self.position, order);
+        permute(&mut self.velocity, order);
+        permute(&mut self.volume, order);
+        permute(&mut self.point, order);
+        permute(&mut self.force, order);
+        if let Some(tool) = &mut self.tool {
+            let mut new_place = vec![0; order.len()];
+            for (place, &old) in order.iter().enumerate() {
+                new_place[old as usize] = place as u32;
+            }
+            tool.reorder(&new_place);
+        }
+    }
+
+    /// Corrections B, moments and the Laplacian's correction; returns what limits the time step.
+    fn correct_operators(&mut self) -> Limits {
+        let (list, reference) = (&self.list, &self.reference);
+        self.frame
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .map(|(chunk, frames)| {
+                let mut limits = Limits::default();
+                for (offset, frame) in frames.iter_mut().enumerate() {
+                    correct(frame, list, reference, chunk * CHUNK + offset, &mut limits);
+                }
+                limits
+            })
+            .collect::<Vec<_>>()
+            .into_iter()
+            .fold(Limits::default(), |a, b| Limits {
+                gradient: a.gradient.max(b.gradient),
+                weight: a.weight.max(b.weight),
+            })
+    }
+
+    /// The time step from p-waves, hourglass damping, contact penalty and conduction.
+    ///
+    /// p-wave: `CFL h_s / c` on the undisturbed lattice, shortened as the discrete gradient
+    /// operator grows where particles crowd.
+    fn set_time_step(&mut self, limits: &Limits) {
+        if self.lattice_gradient == 0.0 {
+            self.lattice_gradient = limits.gradient;
+        }
+        let crowding = (self.lattice_gradient / limits.gradient).clamp(SMALLEST_TIME_STEP, 1.0);
+        let (mut mechanical, mut thermal) = (f64::INFINITY, f64::INFINITY);
+        for data in &self.materials {
+            let wave = self.numerics.courant * self.smoothing.length / data.wave_speed * crowding;
+            let density = data.density * self.numerics.mass_scaling;
+            let damping = if data.hourglass > 0.0 {
+                DAMPING_SAFETY * density / (2.0 * limits.weight * data.hourglass)
+            } else {
+                f64::INFINITY
+            };
+            let contact =
+                CONTACT_SAFETY * self.spacing / data.wave_speed / self.contact_stiffness.sqrt();
+            let contact = if self.tool.is_some() { contact } else { f64::INFINITY };
+            mechanical = mechanical.min(wave).min(damping).min(contact);
+            if self.conducts && data.conductivity > 0.0 {
+                let capacity = data.density * data.specific_heat;
+                thermal = thermal
+                    .min(CONDUCTION_SAFETY * capacity / (2.0 * limits.weight * data.conductivity));
+            }
+        }
+        self.conduction_interval = thermal;
+        self.time_step = if self.mechanics { mechanical } else { thermal.min(self.longest_step) };
+    }
+}
+
+/// What limits the time step.
+#[derive(Debug, Clone, Copy, Default)]
+struct Limits {
+    /// Largest sum_j |w B X| in 1/m.
+    gradient: f64,
+    /// Largest sum_j w in 1/m^2.
+    weight: f64,
+}
+
+fn correct<const D: usize>(
+    frame: &mut Frame<D>,
+    list: &NeighbourList,
+    reference: &[Vector<D>],
+    i: usize,
+    limits: &mut Limits,
+) {
+    let (index, weight) = list.row(i);
+    let mut second = zero();
+    let mut first = [0.0; D];
+    let mut total = 0.0;
+    for (&j, &w) in index.iter().zip(weight) {
+        let separation = minus(&reference[j as usize], &reference[i]);
+        total += w;
+        first = plus_scaled(&first, w, &separation);
+        for row in 0..D {
+            for column in 0..D {
+                second[row][column] += w * separation[row] * separation[column];
+            }
+        }
+    }
+    let mean = trace(&second) / D as f64;
+    let power = i32::try_from(D).expect("2 or 3");
+    let usable = mean > 0.0 && determinant(&second) > FLATTEST_MOMENT * mean.powi(power);
+    frame.correction = if usable { inverse_nonsingular(&second) } else { zero() };
+    frame.moment = first;
+    frame.laplacian = if mean > 0.0 { 1.0 / mean } else { 0.0 };
+    let gradient: f64 = index
+        .iter()
+        .zip(weight)
+        .map(|(&j, &w)| {
+            let separation = minus(&reference[j as usize], &reference[i]);
+            let vector = apply(&frame.correction, &separation);
+            w * dot(&vector, &vector).sqrt()
+        })
+        .sum();
+    limits.gradient = limits.gradient.max(gradient);
+    limits.weight = limits.weight.max(total);
+}

@@ -1,0 +1,215 @@
+//! The two sweeps over neighbours: velocity gradients with the stress update, and forces.
+
+use crate::account::{Failure, Tally};
+use crate::contact::extended;
+use crate::engine::{Engine, Exchange, MaterialData};
+use crate::error::Diverged;
+use crate::material_point::{MaterialPoint, UpdateContext};
+use crate::neighbours::{CHUNK, NeighbourList};
+use crate::tensor::{
+    Matrix, Vector, apply, contract, dot, minus, plus_scaled, product, sum_scaled, transpose, zero,
+};
+use rayon::prelude::*;
+
+/// Volume ratios outside this range are no metal any more.
+const VOLUME_RATIO_RANGE: std::ops::RangeInclusive<f64> = 0.2..=5.0;
+
+/// Sums over the neighbours of one particle.
+struct VelocitySums<const D: usize> {
+    /// sum w (v_j - v_i) (x) X_ij
+    moment: Matrix<D>,
+    /// sum w (v_j - v_i)
+    difference: Vector<D>,
+    /// sum w |v_j - v_i|^2
+    square: f64,
+}
+
+#[inline]
+fn gather_velocity<const D: usize>(
+    list: &NeighbourList,
+    reference: &[Vector<D>],
+    velocity: &[Vector<D>],
+    i: usize,
+) -> VelocitySums<D> {
+    let (index, weight) = list.row(i);
+    let (here, speed) = (reference[i], velocity[i]);
+    let mut sums = VelocitySums { moment: zero(), difference: [0.0; D], square: 0.0 };
+    for (&j, &w) in index.iter().zip(weight) {
+        let j = j as usize;
+        let separation = minus(&reference[j], &here);
+        let difference = minus(&velocity[j], &speed);
+        for row in 0..D {
+            let weighted = w * difference[row];
+            sums.difference[row] += weighted;
+            sums.square += weighted * difference[row];
+            for column in 0..D {
+                sums.moment[row][column] += weighted * separation[column];
+            }
+        }
+    }
+    sums
+}
+
+/// Damping eta in Pa s: `chi_e rho c h`, in flowing material at most `chi_p sigma_y / (3 eps_p_dot)`.
+///
+/// The limit is the viscosity with which a flowing von Mises solid resists a small extra strain
+/// rate across the direction of flow: damping beyond it would stiffen the shear zone.
+#[inline]
+fn damping_of<const D: usize>(
+    point: &MaterialPoint<D>,
+    data: &MaterialData,
+    yield_fraction: f64,
+) -> f64 {
+    let flowing = yield_fraction * point.flow_stress;
+    if flowing < 3.0 * point.plastic_strain_rate * data.hourglass {
+        flowing / (3.0 * point.plastic_strain_rate)
+    } else {
+        data.hourglass
+    }
+}
+
+fn check_point<const D: usize>(point: &MaterialPoint<D>, i: usize, tally: &mut Tally) {
+    let failed = |quantity, value| Some(Failure { index: i, quantity, value });
+    if tally.failure.is_some() {
+        return;
+    }
+    if !VOLUME_RATIO_RANGE.contains(&point.volume_ratio) {
+        tally.failure = failed("the volume ratio V/V_0", point.volume_ratio);
+    } else if !point.deviator[0][0].is_finite() {
+        tally.failure = failed("the deviatoric stress", point.deviator[0][0]);
+    } else if !point.temperature.is_finite() || point.temperature < 0.0 {
+        tally.failure = failed("the temperature", point.temperature);
+    }
+}
+
+/// Largest component of the Green strain `(F^T F - I) / 2`.
+#[inline]
+fn green_strain<const D: usize>(deformation: &Matrix<D>) -> f64 {
+    let metric = product(&transpose(deformation), deformation);
+    let mut largest = 0.0_f64;
+    for (row, line) in metric.iter().enumerate() {
+        for (column, value) in line.iter().enumerate() {
+            largest = largest.max((value - f64::from(row == column)).abs());
+        }
+    }
+    0.5 * largest
+}
+
+impl<const D: usize> Engine<D> {
+    /// Velocity gradients, stresses and damping of all particles; with `dt` = 0 the stress stays.
+    pub(crate) fn sweep_gradients(&mut self, dt: f64) {
+        let (list, reference, velocity) = (&self.list, &self.reference, &self.velocity);
+        let (frame, material, volume) = (&self.frame, &self.material, &self.volume);
+        let (materials, position) = (&self.materials, &self.position);
+        let yield_fraction = self.numerics.yield_fraction;
+        self.point
+            .par_chunks_mut(CHUNK)
+            .zip(self.exchange.par_chunks_mut(CHUNK))
+            .zip(self.force.par_chunks_mut(CHUNK))
+            .zip(self.tallies.par_iter_mut())
+            .enumerate()
+            .for_each(|(chunk, (((points, exchanges), forces), tally))| {
+                *tally = Tally::default();
+                for (offset, point) in points.iter_mut().enumerate() {
+                    let i = chunk * CHUNK + offset;
+                    let sums = gather_velocity(list, reference, velocity, i);
+                    let data = &materials[material[i] as usize];
+                    let frame = &frame[i];
+                    let rate = product(&sums.moment, &frame.correction);
+                    if dt > 0.0 {
+                        let work = point.advance(&rate, &context(data, dt));
+                        tally.plastic += work.plastic * volume[i];
+                        tally.viscosity += work.viscosity * volume[i];
+                        tally.residue += work.residue * volume[i];
+                        tally.heat += work.plastic * volume[i] * data.heating_share();
+                        tally.strain = tally.strain.max(green_strain(&point.deformation));
+                        tally.spread(&extended(&minus(&position[i], &reference[i])));
+                        check_point(point, i, tally);
+                    }
+                    let damping = damping_of(point, data, yield_fraction);
+                    let residual = sums.square - contract(&rate, &sums.moment);
+                    tally.hourglass +=
+                        damping * residual.max(0.0) * volume[i] * frame.volume_ratio * dt;
+                    let flux = product(&point.piola_stress(&data.moduli), &frame.correction)
+                        .map(|row| row.map(|component| component / frame.volume_ratio));
+                    let flux = sum_scaled(&flux, -damping, &rate);
+                    exchanges[offset] = Exchange { flux, damping };
+                    forces[offset] =
+                        plus_scaled(&apply(&flux, &frame.moment), damping, &sums.difference);
+                }
+            });
+    }
+
+    /// Adds the chunks' reports in their order.
+    ///
+    /// # Errors
+    /// The first number that blew up.
+    pub(crate) fn close_tallies(&mut self) -> Result<(), Diverged> {
+        let mut whole = Tally::default();
+        for tally in &self.tallies {
+            whole.plastic += tally.plastic;
+            whole.viscosity += tally.viscosity;
+            whole.residue += tally.residue;
+            whole.hourglass += tally.hourglass;
+            whole.heat += tally.heat;
+            whole.strain = whole.strain.max(tally.strain);
+            whole.spread(&tally.low);
+            whole.spread(&tally.high);
+            whole.failure = whole.failure.or(tally.failure);
+        }
+        let account = &mut self.account;
+        account.plastic += whole.plastic;
+        account.viscosity += whole.viscosity;
+        account.residue += whole.residue;
+        account.hourglass += whole.hourglass;
+        account.heat_supplied += whole.heat;
+        self.since_refresh = whole;
+        whole.failure.map_or(Ok(()), |failure| {
+            Err(Diverged {
+                step: self.step,
+                time: self.time,
+                particle: self.id[failure.index],
+                position: extended(&self.position[failure.index]),
+                quantity: failure.quantity,
+                value: failure.value,
+            })
+        })
+    }
+
+    /// Internal forces `f_i = V_i sum_j w_ij [(G_i + G_j) X_ij + eta_i d + eta_j d]`; the sweep
+    /// over gradients left the terms of particle `i` itself in `force`.
+    pub(crate) fn sweep_forces(&mut self) {
+        let (list, reference, velocity) = (&self.list, &self.reference, &self.velocity);
+        let (exchange, reference_volume) = (&self.exchange, &self.reference_volume);
+        self.force.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, forces)| {
+            for (offset, force) in forces.iter_mut().enumerate() {
+                let i = chunk * CHUNK + offset;
+                let (index, weight) = list.row(i);
+                let (here, speed) = (reference[i], velocity[i]);
+                let mut sum = *force;
+                for (&j, &w) in index.iter().zip(weight) {
+                    let j = j as usize;
+                    let separation = minus(&reference[j], &here);
+                    let other = &exchange[j];
+                    for k in 0..D {
+                        let stress = dot(&other.flux[k], &separation);
+                        let damping = other.damping * (velocity[j][k] - speed[k]);
+                        sum[k] += w * (stress + damping);
+                    }
+                }
+                *force = sum.map(|component| component * reference_volume[i]);
+            }
+        });
+    }
+}
+
+fn context(data: &MaterialData, dt: f64) -> UpdateContext<'_> {
+    UpdateContext {
+        moduli: data.moduli,
+        law: data.law.as_ref(),
+        time_step: dt,
+        heating: data.heating,
+        linear_viscosity: data.linear_viscosity,
+        quadratic_viscosity: data.quadratic_viscosity,
+    }
+}
