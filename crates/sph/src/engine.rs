@@ -119,6 +119,8 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) friction_heat_share: f64,
     pub(crate) friction_heats: bool,
     pub(crate) conducts: bool,
+    /// Largest sum_j w_ij in 1/m^2.
+    pub(crate) largest_weight: f64,
     /// Upper limit of a time step without mechanics in s.
     pub(crate) longest_step: f64,
     /// Largest sum_j |w_ij B_i X_ij| at the start: unit of the time step; 0 until known.
@@ -225,6 +227,7 @@ impl<const D: usize> Engine<D> {
             friction_heats: setup.heat.friction_heating.is_on(),
             conducts: setup.heat.conduction.is_on(),
             longest_step: setup.sampling_interval,
+            largest_weight: 0.0,
             lattice_gradient: 0.0,
         })
     }
@@ -259,6 +262,7 @@ impl<const D: usize> Engine<D> {
         self.touch_tool();
         self.book_contact(0.5 * dt);
         self.kick(0.5 * dt);
+        self.diffuse_density_when_due(dt);
         self.conduct_when_due(dt);
         if self.refresh_is_due() {
             self.refresh();

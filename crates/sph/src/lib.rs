@@ -5,6 +5,7 @@
 
 mod account;
 mod contact;
+mod density_diffusion;
 mod engine;
 pub mod error;
 mod heat_conduction;

@@ -212,7 +212,7 @@ impl<const D: usize> Engine<D> {
         real("force", flat(&self.force));
         real("volume", self.volume.clone());
         real("reference_volume_ratio", self.frame.iter().map(|f| f.volume_ratio).collect());
-        real("point", self.point.iter().flat_map(|point| point_to_vec(point)).collect());
+        real("point", self.point.iter().flat_map(point_to_vec).collect());
         real("account", self.account.to_array().to_vec());
         real(
             "clock",

@@ -125,6 +125,7 @@ impl<const D: usize> Engine<D> {
         if self.lattice_gradient == 0.0 {
             self.lattice_gradient = limits.gradient;
         }
+        self.largest_weight = limits.weight;
         let crowding = (self.lattice_gradient / limits.gradient).clamp(SMALLEST_TIME_STEP, 1.0);
         let (mut mechanical, mut thermal) = (f64::INFINITY, f64::INFINITY);
         for data in &self.materials {
