@@ -314,3 +314,36 @@ pub fn uniform(k: u64) -> f64 {
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
+
+/// A seeded source of noise.
+#[derive(Debug, Clone)]
+pub struct Noise {
+    counter: u64,
+}
+
+impl Noise {
+    /// Different seeds give independent series.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self { counter: seed.wrapping_mul(0xD134_2543_DE82_EF95) }
+    }
+
+    /// A normally distributed number with unit variance (Box and Muller 1958).
+    pub fn normal(&mut self) -> f64 {
+        let (first, second) = (1.0 - uniform(self.counter), uniform(self.counter.wrapping_add(1)));
+        self.counter = self.counter.wrapping_add(2);
+        (-2.0 * first.ln()).sqrt() * (std::f64::consts::TAU * second).cos()
+    }
+
+    /// `count` numbers with unit variance and autocorrelation rho(k) = `memory`^k.
+    pub fn autoregressive(&mut self, memory: f64, count: usize) -> Vec<f64> {
+        let innovation = (1.0 - memory * memory).sqrt();
+        let mut value = self.normal();
+        (0..count)
+            .map(|_| {
+                value = memory * value + innovation * self.normal();
+                value
+            })
+            .collect()
+    }
+}

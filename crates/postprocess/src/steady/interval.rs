@@ -1,0 +1,196 @@
+//! The mean of a correlated series and how well it is known.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Number of batches.
+const BATCHES: usize = 10;
+/// The sum of the autocorrelation ends at the first lag above this many correlation times.
+const WINDOW_FACTOR: f64 = 2.5;
+
+/// The mean of a series with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeanInterval {
+    /// The mean.
+    pub mean: f64,
+    /// Half width of the 95 % interval; infinite for fewer samples than two batches each.
+    pub half_width: f64,
+    /// Standard error of the mean that the wider interval uses.
+    pub standard_error: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: f64,
+    /// Integrated autocorrelation time tau = 1 + 2 sum rho(k) in samples.
+    pub correlation_samples: f64,
+}
+
+/// The integrated autocorrelation time of a series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AutocorrelationTime {
+    /// tau in samples, at least 1.
+    pub samples: f64,
+    /// Degrees of freedom of the estimate: 2 over its squared relative error.
+    pub degrees_of_freedom: f64,
+}
+
+/// Mean and 95 % interval of a correlated series: the wider of that of batch means and that of
+/// the integrated autocorrelation time, for which the larger of the series' own and that of the
+/// longer `record` it is a part of counts.
+#[must_use]
+pub fn mean_interval(samples: &[f64], record: Option<AutocorrelationTime>) -> MeanInterval {
+    let count = samples.len() as f64;
+    let own = autocorrelation_time(samples);
+    let time = match record {
+        Some(record) if record.samples > own.samples => record,
+        _ => own,
+    };
+    let mean = if samples.is_empty() { 0.0 } else { samples.iter().sum::<f64>() / count };
+    if samples.len() < 2 * BATCHES {
+        return MeanInterval {
+            mean,
+            half_width: f64::INFINITY,
+            standard_error: f64::INFINITY,
+            degrees_of_freedom: 1.0,
+            correlation_samples: time.samples,
+        };
+    }
+    let correlated = Estimate {
+        standard_error: correlated_error(samples, mean, time.samples),
+        degrees_of_freedom: time.degrees_of_freedom,
+    };
+    let batched = Batches::new(samples).estimate();
+    let wider = if correlated.half_width() > batched.half_width() { correlated } else { batched };
+    MeanInterval {
+        mean,
+        half_width: wider.half_width(),
+        standard_error: wider.standard_error,
+        degrees_of_freedom: wider.degrees_of_freedom,
+        correlation_samples: time.samples,
+    }
+}
+
+struct Estimate {
+    standard_error: f64,
+    degrees_of_freedom: f64,
+}
+
+impl Estimate {
+    fn half_width(&self) -> f64 {
+        t_quantile(0.975, self.degrees_of_freedom) * self.standard_error
+    }
+}
+
+/// s sqrt(tau / n), with s^2 corrected for the correlation of the samples with their mean.
+fn correlated_error(samples: &[f64], mean: f64, time: f64) -> f64 {
+    let count = samples.len() as f64;
+    let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+    (variance / (1.0 - time / count).max(0.1) * time / count).sqrt()
+}
+
+/// Means of consecutive parts of equal length; what is left over is dropped at the beginning.
+pub(super) struct Batches {
+    pub means: Vec<f64>,
+}
+
+impl Batches {
+    pub fn new(samples: &[f64]) -> Self {
+        let length = samples.len() / BATCHES;
+        if length == 0 {
+            return Self { means: Vec::new() };
+        }
+        let rest = samples.len() - length * BATCHES;
+        let mean = |batch: &[f64]| batch.iter().sum::<f64>() / length as f64;
+        Self { means: samples[rest..].chunks_exact(length).map(mean).collect() }
+    }
+
+    fn estimate(&self) -> Estimate {
+        let count = self.means.len() as f64;
+        let mean = self.means.iter().sum::<f64>() / count;
+        let variance = self.means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        Estimate { standard_error: (variance / count).sqrt(), degrees_of_freedom: count - 1.0 }
+    }
+}
+
+/// tau = 1 + 2 sum rho(k), summed up to the first lag W of at least 2.5 tau(W), times the bias
+/// correction 1 + (2 W + 1) / n; its relative variance is 2 (2 W + 1) / n
+/// (Wolff, Computer Physics Communications 156 (2004) 143, there for tau / 2).
+#[must_use]
+pub fn autocorrelation_time(samples: &[f64]) -> AutocorrelationTime {
+    let count = samples.len();
+    let mean = samples.iter().sum::<f64>() / count.max(1) as f64;
+    let offsets: Vec<f64> = samples.iter().map(|x| x - mean).collect();
+    let covariance = |lag: usize| -> f64 {
+        offsets.iter().zip(&offsets[lag..]).map(|(a, b)| a * b).sum::<f64>() / count as f64
+    };
+    let variance = if count > 0 { covariance(0) } else { 0.0 };
+    // A force that varies only by rounding is uncorrelated.
+    if variance <= (1e-12 * mean).powi(2) {
+        return AutocorrelationTime {
+            samples: 1.0,
+            degrees_of_freedom: count.saturating_sub(1).max(1) as f64,
+        };
+    }
+    let mut time = 1.0;
+    let mut last = 0;
+    for lag in 1..count / 2 {
+        time += 2.0 * covariance(lag) / variance;
+        last = lag;
+        if lag as f64 >= WINDOW_FACTOR * time {
+            break;
+        }
+    }
+    let lags = (2 * last + 1) as f64;
+    AutocorrelationTime {
+        samples: (time * (1.0 + lags / count as f64)).max(1.0),
+        degrees_of_freedom: (count as f64 / lags).max(1.0),
+    }
+}
+
+/// Quantile of Student's t distribution; that of one degree of freedom below one.
+pub(super) fn t_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
+    // At 1e4 degrees of freedom the quantile is within 2e-4 of that of the normal distribution.
+    let degrees_of_freedom = degrees_of_freedom.clamp(1.0, 1e4);
+    StudentsT::new(0.0, 1.0, degrees_of_freedom)
+        .expect("scale and degrees of freedom are positive")
+        .inverse_cdf(probability)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::Noise;
+
+    #[test]
+    fn t_quantiles_are_those_of_the_tables() {
+        for (freedom, expected) in [(1.0, 12.706), (9.0, 2.2622), (30.0, 2.0423), (1e9, 1.9602)] {
+            let quantile = t_quantile(0.975, freedom);
+            // The tables print five digits.
+            assert!((quantile / expected - 1.0).abs() < 3e-5, "{freedom}: {quantile}");
+        }
+    }
+
+    #[test]
+    fn the_time_of_autoregressive_noise_is_found() {
+        // rho(k) = a^k: tau = (1 + a) / (1 - a) = 19 at a = 0.9.
+        let samples = Noise::new(7).autoregressive(0.9, 200_000);
+        let time = autocorrelation_time(&samples);
+        // Four standard errors: 4 sqrt(2 (2 W + 1) / n) with W = 2.5 tau is 12 %.
+        assert!((time.samples / 19.0 - 1.0).abs() < 0.12, "{time:?}");
+        // White noise: tau = 1.
+        let time = autocorrelation_time(&Noise::new(8).autoregressive(0.0, 50_000));
+        assert!((time.samples - 1.0).abs() < 0.06, "{time:?}");
+    }
+
+    #[test]
+    fn independent_samples_have_the_textbook_interval() {
+        let samples = Noise::new(3).autoregressive(0.0, 40_000);
+        let interval = mean_interval(&samples, None);
+        // sigma / sqrt(n) = 0.005, times a quantile between 1.96 and 2.26, times the error of the
+        // batch estimate with nine degrees of freedom (at most 1.5).
+        assert!(interval.half_width > 0.0095 && interval.half_width < 0.017, "{interval:?}");
+    }
+
+    #[test]
+    fn few_samples_tell_nothing() {
+        assert!(mean_interval(&[1.0; 19], None).half_width.is_infinite());
+        assert_eq!(mean_interval(&[], None).mean, 0.0);
+    }
+}

@@ -1,0 +1,55 @@
+//! Where the run-in of a record ends.
+
+/// Samples averaged before the rule is applied.
+const BATCH: usize = 5;
+
+/// Index of the first sample of the steady window by MSER-5: with the record averaged over
+/// batches of five, the cut d that minimises sum_{i >= d} (Y_i - mean_d)^2 / (n - d)^2.
+/// At most the last five batches are left out of the search.
+pub(super) fn window_start(samples: &[f64]) -> usize {
+    let means: Vec<f64> =
+        samples.chunks_exact(BATCH).map(|batch| batch.iter().sum::<f64>() / BATCH as f64).collect();
+    let reference = means.last().copied().unwrap_or(0.0);
+    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+    let mut best = (f64::INFINITY, 0);
+    for (index, mean) in means.iter().enumerate().rev() {
+        let offset = mean - reference;
+        sum += offset;
+        squares += offset * offset;
+        count += 1.0;
+        let rule = (squares - sum * sum / count).max(0.0) / (count * count);
+        // Of equal candidates the earliest: a constant record has no run-in.
+        if count > 5.0 && rule <= best.0 {
+            best = (rule, index);
+        }
+    }
+    best.1 * BATCH
+}
+
+/// Index of the first sample at which the force reaches the mean of the window that begins at
+/// `first`: from there on a record is not in its first rise any more.
+pub(super) fn first_reach(samples: &[f64], first: usize) -> usize {
+    let window = &samples[first..];
+    let mean = window.iter().sum::<f64>() / window.len().max(1) as f64;
+    samples[..first].iter().position(|value| value.abs() >= mean.abs()).unwrap_or(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_cut_off_exactly() {
+        let mut samples = vec![0.0; 35];
+        samples.extend((0..200).map(|k| 10.0 + if k % 2 == 0 { 0.5 } else { -0.5 }));
+        assert_eq!(window_start(&samples), 35);
+        assert_eq!(first_reach(&samples, 40), 35);
+    }
+
+    #[test]
+    fn a_constant_record_has_no_run_in() {
+        assert_eq!(window_start(&[3.0; 100]), 0);
+        assert_eq!(window_start(&[]), 0);
+        assert_eq!(window_start(&[1.0; 3]), 0);
+    }
+}
