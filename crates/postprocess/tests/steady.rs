@@ -131,10 +131,10 @@ struct Stop {
     inside: bool,
 }
 
-/// Looks every 20 samples, as a running program does.
+/// Looks every 40 samples, as a running program does.
 fn watch(force: &[f64], truth: f64) -> Option<Stop> {
     let travel = travel(force.len());
-    (20..=force.len()).step_by(20).find_map(|length| {
+    (40..=force.len()).step_by(40).find_map(|length| {
         let series = Series { travel: &travel[..length], force: &force[..length] };
         let state = detect(series, &OPTIONS);
         let error = state.mean - truth;

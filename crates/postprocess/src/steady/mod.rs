@@ -4,7 +4,7 @@
 //! beforehand, and may drift slowly long after it looks calm: a rule like "stop at the first
 //! interval of 2 %" fires far too early. [`detect`] is therefore strict: a state is called
 //! steady only if every one of these tests passes, on the whole record and again on the record
-//! cut off at 90 % and at 80 % of its length:
+//! cut off at 90 %, 80 % and 70 % of its length:
 //!
 //! 1. **Travel** of at least [`SteadyOptions::minimum_travel`].
 //! 2. **Run-in**: the window begins where the marginal standard error of the mean is smallest
@@ -53,7 +53,7 @@ pub const DRIFT_ALLOWANCE: f64 = 4.0;
 /// Fewest samples in a window.
 const MINIMUM_SAMPLES: usize = 40;
 /// The shares of the record on which the verdict must be the same.
-const REPEATED_ON: [f64; 2] = [0.9, 0.8];
+const REPEATED_ON: [f64; 3] = [0.9, 0.8, 0.7];
 
 /// What counts as steady.
 #[derive(Debug, Clone, Copy, PartialEq)]
