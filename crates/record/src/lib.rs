@@ -11,13 +11,14 @@ mod error;
 mod facts;
 mod files;
 mod provenance;
+mod resources;
 mod run;
 mod samples;
 mod snapshots;
 
 pub use error::{Divergence, RunError};
 pub use facts::{Facts, MaterialFacts};
-pub use files::RunFiles;
+pub use files::{RunFiles, export_vtkhdf, recover};
 pub use provenance::{Provenance, Setting};
 pub use run::{Outcome, Performance, Run};
 pub use samples::Samples;

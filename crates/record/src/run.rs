@@ -2,6 +2,7 @@
 
 use crate::error::Divergence;
 use crate::{Facts, Provenance, RunError, Samples, Snapshots};
+use sphcut_sph::CheckpointState;
 use std::path::Path;
 
 /// A run, finished or not, with where it comes from.
@@ -29,6 +30,14 @@ impl Run {
     /// of the layout.
     pub fn load(path: &Path) -> Result<Self, RunError> {
         crate::files::load_run(path)
+    }
+
+    /// Reads the state of the solver at the end of the record in `run.h5`, if it has one.
+    ///
+    /// # Errors
+    /// As [`Run::load`].
+    pub fn load_state(path: &Path) -> Result<Option<CheckpointState>, RunError> {
+        crate::files::load_state(path)
     }
 }
 

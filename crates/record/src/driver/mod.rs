@@ -1,6 +1,8 @@
 //! Steps a simulation from its beginning or its last checkpoint to its end and
 //! keeps the record.
 
+mod session;
+mod start;
 mod stepper;
 
 pub use stepper::{Source, Stepper};
@@ -88,7 +90,9 @@ pub struct Progress<'run> {
 }
 
 /// Runs `source` to its end, recording into `options.out_dir`: `run.h5`, `snapshots.vtkhdf`,
-/// `forces.csv`. `control` is called after every sample and about ten times a second.
+/// `forces.csv`. `control` is called after every sample and about ten times a second. Its
+/// [`Control::Stop`] has to follow from the samples alone: after a resumption it is asked once more
+/// about the latest sample.
 ///
 /// A run that was interrupted is `Ok` with [`crate::Outcome::Interrupted`]: its checkpoint is
 /// written and [`Start::Resume`] goes on with the same bits.
@@ -101,6 +105,8 @@ pub fn run<S: Source>(
     options: &RunOptions,
     control: &mut dyn FnMut(&Progress) -> Control,
 ) -> Result<Run, RunError> {
-    let _ = (source, provenance, options, control);
-    todo!()
+    match start::begin(source, provenance, options)? {
+        start::Begin::Complete(run) => Ok(*run),
+        start::Begin::Session(session) => session.run(control),
+    }
 }

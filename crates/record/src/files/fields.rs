@@ -1,0 +1,123 @@
+//! The table of what a snapshot holds for each particle: name, unit, meaning and
+//! access, once for all file formats.
+
+use sphcut_sph::Snapshot;
+use sphcut_sph::setup::Vector;
+
+/// One quantity of the particles.
+pub(crate) struct Field {
+    pub(crate) name: &'static str,
+    pub(crate) unit: &'static str,
+    pub(crate) meaning: &'static str,
+    pub(crate) access: Access,
+}
+
+/// Reading and writing access to a column of a snapshot.
+pub(crate) enum Access {
+    Real(fn(&Snapshot) -> &Vec<f64>, fn(&mut Snapshot) -> &mut Vec<f64>),
+    Vector(fn(&Snapshot) -> &Vec<Vector>, fn(&mut Snapshot) -> &mut Vec<Vector>),
+    Tensor(fn(&Snapshot) -> &Vec<[f64; 6]>, fn(&mut Snapshot) -> &mut Vec<[f64; 6]>),
+    Long(fn(&Snapshot) -> &Vec<u64>, fn(&mut Snapshot) -> &mut Vec<u64>),
+    Short(fn(&Snapshot) -> &Vec<u32>, fn(&mut Snapshot) -> &mut Vec<u32>),
+}
+
+/// The values of a column, flattened.
+pub(crate) enum Column<'a> {
+    Reals(&'a [f64]),
+    Longs(&'a [u64]),
+    Shorts(&'a [u32]),
+}
+
+impl Field {
+    /// Numbers per particle.
+    pub(crate) fn width(&self) -> usize {
+        match self.access {
+            Access::Vector(..) => 3,
+            Access::Tensor(..) => 6,
+            Access::Real(..) | Access::Long(..) | Access::Short(..) => 1,
+        }
+    }
+
+    /// Whether the values are whole numbers.
+    pub(crate) fn is_integer(&self) -> bool {
+        matches!(self.access, Access::Long(..) | Access::Short(..))
+    }
+
+    /// The values of `snapshot`.
+    pub(crate) fn column<'a>(&self, snapshot: &'a Snapshot) -> Column<'a> {
+        match self.access {
+            Access::Real(get, _) => Column::Reals(get(snapshot)),
+            Access::Vector(get, _) => Column::Reals(get(snapshot).as_flattened()),
+            Access::Tensor(get, _) => Column::Reals(get(snapshot).as_flattened()),
+            Access::Long(get, _) => Column::Longs(get(snapshot)),
+            Access::Short(get, _) => Column::Shorts(get(snapshot)),
+        }
+    }
+
+    /// Sets the real values of `snapshot`; `None` if this field has none or the number does not fit.
+    pub(crate) fn set_reals(&self, snapshot: &mut Snapshot, values: Vec<f64>) -> Option<()> {
+        match self.access {
+            Access::Real(_, set) => *set(snapshot) = values,
+            Access::Vector(_, set) => *set(snapshot) = chunked(&values)?,
+            Access::Tensor(_, set) => *set(snapshot) = chunked(&values)?,
+            Access::Long(..) | Access::Short(..) => return None,
+        }
+        Some(())
+    }
+
+    /// Sets the whole-numbered values of `snapshot`; `None` if this field has none.
+    pub(crate) fn set_integers(&self, snapshot: &mut Snapshot, values: Vec<u64>) -> Option<()> {
+        match self.access {
+            Access::Long(_, set) => *set(snapshot) = values,
+            Access::Short(_, set) => {
+                let short = values.into_iter().map(|value| u32::try_from(value).ok());
+                *set(snapshot) = short.collect::<Option<_>>()?;
+            }
+            Access::Real(..) | Access::Vector(..) | Access::Tensor(..) => return None,
+        }
+        Some(())
+    }
+}
+
+fn chunked<const N: usize>(values: &[f64]) -> Option<Vec<[f64; N]>> {
+    let (chunks, rest) = values.as_chunks::<N>();
+    rest.is_empty().then(|| chunks.to_vec())
+}
+
+macro_rules! fields {
+    ($($kind:ident $name:ident $unit:literal $meaning:literal;)*) => {
+        &[$(Field {
+            name: stringify!($name),
+            unit: $unit,
+            meaning: $meaning,
+            access: Access::$kind(|snapshot| &snapshot.$name, |snapshot| &mut snapshot.$name),
+        }),*]
+    };
+}
+
+/// What every particle has.
+pub(crate) const PARTICLE_FIELDS: &[Field] = fields! {
+    Long id "" "identifier, unique over the run";
+    Short body "" "index of the body";
+    Vector position "m" "position";
+    Vector velocity "m/s" "velocity";
+    Tensor stress "Pa" "Cauchy stress xx, yy, zz, xy, yz, xz, tension positive";
+    Real von_mises_stress "Pa" "von Mises stress";
+    Real pressure "Pa" "pressure, compression positive";
+    Real density "kg/m^3" "density";
+    Real plastic_strain "" "equivalent plastic strain";
+    Real plastic_strain_rate "1/s" "equivalent plastic strain rate, smoothed over about a hundred steps";
+    Real temperature "K" "temperature";
+    Vector contact_force "N" "force of the tool on the particle (per metre of width in a plane run)";
+    Short neighbours "" "number of neighbours";
+};
+
+/// The outline of the tool: one field with its own number of entries.
+pub(crate) const TOOL_FIELDS: &[Field] = fields! {
+    Vector tool "m" "outline of the tool: closed polygon (2D) or vertices of its triangles, three by three (3D)";
+};
+
+/// All columns of a snapshot.
+pub(crate) fn all_fields() -> impl Iterator<Item = &'static Field> {
+    PARTICLE_FIELDS.iter().chain(TOOL_FIELDS)
+}

@@ -1,0 +1,156 @@
+//! The files of a result.
+//!
+//! While a run goes on, everything is in the folder `run.partial` ([`partial`]);
+//! when it ends, in order or interrupted, `run.h5` and its companions are put
+//! together from there.
+
+mod archive;
+mod atomic;
+mod fields;
+mod forces_csv;
+mod hdf;
+mod journal;
+mod origin;
+pub(crate) mod partial;
+mod run_h5;
+mod run_h5_attributes;
+mod segment;
+mod vtkhdf;
+
+use crate::{Outcome, Run, RunError, SnapshotInfo};
+use fields::Field;
+use partial::Partial;
+pub(crate) use run_h5::{
+    Body, read as load_run, read_snapshot as load_snapshot, read_state as load_state,
+};
+use segment::Segment;
+use sphcut_sph::Snapshot;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Paths of the files that sphcut writes into the folder of a result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunFiles {
+    /// The folder.
+    pub dir: PathBuf,
+}
+
+impl RunFiles {
+    /// The files in `dir`.
+    #[must_use]
+    pub fn in_dir(dir: &Path) -> Self {
+        Self { dir: dir.to_owned() }
+    }
+
+    /// The record: channels, snapshots, provenance, final state.
+    #[must_use]
+    pub fn record(&self) -> PathBuf {
+        self.dir.join("run.h5")
+    }
+
+    /// The snapshots for ParaView.
+    #[must_use]
+    pub fn vtkhdf(&self) -> PathBuf {
+        self.dir.join("snapshots.vtkhdf")
+    }
+
+    /// The force history as text.
+    #[must_use]
+    pub fn forces(&self) -> PathBuf {
+        self.dir.join("forces.csv")
+    }
+
+    /// What an unfinished run has saved.
+    #[must_use]
+    pub fn partial(&self) -> PathBuf {
+        self.dir.join("run.partial")
+    }
+
+    /// Creates the folder, checks that files can be written there, and clears away the halves of
+    /// files that a crash has left.
+    pub(crate) fn prepare(&self) -> Result<(), RunError> {
+        fs::create_dir_all(&self.dir)
+            .map_err(|error| RunError::io(&self.dir, "create the folder", error))?;
+        let probe = self.dir.join("run.h5");
+        atomic::stage(&probe, |_| Ok(()))?;
+        for path in [self.record(), self.vtkhdf(), self.forces()] {
+            atomic::remove_if_there(&atomic::temporary(&path))?;
+        }
+        Ok(())
+    }
+}
+
+/// Puts `run.h5`, `snapshots.vtkhdf` and `forces.csv` together from what `partial` has saved.
+/// `run.h5` comes last: where it is, the others are too.
+pub(crate) fn assemble(
+    files: &RunFiles,
+    partial: &Partial,
+    body: &Body,
+    index: &[SnapshotInfo],
+) -> Result<(), RunError> {
+    forces_csv::write(&files.forces(), body.facts, body.samples)?;
+    vtkhdf::write(&files.vtkhdf(), index, &|number, field: &Field| {
+        let segment = Segment::open(&partial.snapshot_path(number))?;
+        let mut snapshot = segment.head()?;
+        segment.fill(field, &mut snapshot)?;
+        Ok(snapshot)
+    })?;
+    let snapshots = (0..index.len()).map(|number| -> Result<Snapshot, RunError> {
+        Segment::open(&partial.snapshot_path(number))?.read()
+    });
+    run_h5::write(&files.record(), body, snapshots)
+}
+
+/// Puts the record of an unfinished run together from what it has saved so far: samples and
+/// snapshots up to the moment it died, those after its last checkpoint included. The unfinished run
+/// stays as it is and can still be resumed.
+///
+/// # Errors
+/// No unfinished run in `dir`, one that another process is writing, a file that cannot be read or
+/// written.
+pub fn recover(dir: &Path) -> Result<Run, RunError> {
+    let files = RunFiles::in_dir(dir);
+    let partial = Partial::open(&files)?;
+    let (provenance, facts) = partial.origin()?;
+    let samples = partial.samples()?;
+    let index = partial.saved_snapshots()?;
+    let checkpoint = partial.checkpoint(&provenance)?;
+    let body = Body {
+        provenance: &provenance,
+        facts: &facts,
+        samples: &samples,
+        performance: &checkpoint.as_ref().map(|saved| saved.performance).unwrap_or_default(),
+        outcome: &Outcome::Interrupted,
+        state: checkpoint.as_ref().map(|saved| &saved.state),
+    };
+    assemble(&files, &partial, &body, &index)?;
+    load_run(&files.record())
+}
+
+/// Refuses to replace files that only have the names of ours.
+pub(crate) fn refuse_foreign(files: &RunFiles) -> Result<(), RunError> {
+    let refuse = |path: PathBuf, expected| {
+        let reason = "sphcut did not write it and will not replace it".to_owned();
+        Err(RunError::Foreign { path, expected, reason })
+    };
+    if files.record().exists() && !run_h5::is_ours(&files.record()) {
+        return refuse(files.record(), "a record of a run");
+    }
+    if files.vtkhdf().exists() && !hdf::looks_like_hdf5(&files.vtkhdf()) {
+        return refuse(files.vtkhdf(), "a VTKHDF file");
+    }
+    if files.forces().exists() && !forces_csv::is_ours(&files.forces()) {
+        return refuse(files.forces(), "a force history");
+    }
+    Ok(())
+}
+
+/// Writes the snapshots of `run` for ParaView.
+///
+/// # Errors
+/// A `run.h5` that cannot be read any more, a file that cannot be written.
+pub fn export_vtkhdf(run: &Run, path: &Path) -> Result<(), RunError> {
+    vtkhdf::write(path, run.snapshots.index(), &|number, _| {
+        run.snapshots.get(number).map(|snapshot| snapshot.as_ref().clone())
+    })
+}

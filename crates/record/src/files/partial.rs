@@ -1,0 +1,298 @@
+//! What an unfinished run has saved: the folder `run.partial`.
+//!
+//! ```text
+//! lock                     held by the process that writes
+//! origin.bin               provenance and facts
+//! samples.journal          one record per sample, appended as they come
+//! snapshot-000000.bin ...  one archive per snapshot
+//! checkpoint.bin           the latest checkpoint
+//! checkpoint.previous.bin  the one before
+//! ```
+//! Every archive takes its place by a rename after it is complete and synced.
+//! A crash therefore loses at most the sample being appended.
+
+use super::archive::{Archive, ArchiveFile};
+use super::journal::Journal;
+use super::segment::{self, Segment};
+use super::{RunFiles, atomic, origin};
+use crate::{Facts, Performance, Provenance, RunError, Samples, SnapshotInfo};
+use sphcut_sph::{CHANNELS, CheckpointState, Sample, Snapshot};
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+const ORIGIN: &str = "the origin of an unfinished run";
+const CHECKPOINT: &str = "a checkpoint";
+
+/// The folder of an unfinished run, locked by this process.
+#[derive(Debug)]
+pub(crate) struct Partial {
+    dir: PathBuf,
+    journal: Journal,
+    /// Keeps other processes out; released when it is closed.
+    _lock: File,
+}
+
+/// What a checkpoint holds.
+#[derive(Debug)]
+pub(crate) struct Checkpoint {
+    pub(crate) state: CheckpointState,
+    pub(crate) samples: Samples,
+    pub(crate) snapshots: Vec<SnapshotInfo>,
+    pub(crate) performance: Performance,
+}
+
+/// A checkpoint about to be written.
+#[derive(Debug)]
+pub(crate) struct CheckpointView<'a> {
+    pub(crate) provenance: &'a Provenance,
+    pub(crate) facts: &'a Facts,
+    pub(crate) state: &'a CheckpointState,
+    pub(crate) samples: &'a Samples,
+    pub(crate) snapshots: &'a [SnapshotInfo],
+    pub(crate) performance: &'a Performance,
+}
+
+/// Whether `files` holds an unfinished run that can be resumed.
+pub(crate) fn exists(files: &RunFiles) -> bool {
+    origin_path(&files.partial()).exists()
+}
+
+/// Removes the unfinished run in `files`, if there is one; files that are not ours stay.
+pub(crate) fn remove(files: &RunFiles) -> Result<(), RunError> {
+    let dir = files.partial();
+    let doomed = files.dir.join("run.partial.done");
+    remove_contents(&doomed)?;
+    if !dir.exists() {
+        return Ok(());
+    }
+    drop(lock(&dir)?);
+    // Renamed first, so that a crash in between leaves no half of a run to be resumed.
+    fs::rename(&dir, &doomed).map_err(|error| RunError::io(&dir, "remove", error))?;
+    remove_contents(&doomed)
+}
+
+fn remove_contents(dir: &Path) -> Result<(), RunError> {
+    let Ok(entries) = fs::read_dir(dir) else { return Ok(()) };
+    for entry in entries.flatten().filter(|entry| is_ours(&entry.file_name().to_string_lossy())) {
+        atomic::remove_if_there(&entry.path())?;
+    }
+    // Fails if something that is not ours is left, which is then to stay.
+    let _ = fs::remove_dir(dir);
+    Ok(())
+}
+
+fn is_ours(name: &str) -> bool {
+    let name = name.strip_suffix(".tmp").unwrap_or(name);
+    let snapshot = name.strip_prefix("snapshot-").and_then(|rest| rest.strip_suffix(".bin"));
+    snapshot.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+        || ["lock", "origin.bin", "samples.journal", "checkpoint.bin", "checkpoint.previous.bin"]
+            .contains(&name)
+}
+
+impl Partial {
+    /// Begins a new unfinished run in `files`.
+    pub(crate) fn create(
+        files: &RunFiles,
+        provenance: &Provenance,
+        facts: &Facts,
+    ) -> Result<Self, RunError> {
+        let dir = files.partial();
+        fs::create_dir_all(&dir).map_err(|error| RunError::io(&dir, "create", error))?;
+        let lock = lock(&dir)?;
+        let journal = Journal::create(&dir.join("samples.journal"))?;
+        let mut archive = Archive::new(ORIGIN);
+        origin::put(&mut archive, provenance, facts);
+        atomic::replace(&origin_path(&dir), |writer| archive.write(writer))?;
+        Ok(Self { dir, journal, _lock: lock })
+    }
+
+    /// Takes up the unfinished run in `files` again.
+    pub(crate) fn open(files: &RunFiles) -> Result<Self, RunError> {
+        let dir = files.partial();
+        let lock = lock(&dir)?;
+        let journal = Journal::open(&dir.join("samples.journal"))?;
+        Ok(Self { dir, journal, _lock: lock })
+    }
+
+    /// Provenance and facts of the unfinished run.
+    pub(crate) fn origin(&self) -> Result<(Provenance, Facts), RunError> {
+        origin::get(&ArchiveFile::open(&origin_path(&self.dir), ORIGIN)?)
+    }
+
+    /// All samples saved, those after the last checkpoint included.
+    pub(crate) fn samples(&self) -> Result<Samples, RunError> {
+        self.journal.read()
+    }
+
+    /// Saves the sample `index`.
+    pub(crate) fn append(&mut self, index: usize, sample: &Sample) -> Result<(), RunError> {
+        self.journal.append(index, sample)
+    }
+
+    /// Path of the snapshot `number`.
+    pub(crate) fn snapshot_path(&self, number: usize) -> PathBuf {
+        self.dir.join(format!("snapshot-{number:06}.bin"))
+    }
+
+    /// Saves the snapshot `number`.
+    pub(crate) fn save_snapshot(&self, number: usize, snapshot: &Snapshot) -> Result<(), RunError> {
+        segment::write(&self.snapshot_path(number), snapshot)
+    }
+
+    /// Saves a checkpoint and keeps the one before.
+    pub(crate) fn save_checkpoint(&self, view: &CheckpointView) -> Result<(), RunError> {
+        let path = self.checkpoint_path();
+        let archive = checkpoint_archive(view);
+        atomic::stage(&path, |writer| archive.write(writer))?;
+        if path.exists() {
+            fs::rename(&path, self.previous_checkpoint_path())
+                .map_err(|error| RunError::io(&path, "rename", error))?;
+        }
+        atomic::publish(&path)
+    }
+
+    /// The latest checkpoint that is whole; `None` if none was ever written.
+    ///
+    /// # Errors
+    /// A checkpoint of another run; checkpoints that are all damaged.
+    pub(crate) fn checkpoint(
+        &self,
+        provenance: &Provenance,
+    ) -> Result<Option<Checkpoint>, RunError> {
+        let paths = [self.checkpoint_path(), self.previous_checkpoint_path()];
+        let mut first_error = None;
+        for path in paths.iter().filter(|path| path.exists()) {
+            match read_checkpoint(path, provenance) {
+                Ok(checkpoint) => return Ok(Some(checkpoint)),
+                Err(error @ RunError::Mismatch { .. }) => return Err(error),
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
+        }
+        first_error.map_or(Ok(None), Err)
+    }
+
+    /// Whether there is a checkpoint.
+    pub(crate) fn has_checkpoint(&self) -> bool {
+        self.checkpoint_path().exists() || self.previous_checkpoint_path().exists()
+    }
+
+    /// Checks that the first `count` snapshots are there and whole.
+    pub(crate) fn check_snapshots(&self, count: usize) -> Result<(), RunError> {
+        (0..count).try_for_each(|number| Segment::open(&self.snapshot_path(number)).map(|_| ()))
+    }
+
+    /// Times of all snapshots saved, those after the last checkpoint included.
+    pub(crate) fn saved_snapshots(&self) -> Result<Vec<SnapshotInfo>, RunError> {
+        (0..)
+            .map(|number| self.snapshot_path(number))
+            .take_while(|path| path.exists())
+            .map(|path| Segment::open(&path)?.info())
+            .collect()
+    }
+
+    fn checkpoint_path(&self) -> PathBuf {
+        self.dir.join("checkpoint.bin")
+    }
+
+    fn previous_checkpoint_path(&self) -> PathBuf {
+        self.dir.join("checkpoint.previous.bin")
+    }
+}
+
+fn origin_path(dir: &Path) -> PathBuf {
+    dir.join("origin.bin")
+}
+
+fn lock(dir: &Path) -> Result<File, RunError> {
+    let path = dir.join("lock");
+    let file = File::create(&path).map_err(|error| RunError::io(&path, "write", error))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(RunError::InUse { path: dir.to_owned() }),
+        // Some network file systems know no locks: then nobody is kept out.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+fn checkpoint_archive<'a>(view: &CheckpointView<'a>) -> Archive<'a> {
+    let mut archive = Archive::new(CHECKPOINT);
+    origin::put(&mut archive, view.provenance, view.facts);
+    for (name, values) in &view.state.reals {
+        archive.reals(format!("state/{name}"), values.as_slice());
+    }
+    for (name, values) in &view.state.integers {
+        archive.integers(format!("state/{name}"), values.as_slice());
+    }
+    for (channel, column) in CHANNELS.iter().zip(view.samples.columns()) {
+        archive.reals(format!("samples/{}", channel.name), column.as_slice());
+    }
+    let times: Vec<f64> = view.snapshots.iter().map(|info| info.time).collect();
+    archive.reals("snapshots/time", times);
+    let counts = view.snapshots.iter().flat_map(|info| [info.step, info.particles as u64]);
+    archive.integers("snapshots/step_and_particles", counts.collect::<Vec<_>>());
+    let cpu = view.performance.cpu_seconds.unwrap_or(f64::NAN);
+    archive.reals("performance/seconds", vec![view.performance.wall_seconds, cpu]);
+    let peak = view.performance.peak_memory_bytes.unwrap_or(0);
+    archive.integers("performance/counts", vec![view.performance.steps, peak]);
+    archive
+}
+
+fn read_checkpoint(path: &Path, provenance: &Provenance) -> Result<Checkpoint, RunError> {
+    let archive = ArchiveFile::open(path, CHECKPOINT)?;
+    let (stored, _) = origin::get(&archive)?;
+    if let Some(reason) = provenance.difference(&stored) {
+        return Err(RunError::Mismatch { path: path.to_owned(), reason });
+    }
+    Ok(Checkpoint {
+        state: read_state(&archive)?,
+        samples: read_samples(&archive)?,
+        snapshots: read_snapshot_index(&archive)?,
+        performance: read_performance(&archive)?,
+    })
+}
+
+fn read_state(archive: &ArchiveFile) -> Result<CheckpointState, RunError> {
+    let mut state = CheckpointState::default();
+    for section in archive.names() {
+        let Some(name) = section.strip_prefix("state/") else { continue };
+        if archive.holds_integers(section) {
+            state.integers.push((name.to_owned(), archive.integers(section)?));
+        } else {
+            state.reals.push((name.to_owned(), archive.reals(section)?));
+        }
+    }
+    Ok(state)
+}
+
+fn read_samples(archive: &ArchiveFile) -> Result<Samples, RunError> {
+    let columns =
+        CHANNELS.iter().map(|channel| archive.reals(&format!("samples/{}", channel.name)));
+    Samples::from_columns(columns.collect::<Result<_, _>>()?)
+        .ok_or_else(|| archive.damaged("its channels differ in length".to_owned()))
+}
+
+fn read_snapshot_index(archive: &ArchiveFile) -> Result<Vec<SnapshotInfo>, RunError> {
+    let times = archive.reals("snapshots/time")?;
+    let counts = archive.integers("snapshots/step_and_particles")?;
+    let counts = counts.as_chunks().0;
+    let index = times.iter().zip(counts).map(|(&time, &[step, particles])| SnapshotInfo {
+        time,
+        step,
+        particles: particles as usize,
+    });
+    Ok(index.collect())
+}
+
+fn read_performance(archive: &ArchiveFile) -> Result<Performance, RunError> {
+    let seconds = archive.reals("performance/seconds")?;
+    let counts = archive.integers("performance/counts")?;
+    let (&[wall_seconds, cpu], &[steps, peak]) = (seconds.as_slice(), counts.as_slice()) else {
+        return Err(archive.damaged("`performance` has the wrong length".to_owned()));
+    };
+    Ok(Performance {
+        steps,
+        wall_seconds,
+        cpu_seconds: Some(cpu).filter(|cpu| !cpu.is_nan()),
+        peak_memory_bytes: Some(peak).filter(|peak| *peak > 0),
+        ..Performance::default()
+    })
+}
