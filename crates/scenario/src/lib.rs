@@ -1,1 +1,67 @@
-//! Placeholder until its first content lands.
+//! Scenario files: TOML text to a validated [`sphcut_sph::Setup`] in SI units.
+//!
+//! Every section is a table of keys ([`reference`] prints them all); parser,
+//! error messages, JSON schema and reference page read the same tables, and
+//! the keys of laws and options come from the parameter tables of the laws.
+//! All mistakes of a file are reported in one go, each at its place.
+
+mod bodies;
+mod cut;
+mod files;
+mod library;
+mod material;
+mod outline;
+mod placement;
+mod problem;
+mod reader;
+mod scenario;
+mod section;
+mod sections;
+mod shared;
+mod spelling;
+pub mod tool_geometry;
+mod units;
+mod warnings;
+
+pub use files::OutsideFiles;
+pub use problem::{Colours, Mistake, Problem};
+pub use reader::{Origin, ResolvedEntry};
+pub use scenario::{Output, Scenario, Steady, Stop, load, parse};
+pub use units::UnitError;
+
+use problem::Source;
+use reader::Findings;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// How a scenario is loaded.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LoadOptions {
+    /// Whether it may name files outside its own directory.
+    pub outside_files: OutsideFiles,
+}
+
+/// Name and text of every shipped material.
+#[must_use]
+pub fn shipped_materials() -> &'static [(&'static str, &'static str)] {
+    library::MATERIALS
+}
+
+/// Syntax errors of the TOML parser as problems.
+fn report_syntax(findings: &mut Findings, source: &Arc<Source>, errors: &[toml::de::Error]) {
+    for error in errors.iter().take(MOST_SYNTAX_ERRORS) {
+        let message = error.message().replace('\n', "; ");
+        let span = error.span().unwrap_or(0..0);
+        findings.problem(source, span, Mistake::Syntax { message });
+    }
+}
+
+/// More would bury the first one, from which the others usually follow.
+const MOST_SYNTAX_ERRORS: usize = 10;
+
+/// The first line that is not empty: the place of what concerns the file as a whole.
+fn first_line(text: &str) -> Range<usize> {
+    let start = text.len() - text.trim_start().len();
+    let length = text[start..].find('\n').unwrap_or(text.len() - start);
+    start..start + length
+}

@@ -1,0 +1,282 @@
+//! Bodies, supports and a wall: scenarios with a known answer.
+
+use crate::material::Shelf;
+use crate::problem::Mistake;
+use crate::reader::{self, Findings, Record};
+use crate::sections::{self, SHAPE_KEYS};
+use crate::shared;
+use sphcut_physics::{Values, friction};
+use sphcut_sph::setup::{Body, Material, Shape, Support, Tool, ToolSurface, VelocityField};
+
+/// All `[[body]]` tables with their materials; `None` after a mistake.
+pub(crate) fn bodies(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    shelf: &mut Shelf<'_>,
+    dimension: usize,
+) -> Option<(Vec<Body>, Vec<Material>)> {
+    let mut bodies = Vec::new();
+    let mut materials = Vec::new();
+    let tables = root.tables("body");
+    let count = tables.len();
+    for table in tables {
+        let record = reader::read(findings, &root.source, table, &sections::body(), dimension);
+        let material = shelf.material(findings, &record);
+        let shape = shape(findings, &record, dimension);
+        let velocity = velocity(findings, &record, dimension);
+        if let (Some(material), Some(shape), Some(velocity)) = (material, shape, velocity) {
+            let (Some(name), Some(temperature)) =
+                (record.text("name"), record.number("temperature"))
+            else {
+                continue;
+            };
+            bodies.push(Body {
+                name: name.to_owned(),
+                material: materials.len(),
+                shape,
+                velocity,
+                temperature,
+            });
+            materials.push(material);
+        }
+    }
+    (bodies.len() == count).then_some((bodies, materials))
+}
+
+/// All `[[support]]` tables.
+pub(crate) fn supports(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    dimension: usize,
+) -> Option<Vec<Support>> {
+    let mut supports = Vec::new();
+    let tables = root.tables("support");
+    let count = tables.len();
+    for table in tables {
+        let record = reader::read(findings, &root.source, table, &sections::support(), dimension);
+        let region = shape(findings, &record, dimension);
+        let mut velocity = [None; 3];
+        for (component, given) in
+            velocity.iter_mut().zip(record.partial_vector("velocity").unwrap_or_default())
+        {
+            *component = *given;
+        }
+        let temperature = record.number("temperature");
+        if !record.is_written("velocity") && !record.is_written("temperature") {
+            let mistake = Mistake::Contradiction {
+                message:
+                    "this support holds nothing: neither `velocity` nor `temperature` is given"
+                        .to_owned(),
+                help: "for example: velocity = [\"0 m/s\", \"free\"]".to_owned(),
+            };
+            findings.problem(&record.source, record.heading.clone(), mistake);
+        }
+        if let (Some(region), Some(name)) = (region, record.text("name")) {
+            supports.push(Support { name: name.to_owned(), region, velocity, temperature });
+        }
+    }
+    (supports.len() == count).then_some(supports)
+}
+
+/// `[wall]`: a half space that is all tool.
+pub(crate) fn wall(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    dimension: usize,
+) -> Option<Option<Tool>> {
+    let Some(table) = root.table("wall") else { return Some(None) };
+    let record = reader::read(findings, &root.source, table, &sections::wall(), dimension);
+    let friction = match record.table("friction") {
+        Some(table) => shared::friction(findings, &record, table),
+        None => Some(frictionless()),
+    };
+    let normal = record.vector("normal")?;
+    let length = normal.iter().map(|component| component * component).sum::<f64>().sqrt();
+    if !(length > 1e-100 && length.is_finite()) {
+        let mistake = Mistake::Contradiction {
+            message: "`normal` has no direction".to_owned(),
+            help: "for example: normal = [0, 1]".to_owned(),
+        };
+        findings.problem(&record.source, record.span("normal"), mistake);
+        return None;
+    }
+    let velocity = match record.is_written("velocity") {
+        true => record.vector("velocity")?,
+        false => [0.0; 3],
+    };
+    let (friction, friction_values) = friction?;
+    Some(Some(Tool {
+        surface: ToolSurface::HalfSpace {
+            point: record.vector("point")?,
+            normal: normal.map(|component| component / length),
+        },
+        velocity,
+        edge_radius: None,
+        friction,
+        friction_values,
+    }))
+}
+
+/// Coulomb friction with the coefficient zero.
+fn frictionless() -> (&'static friction::FrictionEntry, Values) {
+    let law = friction::find("coulomb").expect("the catalogue has Coulomb friction");
+    let values = Values::resolve(law.parameters, &[("friction_coefficient", 0.0)])
+        .expect("no friction is in the range of Coulomb friction");
+    (law, values)
+}
+
+/// The shape of a body or a support.
+fn shape(findings: &mut Findings, record: &Record<'_>, dimension: usize) -> Option<Shape> {
+    let kind = record.text("shape")?;
+    refuse_keys_of_other_shapes(findings, record, kind);
+    match kind {
+        "box" => {
+            require_shape_keys(findings, record, &["min", "max"]);
+            box_shape(findings, record, dimension)
+        }
+        _ => {
+            let needed: &[&str] = if dimension == 3 {
+                &["centre", "radius", "length"]
+            } else {
+                &["centre", "radius"]
+            };
+            require_shape_keys(findings, record, needed);
+            cylinder(findings, record, dimension)
+        }
+    }
+}
+
+fn refuse_keys_of_other_shapes(findings: &mut Findings, record: &Record<'_>, kind: &str) {
+    for (other, keys) in SHAPE_KEYS.iter().filter(|shape| shape.0 != kind) {
+        for key in keys.iter().filter(|key| record.is_written(key)) {
+            let mistake = Mistake::Contradiction {
+                message: format!("`{key}` belongs to the shape `{other}`, this is a `{kind}`"),
+                help: "remove it or change `shape`".to_owned(),
+            };
+            findings.problem(&record.source, record.span(key), mistake);
+        }
+    }
+}
+
+fn require_shape_keys(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
+    let section = if record.section == "body" { sections::body() } else { sections::support() };
+    for key in keys.iter().filter(|key| !record.is_written(key)) {
+        let field = section.field(key).expect("the caller names keys of a shape");
+        findings.problem(&record.source, record.heading.clone(), reader::missing(&section, field));
+    }
+}
+
+fn box_shape(findings: &mut Findings, record: &Record<'_>, dimension: usize) -> Option<Shape> {
+    let (min, max) = (record.vector("min")?, record.vector("max")?);
+    if (0..dimension).any(|axis| min[axis] >= max[axis]) {
+        let mistake = Mistake::Contradiction {
+            message: "`max` must lie above `min` in every component".to_owned(),
+            help: "exchange or correct the corners".to_owned(),
+        };
+        findings.problem(&record.source, record.span("max"), mistake);
+        return None;
+    }
+    let rotation = match record.is_written("rotation") {
+        true => record.number("rotation")?,
+        false => 0.0,
+    };
+    Some(Shape::Box { min, max, rotation, mirrored: false })
+}
+
+fn cylinder(findings: &mut Findings, record: &Record<'_>, dimension: usize) -> Option<Shape> {
+    let radius = record.number("radius")?;
+    let inner_radius = match record.is_written("inner_radius") {
+        true => record.number("inner_radius")?,
+        false => 0.0,
+    };
+    if inner_radius >= radius {
+        let mistake = Mistake::Contradiction {
+            message: "`inner_radius` must be smaller than `radius`".to_owned(),
+            help: "a full disc has no inner_radius".to_owned(),
+        };
+        findings.problem(&record.source, record.span("inner_radius"), mistake);
+        return None;
+    }
+    if dimension == 2 && record.is_written("length") {
+        let mistake = Mistake::Contradiction {
+            message: "a disc in the plane has no `length`".to_owned(),
+            help: "remove it, or set dimension = 3".to_owned(),
+        };
+        findings.problem(&record.source, record.span("length"), mistake);
+        return None;
+    }
+    // A plane disc has no length: the solver ignores it.
+    let length = if dimension == 3 { record.number("length")? } else { 0.0 };
+    Some(Shape::Cylinder { centre: record.vector("centre")?, radius, inner_radius, length })
+}
+
+/// The initial velocity of a body.
+fn velocity(
+    findings: &mut Findings,
+    owner: &Record<'_>,
+    dimension: usize,
+) -> Option<VelocityField> {
+    if !owner.is_written("velocity") {
+        return Some(VelocityField::Uniform([0.0; 3]));
+    }
+    let table = owner.table("velocity")?;
+    let field = table.0.get("field").and_then(|field| field.get_ref().as_str()).unwrap_or("");
+    let known = sections::VELOCITY_FIELDS.contains(&field);
+    let section = sections::velocity(field);
+    if !known && table.0.contains_key("field") {
+        // Only the field itself is a mistake: the other keys cannot be judged without it.
+        report_unknown_field(findings, owner, table.0, field);
+        return None;
+    }
+    let record = reader::read(findings, &owner.source, table, &section, dimension);
+    match field {
+        "uniform" => Some(VelocityField::Uniform(record.vector("value")?)),
+        "rotation" => Some(VelocityField::Rotation {
+            centre: record.vector("centre")?,
+            angular_velocity: record.number("angular_velocity")?,
+        }),
+        "cantilever_mode" => Some(VelocityField::CantileverMode {
+            clamp: record.number("clamp")?,
+            length: record.number("length")?,
+            amplitude: record.number("amplitude")?,
+        }),
+        "longitudinal_sine" => Some(VelocityField::LongitudinalSine {
+            amplitude: record.number("amplitude")?,
+            wavelength: record.number("wavelength")?,
+        }),
+        _ => None,
+    }
+}
+
+fn report_unknown_field(
+    findings: &mut Findings,
+    owner: &Record<'_>,
+    table: &toml::de::DeTable<'_>,
+    field: &str,
+) {
+    let choices = sections::VELOCITY_FIELDS;
+    let mistake = Mistake::NotAChoice {
+        key: "field".to_owned(),
+        word: field.to_owned(),
+        nearest: crate::spelling::nearest(field, choices.iter().copied()).map(str::to_owned),
+        allowed: choices.iter().map(|word| (*word).to_owned()).collect(),
+    };
+    let span = table.get("field").map_or(owner.heading.clone(), toml::Spanned::span);
+    findings.problem(&owner.source, span, mistake);
+}
+
+/// Particles of all bodies, from their volumes.
+pub(crate) fn particle_count(bodies: &[Body], spacing: f64, dimension: usize) -> f64 {
+    bodies.iter().map(|body| volume(&body.shape, dimension)).sum::<f64>()
+        / spacing.powi(if dimension == 3 { 3 } else { 2 })
+}
+
+fn volume(shape: &Shape, dimension: usize) -> f64 {
+    match shape {
+        Shape::Box { min, max, .. } => (0..dimension).map(|axis| max[axis] - min[axis]).product(),
+        Shape::Cylinder { radius, inner_radius, length, .. } => {
+            let area = std::f64::consts::PI * (radius * radius - inner_radius * inner_radius);
+            if dimension == 3 { area * length } else { area }
+        }
+    }
+}

@@ -1,0 +1,380 @@
+//! The orthogonal cut: [workpiece], [tool], [process], [boundaries].
+
+use crate::files::{LARGEST_OUTLINE, Surroundings};
+use crate::material::Shelf;
+use crate::outline;
+use crate::placement::{Handedness, Placement};
+use crate::problem::Mistake;
+use crate::reader::{self, Findings, Record};
+use crate::shared::{self, Resolution};
+use crate::tool_geometry::{EdgeGeometry, shift_to_gap};
+use crate::{sections, warnings};
+use sphcut_physics::Values;
+use sphcut_physics::friction::FrictionEntry;
+use sphcut_sph::setup::{Body, Material, Setup, Support, Tool, ToolSurface, Vector, VelocityField};
+
+/// `[process]`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Process {
+    pub(crate) cutting_speed: f64,
+    pub(crate) uncut_chip_thickness: f64,
+    pub(crate) width_of_cut: f64,
+    pub(crate) placement: Placement,
+}
+
+/// `[workpiece]`.
+#[derive(Debug)]
+pub(crate) struct Workpiece {
+    pub(crate) material: Material,
+    pub(crate) length: f64,
+    pub(crate) height: f64,
+    pub(crate) temperature: f64,
+}
+
+/// `[tool]` before it is placed.
+#[derive(Debug)]
+pub(crate) struct ToolShape {
+    pub(crate) edge_radius: Option<f64>,
+    polygon: Vec<[f64; 2]>,
+    friction: (&'static FrictionEntry, Values),
+}
+
+/// A side of the workpiece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Hold {
+    Fixed,
+    Sliding,
+    Free,
+}
+
+/// A held side: its name, how it is held, at what temperature.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Side {
+    name: &'static str,
+    hold: Hold,
+    temperature: Option<f64>,
+}
+
+/// The end of a cut.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CutEnd {
+    pub(crate) travel: f64,
+    pub(crate) sampling_travel: f64,
+}
+
+/// Everything read, before it is put together.
+pub(crate) struct Cut {
+    pub(crate) process: Process,
+    pub(crate) workpiece: Workpiece,
+    pub(crate) tool: ToolShape,
+    pub(crate) resolution: Resolution,
+    pub(crate) end: CutEnd,
+    sides: Vec<Side>,
+    layers: f64,
+}
+
+/// `[process]`; read first because presets and the tool depend on it.
+pub(crate) fn process(findings: &mut Findings, root: &Record<'_>) -> Option<Process> {
+    let record =
+        reader::read(findings, &root.source, root.table("process")?, &sections::process(), 2);
+    let mirrored = record.switch("mirrored");
+    Some(Process {
+        cutting_speed: record.number("cutting_speed")?,
+        uncut_chip_thickness: record.number("uncut_chip_thickness")?,
+        width_of_cut: record.number("width_of_cut")?,
+        placement: Placement {
+            rotation: record.number("orientation")?,
+            handedness: if mirrored? { Handedness::Mirrored } else { Handedness::Kept },
+        },
+    })
+}
+
+/// `[workpiece]`.
+pub(crate) fn workpiece(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    shelf: &mut Shelf<'_>,
+) -> Option<Workpiece> {
+    let record =
+        reader::read(findings, &root.source, root.table("workpiece")?, &sections::workpiece(), 2);
+    let material = shelf.material(findings, &record);
+    Some(Workpiece {
+        material: material?,
+        length: record.number("length")?,
+        height: record.number("height")?,
+        temperature: record.number("temperature")?,
+    })
+}
+
+/// `[tool]`. `scale` is a length that the faces must exceed, usually the travel.
+pub(crate) fn tool(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    surroundings: &Surroundings,
+    process: Option<Process>,
+    sizes: Option<(f64, f64)>,
+) -> Option<ToolShape> {
+    let record = reader::read(findings, &root.source, root.table("tool")?, &sections::tool(), 2);
+    let friction =
+        record.table("friction").and_then(|table| shared::friction(findings, &record, table));
+    let edge_radius = record.number("edge_radius");
+    if record.is_written("outline") {
+        refuse_angles_beside_outline(findings, &record);
+        let polygon = read_outline(findings, &record, surroundings, process)?;
+        return Some(ToolShape { edge_radius, polygon, friction: friction? });
+    }
+    require(findings, &record, &["rake_angle", "clearance_angle", "edge_radius"]);
+    let (particle_spacing, travel) = sizes?;
+    let geometry = EdgeGeometry {
+        rake_angle: record.number("rake_angle")?,
+        clearance_angle: record.number("clearance_angle")?,
+        edge_radius: edge_radius?,
+        uncut_chip_thickness: process?.uncut_chip_thickness,
+        face_length: face_length(process?.uncut_chip_thickness, travel, edge_radius?),
+        particle_spacing,
+    };
+    check_wedge(findings, &record, &geometry)?;
+    Some(ToolShape { edge_radius, polygon: geometry.polygon(), friction: friction? })
+}
+
+/// Long enough for a chip as long as the travel that stays straight on the rake face.
+fn face_length(uncut_chip_thickness: f64, travel: f64, edge_radius: f64) -> f64 {
+    (10.0 * uncut_chip_thickness).max(travel + 5.0 * uncut_chip_thickness) + 5.0 * edge_radius
+}
+
+/// Smallest wedge angle that leaves a tool to speak of.
+const SMALLEST_WEDGE: f64 = 5.0 / 180.0 * std::f64::consts::PI;
+
+fn check_wedge(findings: &mut Findings, record: &Record<'_>, tool: &EdgeGeometry) -> Option<()> {
+    if tool.wedge_angle() >= SMALLEST_WEDGE {
+        return Some(());
+    }
+    let mistake = Mistake::Contradiction {
+        message: format!(
+            "rake and clearance angle leave a wedge of {} deg: the tool has no body",
+            crate::units::significant(tool.wedge_angle().to_degrees())
+        ),
+        help: "rake_angle + clearance_angle must stay below 85 deg".to_owned(),
+    };
+    findings.problem(&record.source, record.span("rake_angle"), mistake);
+    None
+}
+
+/// Reports each of `keys` that is not written.
+pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
+    let all = [sections::tool(), sections::stop()];
+    for key in keys.iter().filter(|key| !record.is_written(key)) {
+        let section = all.iter().find(|section| section.name == record.section);
+        let field = section.and_then(|section| Some((section, section.field(key)?)));
+        if let Some((section, field)) = field {
+            let mistake = reader::missing(section, field);
+            findings.problem(&record.source, record.heading.clone(), mistake);
+        }
+    }
+}
+
+fn refuse_angles_beside_outline(findings: &mut Findings, record: &Record<'_>) {
+    for key in ["rake_angle", "clearance_angle"] {
+        if record.is_written(key) {
+            let mistake = Mistake::Contradiction {
+                message: format!(
+                    "`{key}` and `outline` exclude each other: the outline has its own angles"
+                ),
+                help: "keep one of them; edge_radius may stay, for reports".to_owned(),
+            };
+            findings.problem(&record.source, record.span(key), mistake);
+        }
+    }
+}
+
+/// The outline moved so that its lowest point lies at y = -h.
+fn read_outline(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    surroundings: &Surroundings,
+    process: Option<Process>,
+) -> Option<Vec<[f64; 2]>> {
+    let path = record.text("outline")?;
+    let read = surroundings.read(path, LARGEST_OUTLINE).and_then(|text| {
+        let help = "a header line, then the corners as x, y in mm, the rake face towards +x";
+        outline::parse(&text).map_err(|reason| {
+            Box::new(Mistake::File { path: path.to_owned(), reason, help: help.to_owned() })
+        })
+    });
+    match read {
+        Ok(points) => {
+            let lowest = points.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+            let depth = process?.uncut_chip_thickness;
+            Some(points.iter().map(|point| [point[0], point[1] - lowest - depth]).collect())
+        }
+        Err(mistake) => {
+            findings.problem(&record.source, record.span("outline"), *mistake);
+            None
+        }
+    }
+}
+
+/// `[boundaries]`: the held sides and the number of rows that belong to them.
+pub(crate) fn boundaries(findings: &mut Findings, root: &Record<'_>) -> Option<(Vec<Side>, f64)> {
+    shared::optional_section(findings, root, &sections::boundaries(), 2, |_, record| {
+        let side = |name, temperature| {
+            let hold = match record.text(name)? {
+                "fixed" => Hold::Fixed,
+                "sliding" => Hold::Sliding,
+                _ => Hold::Free,
+            };
+            Some(Side { name, hold, temperature: record.number(temperature) })
+        };
+        let sides = [side("bottom", "bottom_temperature")?, side("back", "back_temperature")?];
+        // At most 20 rows: exact.
+        let layers = record.count("layers")? as f64;
+        Some((sides.to_vec(), layers))
+    })
+}
+
+impl Cut {
+    pub(crate) fn new(
+        process: Process,
+        workpiece: Workpiece,
+        tool: ToolShape,
+        resolution: Resolution,
+        end: CutEnd,
+        (sides, layers): (Vec<Side>, f64),
+    ) -> Self {
+        Self { process, workpiece, tool, resolution, end, sides, layers }
+    }
+
+    /// What cannot be built, however well each value looks alone.
+    pub(crate) fn check(&self, findings: &mut Findings, root: &Record<'_>) {
+        let spacing = self.resolution.particle_spacing;
+        let particles = self.workpiece.length / spacing * (self.workpiece.height / spacing);
+        shared::check_particle_count(findings, root, particles);
+        let depth = self.process.uncut_chip_thickness;
+        let held = self.layers * spacing;
+        let room = [
+            (
+                "workpiece",
+                "height",
+                self.workpiece.height,
+                depth + held,
+                "the uncut chip thickness and the held rows",
+            ),
+            (
+                "workpiece",
+                "length",
+                self.workpiece.length,
+                self.end.travel + held,
+                "the travel and the held rows",
+            ),
+        ];
+        for (section, key, value, needed, what) in room {
+            if value <= needed {
+                self.no_room(findings, root, (section, key), value, needed, what);
+            }
+        }
+        if spacing > depth {
+            let mistake = Mistake::Contradiction {
+                message: "the particle spacing is larger than the uncut chip thickness".to_owned(),
+                help: "a chip needs at least 5 particles across it: preset = \"draft\"".to_owned(),
+            };
+            let span = root.table("resolution").map_or(root.heading.clone(), |table| table.1);
+            findings.problem(&root.source, span, mistake);
+        }
+    }
+
+    fn no_room(
+        &self,
+        findings: &mut Findings,
+        root: &Record<'_>,
+        (section, key): (&str, &str),
+        value: f64,
+        needed: f64,
+        what: &str,
+    ) {
+        let millimetres = |length: f64| crate::units::significant(length * 1e3);
+        let mistake = Mistake::Contradiction {
+            message: format!(
+                "{key} = {} mm leaves no room for {what}: {} mm",
+                millimetres(value),
+                millimetres(needed)
+            ),
+            help: format!("enlarge `{key}` of [{section}], or reduce the others"),
+        };
+        let table = root.table(section);
+        let span = table
+            .and_then(|(table, _)| Some(table.get(key)?.span()))
+            .unwrap_or_else(|| root.heading.clone());
+        findings.problem(&root.source, span, mistake);
+    }
+
+    /// The setup of the solver, apart from options that all scenarios share.
+    pub(crate) fn fill(&self, setup: &mut Setup) {
+        let placement = self.process.placement;
+        setup.materials = vec![self.workpiece.material.clone()];
+        setup.bodies = vec![Body {
+            name: "workpiece".to_owned(),
+            material: 0,
+            shape: placement.rectangle([0.0, -self.workpiece.height], [self.workpiece.length, 0.0]),
+            velocity: VelocityField::Uniform([0.0; 3]),
+            temperature: self.workpiece.temperature,
+        }];
+        setup.supports = self.sides.iter().filter_map(|side| self.support(*side)).collect();
+        setup.tool = Some(self.placed_tool(setup.contact.get("start_gap")));
+        setup.frame = placement.frame();
+        setup.width_of_cut = self.process.width_of_cut;
+        setup.uncut_chip_thickness = Some(self.process.uncut_chip_thickness);
+        setup.sampling_interval = self.end.sampling_travel / self.process.cutting_speed;
+    }
+
+    fn support(&self, side: Side) -> Option<Support> {
+        if side.hold == Hold::Free && side.temperature.is_none() {
+            return None;
+        }
+        let depth = self.layers * self.resolution.particle_spacing;
+        let (length, height) = (self.workpiece.length, self.workpiece.height);
+        let (min, max, normal) = match side.name {
+            "bottom" => ([0.0, -height], [length, depth - height], 1),
+            _ => ([length - depth, -height], [length, 0.0], 0),
+        };
+        let mut velocity = [None; 3];
+        match side.hold {
+            Hold::Fixed => velocity = [Some(0.0); 3],
+            Hold::Sliding => velocity[normal] = Some(0.0),
+            Hold::Free => {}
+        }
+        Some(Support {
+            name: side.name.to_owned(),
+            region: self.process.placement.rectangle(min, max),
+            velocity,
+            temperature: side.temperature,
+        })
+    }
+
+    fn placed_tool(&self, start_gap: f64) -> Tool {
+        let gap = start_gap * self.resolution.particle_spacing;
+        let polygon = &self.tool.polygon;
+        let shift = shift_to_gap(polygon, self.workpiece.length, self.workpiece.height, gap);
+        let local: Vec<[f64; 2]> =
+            polygon.iter().map(|point| [point[0] + shift, point[1]]).collect();
+        let speed: Vector = [self.process.cutting_speed, 0.0, 0.0];
+        Tool {
+            surface: ToolSurface::Polygon(self.process.placement.polygon(&local)),
+            velocity: self.process.placement.vector(speed),
+            edge_radius: self.tool.edge_radius,
+            friction: self.tool.friction.0,
+            friction_values: self.tool.friction.1.clone(),
+        }
+    }
+
+    /// What the user should know before trusting the run.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        warnings::cut(&warnings::CutFigures {
+            uncut_chip_thickness: self.process.uncut_chip_thickness,
+            edge_radius: self.tool.edge_radius,
+            particle_spacing: self.resolution.particle_spacing,
+            travel: self.end.travel,
+            length: self.workpiece.length,
+            height: self.workpiece.height,
+        })
+    }
+}

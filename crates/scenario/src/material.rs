@@ -1,0 +1,391 @@
+//! Materials: from the library, from a file beside the scenario, or inline,
+//! with single values overridden.
+
+use crate::files::{LARGEST_TEXT, Surroundings};
+use crate::problem::{Mistake, Source};
+use crate::reader::{self, Defaults, Findings, Record};
+use crate::section::Presence;
+use crate::{library, sections, spelling};
+use sphcut_physics::elasticity::ElasticModuli;
+use sphcut_physics::flow_stress::{self, FlowStressEntry};
+use sphcut_physics::{ParameterError, Values};
+use sphcut_sph::setup::Material;
+use std::ops::Range;
+use std::sync::Arc;
+use toml::de::DeTable;
+
+/// Where the materials of a scenario come from.
+pub(crate) struct Shelf<'t> {
+    pub(crate) source: Arc<Source>,
+    pub(crate) surroundings: &'t Surroundings,
+    /// Whether any heat mechanism acts, so that thermal properties are needed.
+    pub(crate) heat_acts: bool,
+    /// Materials read so far, those of `[materials]` first; `None` after a mistake.
+    drafts: Vec<(String, Option<Draft>)>,
+}
+
+/// Values of a material before the override is applied.
+#[derive(Debug, Clone, Default)]
+struct Draft {
+    title: String,
+    numbers: Vec<(&'static str, f64)>,
+    law: Option<&'static FlowStressEntry>,
+    law_numbers: Vec<(&'static str, f64)>,
+}
+
+impl Draft {
+    fn set(&mut self, numbers: &[(&'static str, f64)], law_numbers: &[(&'static str, f64)]) {
+        for (target, given) in [(&mut self.numbers, numbers), (&mut self.law_numbers, law_numbers)]
+        {
+            for (key, value) in given {
+                target.retain(|(known, _)| known != key);
+                target.push((key, *value));
+            }
+        }
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        self.numbers.iter().find(|number| number.0 == key).map(|number| number.1)
+    }
+}
+
+impl<'t> Shelf<'t> {
+    /// A shelf with the materials of the scenario's own `[materials]`.
+    pub(crate) fn new(
+        findings: &mut Findings,
+        root: &Record<'_>,
+        surroundings: &'t Surroundings,
+        heat_acts: bool,
+    ) -> Self {
+        let source = Arc::clone(&root.source);
+        let mut shelf = Self { source, surroundings, heat_acts, drafts: Vec::new() };
+        let Some((own, _)) = root.table("materials") else { return shelf };
+        for (key, value) in own {
+            let name = key.get_ref().as_ref();
+            if library::find(name).is_some() {
+                let mistake = Mistake::Contradiction {
+                    message: format!("`{name}` is already the name of a shipped material"),
+                    help: "choose another name, or change single values with `override`".to_owned(),
+                };
+                findings.problem(&root.source, key.span(), mistake);
+            }
+            let Some(table) = value.get_ref().as_table() else {
+                let mistake = Mistake::WrongType {
+                    key: name.to_owned(),
+                    expected: format!("a table: [materials.{name}]"),
+                    found: "a single value",
+                };
+                findings.problem(&root.source, value.span(), mistake);
+                continue;
+            };
+            let section = format!("materials.{name}");
+            let before = findings.problems.len();
+            let draft = read_draft(
+                findings,
+                &root.source,
+                (table, key.span()),
+                &section,
+                name,
+                Sources::Free,
+            );
+            let good = findings.problems.len() == before;
+            shelf.drafts.push((name.to_owned(), good.then_some(draft)));
+        }
+        shelf
+    }
+
+    /// The material of `owner` (a workpiece or a body); `None` after a mistake.
+    pub(crate) fn material(
+        &mut self,
+        findings: &mut Findings,
+        owner: &Record<'_>,
+    ) -> Option<Material> {
+        let before = findings.problems.len();
+        let mut draft = self.chosen(findings, owner)?;
+        if let Some(table) = owner.table("override") {
+            self.apply_override(findings, owner, table, &mut draft);
+        }
+        if findings.problems.len() > before {
+            return None;
+        }
+        self.finished(findings, owner, &draft)
+    }
+
+    fn chosen(&mut self, findings: &mut Findings, owner: &Record<'_>) -> Option<Draft> {
+        if let Some(inline) = owner.table("material") {
+            let name = format!("{}.material", owner.section);
+            return Some(read_draft(findings, &self.source, inline, &name, &name, Sources::Free));
+        }
+        let name = owner.text("material")?;
+        if let Some(known) = self.drafts.iter().find(|draft| draft.0 == name) {
+            return known.1.clone();
+        }
+        let draft = match self.text(name) {
+            Ok(text) => read_file(findings, name, text),
+            Err(mistake) => {
+                findings.problem(&self.source, owner.span("material"), *mistake);
+                None
+            }
+        };
+        self.drafts.push((name.to_owned(), draft.clone()));
+        draft
+    }
+
+    fn text(&self, name: &str) -> Result<String, Box<Mistake>> {
+        if name.ends_with(".toml") {
+            return self.surroundings.read(name, LARGEST_TEXT);
+        }
+        library::find(name).map(str::to_owned).ok_or_else(|| Box::new(self.unknown(name)))
+    }
+
+    fn unknown(&self, name: &str) -> Mistake {
+        let mut allowed: Vec<String> = self.drafts.iter().map(|draft| draft.0.clone()).collect();
+        allowed.extend(library::names().map(str::to_owned));
+        allowed.dedup();
+        Mistake::NotAChoice {
+            key: "material".to_owned(),
+            word: name.to_owned(),
+            nearest: spelling::nearest(name, allowed.iter().map(String::as_str)).map(str::to_owned),
+            allowed,
+        }
+    }
+
+    fn apply_override(
+        &self,
+        findings: &mut Findings,
+        owner: &Record<'_>,
+        table: (&DeTable<'_>, Range<usize>),
+        draft: &mut Draft,
+    ) {
+        let name = format!("{}.override", owner.section);
+        let section = sections::material(&name).all_optional(&name, "Replaces single values.");
+        let record =
+            reader::read_with(findings, &self.source, table, &section, 2, Defaults::Ignore);
+        let mut law_numbers = Vec::new();
+        if let Some(flow) = record.table("flow_stress") {
+            law_numbers = self.override_flow_stress(findings, &name, flow, draft);
+        }
+        draft.set(&record.written_numbers(), &law_numbers);
+    }
+
+    /// Another law starts anew; the same law keeps the values that are not replaced.
+    fn override_flow_stress(
+        &self,
+        findings: &mut Findings,
+        name: &str,
+        flow: (&DeTable<'_>, Range<usize>),
+        draft: &mut Draft,
+    ) -> Vec<(&'static str, f64)> {
+        let name = format!("{name}.flow_stress");
+        let written = flow.0.get("law").and_then(|law| law.get_ref().as_str());
+        let law = written.and_then(flow_stress::find).or(draft.law);
+        if law.map(|law| law.key) != draft.law.map(|law| law.key) {
+            draft.law = law;
+            draft.law_numbers.clear();
+        }
+        let section =
+            sections::flow_stress(&name, law).all_optional(&name, "Replaces single values.");
+        reader::read_with(findings, &self.source, flow, &section, 2, Defaults::Ignore)
+            .written_numbers()
+    }
+
+    /// The material for the solver; what is still missing is reported at the owner.
+    fn finished(
+        &self,
+        findings: &mut Findings,
+        owner: &Record<'_>,
+        draft: &Draft,
+    ) -> Option<Material> {
+        let thermal = |findings: &mut Findings, key: &'static str| {
+            if let Some(value) = draft.number(key) {
+                return Some(value);
+            }
+            if !self.heat_acts {
+                // Nothing reads it where no heat is generated or conducted.
+                return Some(1.0);
+            }
+            let section = sections::material(&format!("{}.material", owner.section));
+            let field = section.field(key).expect("the caller names keys of the section");
+            let mut mistake = reader::missing(&section, field);
+            if let Mistake::Missing { meaning, .. } = &mut mistake {
+                *meaning = format!(
+                    "heat acts in this scenario; give the value or switch off plastic_heating, \
+                     friction_heating and conduction in [heat] ({meaning})"
+                );
+            }
+            findings.problem(&owner.source, owner.span("material"), mistake);
+            None
+        };
+        let specific_heat = thermal(findings, "specific_heat");
+        let thermal_conductivity = thermal(findings, "thermal_conductivity");
+        let law = draft.law?;
+        let flow_stress_values = match Values::resolve(law.parameters, &draft.law_numbers) {
+            Ok(values) => values,
+            Err(errors) => {
+                report_parameters(findings, owner, law, &errors);
+                return None;
+            }
+        };
+        check_temperatures(findings, owner, &flow_stress_values)?;
+        Some(Material {
+            name: draft.title.clone(),
+            density: draft.number("density")?,
+            moduli: ElasticModuli::from_young(
+                draft.number("young_modulus")?,
+                draft.number("poisson_ratio")?,
+            ),
+            specific_heat: specific_heat?,
+            thermal_conductivity: thermal_conductivity?,
+            flow_stress: law,
+            flow_stress_values,
+        })
+    }
+}
+
+/// After an override with another law, values may be missing.
+fn report_parameters(
+    findings: &mut Findings,
+    owner: &Record<'_>,
+    law: &'static FlowStressEntry,
+    errors: &[ParameterError],
+) {
+    let name = format!("{}.override.flow_stress", owner.section);
+    let section = sections::flow_stress(&name, Some(law));
+    for error in errors {
+        let mistake = match error {
+            ParameterError::Missing { key } => {
+                let field = section.field(key).expect("the table of the law is in the section");
+                reader::missing(&section, field)
+            }
+            other => Mistake::Contradiction { message: other.to_string(), help: String::new() },
+        };
+        findings.problem(&owner.source, owner.span("override"), mistake);
+    }
+}
+
+/// A melting temperature at or below the reference temperature has no meaning.
+fn check_temperatures(findings: &mut Findings, owner: &Record<'_>, values: &Values) -> Option<()> {
+    let of = |key: &str| values.iter().find(|value| value.0.key == key).map(|value| value.1);
+    let (Some(reference), Some(melting)) = (of("reference_temperature"), of("melting_temperature"))
+    else {
+        return Some(());
+    };
+    if melting > reference {
+        return Some(());
+    }
+    let mistake = Mistake::Contradiction {
+        message: format!(
+            "melting_temperature = {melting} K is not above reference_temperature = {reference} K"
+        ),
+        help: "check both temperatures and their units".to_owned(),
+    };
+    findings.problem(&owner.source, owner.span("material"), mistake);
+    None
+}
+
+/// Whether `[sources]` has to name each value.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sources {
+    Required,
+    Free,
+}
+
+/// Reads a material file; its own mistakes are shown in its own text.
+fn read_file(findings: &mut Findings, name: &str, text: String) -> Option<Draft> {
+    let shown = if name.ends_with(".toml") { name.to_owned() } else { format!("{name}.toml") };
+    let source = Arc::new(Source { name: shown, text });
+    let (document, errors) = DeTable::parse_recoverable(&source.text);
+    if !errors.is_empty() {
+        crate::report_syntax(findings, &source, &errors);
+        return None;
+    }
+    let heading = crate::first_line(&source.text);
+    let (problems, entries) = (findings.problems.len(), findings.description.len());
+    let table = (document.get_ref(), heading);
+    let draft = read_draft(findings, &source, table, "material", name, Sources::Required);
+    for entry in &mut findings.description[entries..] {
+        entry.section = entry.section.replacen("material", &format!("material {name}"), 1);
+    }
+    (findings.problems.len() == problems).then_some(draft)
+}
+
+fn read_draft(
+    findings: &mut Findings,
+    source: &Arc<Source>,
+    table: (&DeTable<'_>, Range<usize>),
+    section: &str,
+    name: &str,
+    sources: Sources,
+) -> Draft {
+    let record = reader::read(findings, source, table, &sections::material(section), 2);
+    let mut draft = Draft {
+        title: record.text("title").unwrap_or(name).to_owned(),
+        numbers: record.written_numbers(),
+        ..Draft::default()
+    };
+    if let Some(flow) = record.table("flow_stress") {
+        let flow_section = format!("{section}.flow_stress");
+        let written = flow.0.get("law").and_then(|law| law.get_ref().as_str());
+        draft.law = written.and_then(flow_stress::find);
+        if draft.law.is_some() || written.is_none() {
+            let section = sections::flow_stress(&flow_section, draft.law);
+            draft.law_numbers = reader::read(findings, source, flow, &section, 2).written_numbers();
+        } else {
+            read_unknown_law(findings, source, flow, &flow_section);
+        }
+    }
+    if sources == Sources::Required {
+        require_sources(findings, &record, draft.law);
+    }
+    draft
+}
+
+/// With an unknown law only the law itself is a mistake: its other keys cannot be judged.
+fn read_unknown_law(
+    findings: &mut Findings,
+    source: &Arc<Source>,
+    flow: (&DeTable<'_>, Range<usize>),
+    name: &str,
+) {
+    let mut section = sections::flow_stress(name, None);
+    for law in flow_stress::LAWS {
+        for field in sections::flow_stress(name, Some(law)).fields {
+            if section.field(field.key).is_none() {
+                section
+                    .fields
+                    .push(crate::section::Field { presence: Presence::Optional, ..field });
+            }
+        }
+    }
+    reader::read_with(findings, source, flow, &section, 2, Defaults::Ignore);
+}
+
+/// In a material file every value says where it comes from.
+fn require_sources(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    law: Option<&'static FlowStressEntry>,
+) {
+    let sources = record.table("sources");
+    let has = |key: &str| {
+        sources.as_ref().is_some_and(|(table, _)| {
+            let text = table.get(key).and_then(|value| value.get_ref().as_str());
+            text.is_some_and(|text| !text.trim().is_empty())
+        })
+    };
+    let mut keys: Vec<&'static str> =
+        record.written_numbers().iter().map(|number| number.0).collect();
+    if law.is_some_and(|law| !law.parameters.is_empty()) {
+        keys.push("flow_stress");
+    }
+    let heading = sources.as_ref().map_or_else(|| record.heading.clone(), |(_, span)| span.clone());
+    for key in keys.into_iter().filter(|key| !has(key)) {
+        let mistake = Mistake::Missing {
+            section: "sources".to_owned(),
+            key: key.to_owned(),
+            meaning: "where this value comes from".to_owned(),
+            example: format!("{key} = \"author, year, table\""),
+        };
+        findings.problem(&record.source, heading.clone(), mistake);
+    }
+}

@@ -1,0 +1,463 @@
+//! A scenario from its text.
+
+use crate::cut::{self, Cut, CutEnd};
+use crate::files::{self, LARGEST_TEXT, Surroundings};
+use crate::material::Shelf;
+use crate::problem::{Mistake, Problem, Source};
+use crate::reader::{self, Findings, Record, ResolvedEntry};
+use crate::shared::{self, Resolution, switch};
+use crate::{LoadOptions, bodies, sections};
+use sphcut_physics::Quantity;
+use sphcut_sph::Setup;
+use sphcut_sph::setup::{Dimension, Switch};
+use std::path::Path;
+use std::sync::Arc;
+use toml::de::DeTable;
+
+/// A scenario, ready to run.
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    /// What is simulated, in one line.
+    pub title: String,
+    /// File name without its ending.
+    pub name: String,
+    /// The text of the file, for provenance.
+    pub text: String,
+    /// What the solver needs.
+    pub setup: Setup,
+    /// What is recorded.
+    pub output: Output,
+    /// When the run ends.
+    pub stop: Stop,
+    /// Every key with its text and SI value, in the order of the sections.
+    pub description: Vec<ResolvedEntry>,
+    /// What the user should know before trusting the run.
+    pub warnings: Vec<String>,
+    /// The laws and effects that act: kind and name.
+    pub effects: Vec<(String, String)>,
+}
+
+/// What is recorded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Number of snapshots over the run.
+    pub snapshots: u32,
+    /// Wall-clock time between checkpoints in s.
+    pub checkpoint_seconds: f64,
+    /// Pictures in the report.
+    pub pictures: Switch,
+    /// Animation in the report.
+    pub animation: Switch,
+}
+
+/// When the run ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stop {
+    /// Simulated time in s.
+    pub time: f64,
+    /// Path of the tool in m; 0 without a moving tool.
+    pub travel: f64,
+    /// An earlier end, once the mean force is known well enough.
+    pub steady: Option<Steady>,
+}
+
+/// Condition of an early end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steady {
+    /// Half width of the 95 % interval of the mean cutting force over the mean.
+    pub relative_half_width: f64,
+    /// Travel in m before which the run never ends.
+    pub minimum_travel: f64,
+}
+
+/// Share of the run over which a force is averaged by default.
+const SAMPLES_BY_DEFAULT: f64 = 500.0;
+
+/// Reads the scenario file at `path`.
+///
+/// # Errors
+/// All mistakes of the file, in its order.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scenario, Vec<Problem>> {
+    let shown = path.display().to_string();
+    let text = files::read_text(path, LARGEST_TEXT).map_err(|reason| {
+        let mistake = Mistake::File { path: shown.clone(), reason, help: String::new() };
+        vec![Problem::without_text(&shown, mistake)]
+    })?;
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let directory = parent.unwrap_or(Path::new("."));
+    parse(&text, &shown, Some(directory), options)
+}
+
+/// Reads a scenario from `text`; `name` is shown in messages, `directory` is where the files that
+/// it names lie (`None`: it cannot name files).
+///
+/// # Errors
+/// All mistakes of the text, in its order.
+pub fn parse(
+    text: &str,
+    name: &str,
+    directory: Option<&Path>,
+    options: &LoadOptions,
+) -> Result<Scenario, Vec<Problem>> {
+    let mut findings = Findings::default();
+    let surroundings = Surroundings {
+        directory: directory.map(Path::to_path_buf),
+        outside: options.outside_files,
+    };
+    let source = Arc::new(Source { name: name.to_owned(), text: text.to_owned() });
+    let scenario = if text.len() as u64 > LARGEST_TEXT {
+        let message = format!("the scenario is larger than {} KiB", LARGEST_TEXT >> 10);
+        let help = "a scenario holds settings, not data".to_owned();
+        findings.problems.push(Problem::without_text(name, Mistake::TooLarge { message, help }));
+        None
+    } else {
+        read_document(&mut findings, &source, &surroundings)
+    };
+    match scenario {
+        Some(scenario) if findings.problems.is_empty() => Ok(scenario),
+        _ => Err(sorted(findings.problems, name)),
+    }
+}
+
+/// In the order of the file; those of material files behind those of the scenario.
+fn sorted(mut problems: Vec<Problem>, name: &str) -> Vec<Problem> {
+    problems.sort_by_key(|problem| (problem.file != name, problem.line, problem.column));
+    problems.dedup();
+    problems
+}
+
+fn read_document(
+    findings: &mut Findings,
+    source: &Arc<Source>,
+    surroundings: &Surroundings,
+) -> Option<Scenario> {
+    let (document, errors) = DeTable::parse_recoverable(&source.text);
+    if !errors.is_empty() {
+        crate::report_syntax(findings, source, &errors);
+        return None;
+    }
+    let heading = crate::first_line(&source.text);
+    let table = (document.get_ref(), heading);
+    let root = reader::read(findings, source, table, &sections::root(), 2);
+    match kind(findings, &root)? {
+        Kind::Cut => read_cut(findings, &root, surroundings),
+        Kind::Bodies => read_bodies(findings, &root, surroundings),
+    }
+}
+
+/// What a scenario is about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Cut,
+    Bodies,
+}
+
+const CUT_SECTIONS: [&str; 4] = ["workpiece", "tool", "process", "boundaries"];
+const BODY_SECTIONS: [&str; 3] = ["body", "support", "wall"];
+
+fn kind(findings: &mut Findings, root: &Record<'_>) -> Option<Kind> {
+    let first = |keys: &[&'static str]| keys.iter().copied().find(|key| root.is_written(key));
+    match (first(&CUT_SECTIONS), first(&BODY_SECTIONS)) {
+        (Some(_), None) => Some(Kind::Cut),
+        (None, Some(_)) => Some(Kind::Bodies),
+        (None, None) => {
+            let mistake = Mistake::Contradiction {
+                message: "there is nothing to simulate".to_owned(),
+                help:
+                    "a cut needs [workpiece], [tool] and [process]; other scenarios need [[body]]"
+                        .to_owned(),
+            };
+            findings.problem(&root.source, root.heading.clone(), mistake);
+            None
+        }
+        (Some(of_cut), Some(of_bodies)) => {
+            let mistake = Mistake::Contradiction {
+                message: format!("[{of_cut}] belongs to a cut, [{of_bodies}] does not"),
+                help: "a scenario has either [workpiece], [tool] and [process], or [[body]]"
+                    .to_owned(),
+            };
+            findings.problem(&root.source, root.span(of_bodies), mistake);
+            None
+        }
+    }
+}
+
+/// Reports each of the sections `keys` that is not there.
+fn require_sections(findings: &mut Findings, root: &Record<'_>, keys: &[&str]) {
+    let section = sections::root();
+    for key in keys.iter().filter(|key| !root.is_written(key)) {
+        let field = section.field(key).expect("the caller names sections of the file");
+        findings.problem(&root.source, root.heading.clone(), reader::missing(&section, field));
+    }
+}
+
+fn read_cut(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    surroundings: &Surroundings,
+) -> Option<Scenario> {
+    require_sections(findings, root, &["workpiece", "tool", "process"]);
+    if root.count("dimension") == Some(3) {
+        let mistake = Mistake::Contradiction {
+            message: "a cut is plane: dimension = 3 is for [[body]] scenarios".to_owned(),
+            help: "remove `dimension`".to_owned(),
+        };
+        findings.problem(&root.source, root.span("dimension"), mistake);
+    }
+    let common = Common::read(findings, root);
+    let mut shelf = Shelf::new(findings, root, surroundings, common.heat_acts());
+    let workpiece = cut::workpiece(findings, root, &mut shelf);
+    let process = cut::process(findings, root);
+    let depth = process.map(|process| process.uncut_chip_thickness);
+    let resolution = shared::resolution(findings, root, depth, root.is_written("process"));
+    let stop = read_stop(findings, root, Kind::Cut);
+    let output = read_output(findings, root, Kind::Cut, stop.as_ref());
+    let sizes = resolution.zip(stop.as_ref()).map(|(r, stop)| (r.particle_spacing, stop.extent));
+    let tool = cut::tool(findings, root, surroundings, process, sizes);
+    let boundaries = cut::boundaries(findings, root);
+    let (process, resolution, stop, output) = (process?, resolution?, stop?, output?);
+    let end = CutEnd { travel: stop.extent, sampling_travel: output.sampling };
+    let cut = Cut::new(process, workpiece?, tool?, resolution, end, boundaries?);
+    cut.check(findings, root);
+    if !findings.problems.is_empty() {
+        return None;
+    }
+    let time = stop.extent / process.cutting_speed;
+    findings.derived("stop", "time", Quantity::Time, time);
+    let mut setup = common.setup(Dimension::Two, resolution, time)?;
+    cut.fill(&mut setup);
+    let stop = Stop { time, travel: stop.extent, steady: stop.steady };
+    Some(finished(findings, root, setup, output.output, stop, cut.warnings()))
+}
+
+fn read_bodies(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    surroundings: &Surroundings,
+) -> Option<Scenario> {
+    require_sections(findings, root, &["body"]);
+    let dimension = if root.count("dimension") == Some(3) { 3 } else { 2 };
+    let common = Common::read(findings, root);
+    let mut shelf = Shelf::new(findings, root, surroundings, common.heat_acts());
+    let bodies = bodies::bodies(findings, root, &mut shelf, dimension);
+    let supports = bodies::supports(findings, root, dimension);
+    let wall = bodies::wall(findings, root, dimension);
+    let resolution = shared::resolution(findings, root, None, false);
+    let stop = read_stop(findings, root, Kind::Bodies);
+    let output = read_output(findings, root, Kind::Bodies, stop.as_ref());
+    let ((bodies, materials), resolution, stop, output) = (bodies?, resolution?, stop?, output?);
+    let particles = bodies::particle_count(&bodies, resolution.particle_spacing, dimension);
+    shared::check_particle_count(findings, root, particles)?;
+    let dimension = if dimension == 3 { Dimension::Three } else { Dimension::Two };
+    let mut setup = common.setup(dimension, resolution, stop.extent)?;
+    setup.bodies = bodies;
+    setup.materials = materials;
+    setup.supports = supports?;
+    setup.tool = wall?;
+    setup.sampling_interval = output.sampling;
+    let speed = setup.tool.as_ref().map_or([0.0; 3], |tool| tool.velocity);
+    let travel = speed[0].hypot(speed[1]).hypot(speed[2]) * stop.extent;
+    let stop = Stop { time: stop.extent, travel, steady: None };
+    Some(finished(findings, root, setup, output.output, stop, Vec::new()))
+}
+
+/// Options that every scenario has.
+struct Common {
+    heat: Option<sphcut_sph::setup::Heat>,
+    numerics: Option<sphcut_physics::Values>,
+    contact: Option<sphcut_physics::Values>,
+}
+
+impl Common {
+    fn read(findings: &mut Findings, root: &Record<'_>) -> Self {
+        Self {
+            heat: shared::heat(findings, root),
+            numerics: shared::numerics(findings, root),
+            contact: shared::contact(findings, root),
+        }
+    }
+
+    fn heat_acts(&self) -> bool {
+        self.heat.as_ref().is_some_and(|heat| {
+            [heat.plastic_heating, heat.friction_heating, heat.conduction]
+                .iter()
+                .any(|mechanism| mechanism.is_on())
+        })
+    }
+
+    fn setup(self, dimension: Dimension, resolution: Resolution, time: f64) -> Option<Setup> {
+        let empty = Setup::empty(dimension, resolution.particle_spacing, time);
+        Some(Setup {
+            heat: self.heat?,
+            numerics: self.numerics?,
+            contact: self.contact?,
+            discretisation: resolution.discretisation,
+            seed: resolution.seed,
+            ..empty
+        })
+    }
+}
+
+/// `[stop]` as read: a travel in m or a time in s.
+struct ReadStop {
+    extent: f64,
+    steady: Option<Steady>,
+}
+
+fn read_stop(findings: &mut Findings, root: &Record<'_>, kind: Kind) -> Option<ReadStop> {
+    let record = reader::read(findings, &root.source, root.table("stop")?, &sections::stop(), 2);
+    let (needed, refused): (&str, &[&str]) = match kind {
+        Kind::Cut => ("travel", &["time"]),
+        Kind::Bodies => ("time", &["travel", "steady"]),
+    };
+    cut::require(findings, &record, &[needed]);
+    refuse(findings, &record, refused, needed, kind);
+    let steady = match record.table("steady") {
+        Some(table) => Some(read_steady(findings, &record, table)?),
+        None => None,
+    };
+    Some(ReadStop { extent: record.number(needed)?, steady })
+}
+
+fn refuse(findings: &mut Findings, record: &Record<'_>, keys: &[&str], instead: &str, kind: Kind) {
+    let of = if kind == Kind::Cut { "a cut" } else { "a scenario of bodies" };
+    for key in keys.iter().filter(|key| record.is_written(key)) {
+        let mistake = Mistake::Contradiction {
+            message: format!("`{key}` has no meaning in {of}"),
+            help: format!("use `{instead}`"),
+        };
+        findings.problem(&record.source, record.span(key), mistake);
+    }
+}
+
+fn read_steady(
+    findings: &mut Findings,
+    stop: &Record<'_>,
+    table: (&DeTable<'_>, std::ops::Range<usize>),
+) -> Option<Steady> {
+    let record = reader::read(findings, &stop.source, table, &sections::steady(), 2);
+    let minimum_travel = record.number("minimum_travel");
+    if let (Some(minimum), Some(travel)) = (minimum_travel, stop.number("travel"))
+        && minimum > travel
+    {
+        let mistake = Mistake::Contradiction {
+            message: "`minimum_travel` is longer than the whole travel".to_owned(),
+            help: "shorten it or lengthen `travel`".to_owned(),
+        };
+        findings.problem(&record.source, record.span("minimum_travel"), mistake);
+    }
+    Some(Steady {
+        relative_half_width: record.number("relative_half_width")?,
+        minimum_travel: minimum_travel?,
+    })
+}
+
+/// `[output]` as read, with the sampling interval as a travel in m or a time in s.
+struct ReadOutput {
+    output: Output,
+    sampling: f64,
+}
+
+fn read_output(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    kind: Kind,
+    stop: Option<&ReadStop>,
+) -> Option<ReadOutput> {
+    let (key, other, quantity) = match kind {
+        Kind::Cut => ("sampling_travel", "sampling_time", Quantity::Length),
+        Kind::Bodies => ("sampling_time", "sampling_travel", Quantity::Time),
+    };
+    shared::optional_section(findings, root, &sections::output(), 2, |findings, record| {
+        refuse(findings, record, &[other], key, kind);
+        let extent = stop?.extent;
+        let sampling = match record.is_written(key) {
+            true => record.number(key)?,
+            false => {
+                let sampling = extent / SAMPLES_BY_DEFAULT;
+                findings.derived("output", key, quantity, sampling);
+                sampling
+            }
+        };
+        check_sampling(findings, record, key, sampling, extent);
+        let output = Output {
+            snapshots: u32::try_from(record.count("snapshots")?).ok()?,
+            checkpoint_seconds: record.number("checkpoint_interval")?,
+            pictures: switch(record.switch("pictures")?),
+            animation: switch(record.switch("animation")?),
+        };
+        Some(ReadOutput { output, sampling })
+    })
+}
+
+/// Most samples of a run: bounds the memory of the record.
+const MOST_SAMPLES: f64 = 1e6;
+
+fn check_sampling(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    key: &str,
+    sampling: f64,
+    extent: f64,
+) {
+    let (message, help) = if sampling > extent {
+        (format!("`{key}` is longer than the whole run"), "choose a hundredth of the run or less")
+    } else if extent / sampling > MOST_SAMPLES {
+        (format!("`{key}` gives more than {MOST_SAMPLES:e} samples"), "choose a longer interval")
+    } else {
+        return;
+    };
+    let mistake = Mistake::Contradiction { message, help: help.to_owned() };
+    findings.problem(&record.source, record.span(key), mistake);
+}
+
+fn finished(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    setup: Setup,
+    output: Output,
+    stop: Stop,
+    warnings: Vec<String>,
+) -> Scenario {
+    let shown = Path::new(&root.source.name);
+    let name = shown.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into());
+    Scenario {
+        title: root.text("title").unwrap_or_default().to_owned(),
+        name,
+        text: root.source.text.clone(),
+        effects: effects(&setup),
+        setup,
+        output,
+        stop,
+        description: std::mem::take(&mut findings.description),
+        warnings,
+    }
+}
+
+/// The laws and effects that act.
+fn effects(setup: &Setup) -> Vec<(String, String)> {
+    let mut effects = Vec::new();
+    let mut add = |kind: &str, name: &str| {
+        let effect = (kind.to_owned(), name.to_owned());
+        if !effects.contains(&effect) {
+            effects.push(effect);
+        }
+    };
+    for material in &setup.materials {
+        add("flow_stress", material.flow_stress.key);
+    }
+    if let Some(tool) = &setup.tool {
+        add("friction", tool.friction.key);
+    }
+    let mechanisms = [
+        ("plastic_heating", setup.heat.plastic_heating),
+        ("friction_heating", setup.heat.friction_heating),
+        ("conduction", setup.heat.conduction),
+    ];
+    for (mechanism, state) in mechanisms {
+        if state.is_on() {
+            add("heat", mechanism);
+        }
+    }
+    effects
+}

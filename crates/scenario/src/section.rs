@@ -1,0 +1,155 @@
+//! What a section of a scenario may contain, as data: read by the parser, the
+//! error messages, the JSON schema and the reference page.
+
+use crate::units::{self, Unit};
+use sphcut_physics::{Parameter, Quantity, Range};
+use std::borrow::Cow;
+
+/// What a key may hold.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Kind {
+    /// A quantity with unit; a number alone is accepted for pure numbers.
+    Quantity(Quantity, Range),
+    /// A whole number.
+    Count { min: i64, max: i64 },
+    /// One of some words.
+    Choice(Vec<&'static str>),
+    /// Free text.
+    Text,
+    /// Path of a file, relative to the scenario.
+    Path,
+    /// `true` or `false`.
+    Switch,
+    /// A list of quantities, one for each dimension.
+    Vector(Quantity),
+    /// The same, with the word "free" allowed for a component.
+    PartialVector(Quantity),
+    /// A table with the keys of its own section.
+    Table,
+    /// A list of tables: `[[body]]`.
+    Tables,
+    /// The name of a material or a table.
+    Material,
+}
+
+/// Whether a key must be there, and what holds without it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Presence {
+    /// It must be given.
+    Required,
+    /// It may be missing; then the feature is not used.
+    Optional,
+    /// The value without it, as a user would write it.
+    Default(Cow<'static, str>),
+    /// The value without it follows from other keys, in words.
+    Derived(&'static str),
+}
+
+/// One key.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Field {
+    pub(crate) key: &'static str,
+    pub(crate) kind: Kind,
+    pub(crate) presence: Presence,
+    pub(crate) meaning: Cow<'static, str>,
+    /// What the error about a missing key proposes.
+    pub(crate) example: &'static str,
+}
+
+/// A section: its keys and what it is for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Section {
+    /// Name in messages, e.g. `tool.friction`; empty for the top of the file.
+    pub(crate) name: String,
+    pub(crate) meaning: &'static str,
+    pub(crate) fields: Vec<Field>,
+}
+
+impl Section {
+    pub(crate) fn new(name: &str, meaning: &'static str, fields: Vec<Field>) -> Self {
+        Self { name: name.to_owned(), meaning, fields }
+    }
+
+    /// Adds the keys of a parameter table.
+    pub(crate) fn with_parameters(mut self, table: &'static [Parameter]) -> Self {
+        self.fields.extend(table.iter().map(Field::from_parameter));
+        self
+    }
+
+    pub(crate) fn field(&self, key: &str) -> Option<&Field> {
+        self.fields.iter().find(|field| field.key == key)
+    }
+
+    pub(crate) fn keys(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.fields.iter().map(|field| field.key)
+    }
+
+    /// The same keys, all of them optional: an override.
+    pub(crate) fn all_optional(mut self, name: &str, meaning: &'static str) -> Self {
+        name.clone_into(&mut self.name);
+        self.meaning = meaning;
+        for field in &mut self.fields {
+            field.presence = Presence::Optional;
+        }
+        self
+    }
+}
+
+impl Field {
+    pub(crate) fn new(
+        key: &'static str,
+        kind: Kind,
+        presence: Presence,
+        meaning: &'static str,
+    ) -> Self {
+        Self { key, kind, presence, meaning: Cow::Borrowed(meaning), example: "" }
+    }
+
+    pub(crate) fn example(mut self, example: &'static str) -> Self {
+        self.example = example;
+        self
+    }
+
+    /// A parameter of a law as a key of its section: the table is the only statement of it.
+    fn from_parameter(parameter: &Parameter) -> Self {
+        let presence = parameter.default.map_or(Presence::Required, |value| {
+            Presence::Default(Cow::Owned(Unit::si(parameter.quantity).express(value)))
+        });
+        Self {
+            key: parameter.key,
+            kind: Kind::Quantity(parameter.quantity, parameter.range),
+            presence,
+            meaning: Cow::Owned(format!("{} ({})", parameter.meaning, parameter.symbol)),
+            example: "",
+        }
+    }
+
+    /// A line that could stand in the file.
+    pub(crate) fn example_line(&self) -> String {
+        if !self.example.is_empty() {
+            return format!("{} = {}", self.key, self.example);
+        }
+        match &self.kind {
+            Kind::Quantity(Quantity::Dimensionless, _) => format!("{} = 0.5", self.key),
+            Kind::Quantity(quantity, _)
+            | Kind::Vector(quantity)
+            | Kind::PartialVector(quantity) => {
+                format!("{} = \"1 {}\"", self.key, units::accepted_units(*quantity)[0])
+            }
+            Kind::Count { min, .. } => format!("{} = {min}", self.key),
+            Kind::Choice(words) => format!("{} = \"{}\"", self.key, words.first().unwrap_or(&"")),
+            Kind::Text | Kind::Material => format!("{} = \"...\"", self.key),
+            Kind::Path => format!("{} = \"file.csv\"", self.key),
+            Kind::Switch => format!("{} = true", self.key),
+            Kind::Table => format!("[{}]", self.key),
+            Kind::Tables => format!("[[{}]]", self.key),
+        }
+    }
+}
+
+/// "from 1.1 to 2.5", "above 0 up to 1", in the unit given.
+pub(crate) fn range_text(range: Range, unit: &Unit) -> String {
+    let lower = if range.min_excluded { "above" } else { "from" };
+    let upper = if range.min_excluded { "up to" } else { "to" };
+    format!("{lower} {} {upper} {}", unit.express(range.min), unit.express(range.max))
+}

@@ -1,0 +1,209 @@
+//! Sections that cuts and bodies have in common.
+
+use crate::problem::Mistake;
+use crate::reader::{self, Findings, Record};
+use crate::section::Section;
+use crate::sections::{self, LATTICES};
+use sphcut_physics::friction::{self, FrictionEntry};
+use sphcut_physics::{Parameter, Values};
+use sphcut_sph::kernel::KernelChoice;
+use sphcut_sph::options;
+use sphcut_sph::setup::{Discretisation, Heat, Lattice, Switch};
+use std::ops::Range;
+use toml::de::DeTable;
+
+/// Most particles of a run: about 20 GB of memory.
+pub(crate) const MOST_PARTICLES: f64 = 2e7;
+
+/// Reads an optional `[section]`; without it an empty table, so that defaults apply.
+pub(crate) fn optional_section<T>(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    section: &Section,
+    dimension: usize,
+    then: impl FnOnce(&mut Findings, &Record<'_>) -> T,
+) -> T {
+    let empty = DeTable::new();
+    match root.table(&section.name) {
+        Some(table) => {
+            let record = reader::read(findings, &root.source, table, section, dimension);
+            then(findings, &record)
+        }
+        None => {
+            let table = (&empty, root.heading.clone());
+            let record = reader::read(findings, &root.source, table, section, dimension);
+            then(findings, &record)
+        }
+    }
+}
+
+pub(crate) fn switch(on: bool) -> Switch {
+    if on { Switch::On } else { Switch::Off }
+}
+
+/// Values of a parameter table from a record that has its keys; `None` after a mistake.
+fn values(record: &Record<'_>, table: &'static [Parameter]) -> Option<Values> {
+    let given: Vec<(&str, f64)> = table
+        .iter()
+        .filter_map(|parameter| Some((parameter.key, record.number(parameter.key)?)))
+        .collect();
+    Values::resolve(table, &given).ok()
+}
+
+/// `[heat]`.
+pub(crate) fn heat(findings: &mut Findings, root: &Record<'_>) -> Option<Heat> {
+    optional_section(findings, root, &sections::heat(), 2, |_, record| {
+        Some(Heat {
+            plastic_heating: switch(record.switch("plastic_heating")?),
+            friction_heating: switch(record.switch("friction_heating")?),
+            conduction: switch(record.switch("conduction")?),
+            values: values(record, sphcut_physics::heat::PARAMETERS)?,
+        })
+    })
+}
+
+/// `[numerics]`.
+pub(crate) fn numerics(findings: &mut Findings, root: &Record<'_>) -> Option<Values> {
+    optional_section(findings, root, &sections::numerics(), 2, |_, record| {
+        values(record, options::NUMERICS)
+    })
+}
+
+/// `[contact]`.
+pub(crate) fn contact(findings: &mut Findings, root: &Record<'_>) -> Option<Values> {
+    optional_section(findings, root, &sections::contact(), 2, |_, record| {
+        values(record, options::CONTACT)
+    })
+}
+
+/// `[resolution]` without the spacing.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Resolution {
+    pub(crate) particle_spacing: f64,
+    pub(crate) discretisation: Discretisation,
+    pub(crate) seed: u64,
+}
+
+/// `[resolution]`, with presets relative to `uncut_chip_thickness`.
+pub(crate) fn resolution(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    uncut_chip_thickness: Option<f64>,
+    has_process: bool,
+) -> Option<Resolution> {
+    let table = root.table("resolution")?;
+    let record = reader::read(findings, &root.source, table, &sections::resolution(), 2);
+    let particle_spacing = spacing(findings, &record, uncut_chip_thickness, has_process);
+    let named = |key: &str| record.text(key);
+    let kernel = named("kernel")
+        .and_then(|name| KernelChoice::ALL.iter().find(|kernel| kernel.0 == name))
+        .map(|kernel| kernel.1)?;
+    let lattice = named("lattice")
+        .and_then(|name| LATTICES.iter().find(|lattice| lattice.0 == name))
+        .map(|lattice| lattice.1)?;
+    if lattice != Lattice::Disordered && record.is_written("seed") {
+        let mistake = Mistake::Contradiction {
+            message: "`seed` has no effect on this lattice".to_owned(),
+            help: "remove it, or choose lattice = \"disordered\"".to_owned(),
+        };
+        findings.problem(&record.source, record.span("seed"), mistake);
+    }
+    Some(Resolution {
+        particle_spacing: particle_spacing?,
+        discretisation: Discretisation { kernel, lattice },
+        seed: record.count("seed")?.unsigned_abs(),
+    })
+}
+
+fn spacing(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    uncut_chip_thickness: Option<f64>,
+    has_process: bool,
+) -> Option<f64> {
+    let (written, preset) = (record.is_written("particle_spacing"), record.is_written("preset"));
+    if written && preset {
+        let mistake = Mistake::Contradiction {
+            message: "`particle_spacing` and `preset` exclude each other".to_owned(),
+            help: "keep one of them".to_owned(),
+        };
+        findings.problem(&record.source, record.span("preset"), mistake);
+        return None;
+    }
+    if !written && !preset {
+        let section = sections::resolution();
+        let field = section.field("particle_spacing").expect("a key of [resolution]");
+        findings.problem(&record.source, record.heading.clone(), reader::missing(&section, field));
+        return None;
+    }
+    if written {
+        return record.number("particle_spacing");
+    }
+    if !has_process {
+        let mistake = Mistake::Contradiction {
+            message: "`preset` needs an uncut chip thickness, and this scenario has no [process]"
+                .to_owned(),
+            help: "give `particle_spacing`".to_owned(),
+        };
+        findings.problem(&record.source, record.span("preset"), mistake);
+        return None;
+    }
+    let preset = record.text("preset")?;
+    let count = sections::PRESETS.iter().find(|known| known.0 == preset)?.1;
+    let spacing = uncut_chip_thickness? / count;
+    findings.derived("resolution", "particle_spacing", sphcut_physics::Quantity::Length, spacing);
+    Some(spacing)
+}
+
+/// A friction table: the law and its values.
+pub(crate) fn friction(
+    findings: &mut Findings,
+    owner: &Record<'_>,
+    table: (&DeTable<'_>, Range<usize>),
+) -> Option<(&'static FrictionEntry, Values)> {
+    let name = format!("{}.friction", owner.section);
+    let written = table.0.get("law").and_then(|law| law.get_ref().as_str());
+    let law = written.and_then(friction::find);
+    let section = match (law, written) {
+        (None, Some(_)) => any_friction(&name),
+        _ => sections::friction(&name, law),
+    };
+    let record = reader::read(findings, &owner.source, table, &section, 2);
+    let law = law?;
+    Some((law, values(&record, law.parameters)?))
+}
+
+/// With an unknown law only the law itself is a mistake: its other keys cannot be judged.
+fn any_friction(name: &str) -> Section {
+    let mut section = sections::friction(name, None);
+    for law in friction::LAWS {
+        for mut field in sections::friction(name, Some(law)).fields {
+            if section.field(field.key).is_none() {
+                field.presence = crate::section::Presence::Optional;
+                section.fields.push(field);
+            }
+        }
+    }
+    section
+}
+
+/// Refuses more particles than the program takes, before anything is built.
+pub(crate) fn check_particle_count(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    particles: f64,
+) -> Option<()> {
+    if particles <= MOST_PARTICLES {
+        return Some(());
+    }
+    let mistake = Mistake::TooLarge {
+        message: format!(
+            "about {} particles: more than the {MOST_PARTICLES:e} this program takes",
+            crate::units::significant(particles)
+        ),
+        help: "choose a larger particle spacing or smaller bodies".to_owned(),
+    };
+    let span = root.table("resolution").map_or(root.heading.clone(), |table| table.1);
+    findings.problem(&root.source, span, mistake);
+    None
+}

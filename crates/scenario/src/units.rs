@@ -1,0 +1,575 @@
+//! Quantities as text with units: `"150 m/min"` to 2.5 m/s, checked against the
+//! dimension that a key asks for. The only place that knows units other than SI.
+//!
+//! ```text
+//! quantity = number [unit]
+//! unit     = factor { ("*" | "/" | " ") factor }      left to right: W/m K is (W/m) K
+//! factor   = symbol ["^"] [exponent] | "(" unit ")" | "1"
+//! ```
+
+use sphcut_physics::Quantity;
+use std::f64::consts::PI;
+use std::fmt;
+
+/// Longest text that is read as a quantity; real ones have about ten characters.
+const LONGEST_QUANTITY: usize = 100;
+
+/// Exponents of kg, m, s, K and rad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Dimensions([i8; 5]);
+
+/// Size of a unit in SI, as a fraction: dividing by 1e6 rounds once, multiplying by 1e-6 twice,
+/// so that "20 um" is the very number 20e-6.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Size {
+    multiplier: f64,
+    divisor: f64,
+}
+
+impl Size {
+    const ONE: Self = Self { multiplier: 1.0, divisor: 1.0 };
+
+    fn apply(self, number: f64) -> f64 {
+        number * self.multiplier / self.divisor
+    }
+
+    fn undo(self, si: f64) -> f64 {
+        si * self.divisor / self.multiplier
+    }
+
+    fn times(self, other: Self, exponent: i32) -> Self {
+        let (up, down) = if exponent < 0 {
+            (other.divisor, other.multiplier)
+        } else {
+            (other.multiplier, other.divisor)
+        };
+        let exponent = exponent.abs();
+        Self {
+            multiplier: self.multiplier * up.powi(exponent),
+            divisor: self.divisor * down.powi(exponent),
+        }
+    }
+}
+
+/// What a unit means: SI value = size * number + offset.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Unit {
+    size: Size,
+    offset: f64,
+    dimensions: Dimensions,
+    text: String,
+}
+
+impl Unit {
+    /// A SI value as the user would have written it, for messages.
+    pub(crate) fn express(&self, si: f64) -> String {
+        let number = significant(self.size.undo(si - self.offset));
+        if self.text.is_empty() { number } else { format!("{number} {}", self.text) }
+    }
+
+    /// The SI unit of `quantity`.
+    pub(crate) fn si(quantity: Quantity) -> Self {
+        let text = quantity.si_unit();
+        parse_unit(text).expect("every SI unit of the vocabulary is read by this parser")
+    }
+}
+
+/// A number with its unit, in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Measured {
+    pub(crate) si: f64,
+    pub(crate) unit: Unit,
+}
+
+/// Why a text is not the quantity asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum UnitError {
+    /// The text does not begin with a number.
+    NoNumber,
+    /// A decimal comma: `"1,5 mm"`.
+    DecimalComma,
+    /// The number is infinite, not a number, or leaves the range of doubles.
+    NotFinite,
+    /// A number alone where a unit is needed.
+    MissingUnit,
+    /// A unit symbol that is not known.
+    UnknownUnit {
+        /// The symbol.
+        symbol: String,
+        /// The known symbol closest to it.
+        nearest: Option<&'static str>,
+    },
+    /// A unit of another dimension.
+    WrongDimension {
+        /// What the unit measures, if it has a name.
+        found: Option<&'static str>,
+    },
+    /// The unit cannot be read as a product of symbols.
+    Malformed,
+    /// Longer than any quantity.
+    TooLong,
+}
+
+struct Symbol {
+    name: &'static str,
+    size: Size,
+    offset: f64,
+    dimensions: [i8; 5],
+}
+
+const fn symbol(name: &'static str, factor: f64, dimensions: [i8; 5]) -> Symbol {
+    Symbol { name, size: Size { multiplier: factor, divisor: 1.0 }, offset: 0.0, dimensions }
+}
+
+const fn part(name: &'static str, divisor: f64, dimensions: [i8; 5]) -> Symbol {
+    Symbol { name, size: Size { multiplier: 1.0, divisor }, offset: 0.0, dimensions }
+}
+
+const NONE: [i8; 5] = [0, 0, 0, 0, 0];
+const MASS: [i8; 5] = [1, 0, 0, 0, 0];
+const LENGTH: [i8; 5] = [0, 1, 0, 0, 0];
+const TIME: [i8; 5] = [0, 0, 1, 0, 0];
+const TEMPERATURE: [i8; 5] = [0, 0, 0, 1, 0];
+const ANGLE: [i8; 5] = [0, 0, 0, 0, 1];
+const FORCE: [i8; 5] = [1, 1, -2, 0, 0];
+const PRESSURE: [i8; 5] = [1, -1, -2, 0, 0];
+const ENERGY: [i8; 5] = [1, 2, -2, 0, 0];
+const POWER: [i8; 5] = [1, 2, -3, 0, 0];
+const FREQUENCY: [i8; 5] = [0, 0, -1, 0, 0];
+
+/// All unit symbols. Source: the SI brochure; inch and revolution by definition.
+const SYMBOLS: &[Symbol] = &[
+    symbol("m", 1.0, LENGTH),
+    part("cm", 1e2, LENGTH),
+    part("mm", 1e3, LENGTH),
+    part("um", 1e6, LENGTH),
+    part("\u{b5}m", 1e6, LENGTH),
+    part("\u{3bc}m", 1e6, LENGTH),
+    part("nm", 1e9, LENGTH),
+    symbol("in", 0.0254, LENGTH),
+    symbol("s", 1.0, TIME),
+    part("ms", 1e3, TIME),
+    part("us", 1e6, TIME),
+    part("\u{b5}s", 1e6, TIME),
+    part("\u{3bc}s", 1e6, TIME),
+    part("ns", 1e9, TIME),
+    symbol("min", 60.0, TIME),
+    symbol("h", 3600.0, TIME),
+    symbol("kg", 1.0, MASS),
+    part("g", 1e3, MASS),
+    part("mg", 1e6, MASS),
+    symbol("t", 1e3, MASS),
+    symbol("K", 1.0, TEMPERATURE),
+    Symbol { name: "degC", size: Size::ONE, offset: 273.15, dimensions: TEMPERATURE },
+    Symbol { name: "\u{b0}C", size: Size::ONE, offset: 273.15, dimensions: TEMPERATURE },
+    symbol("rad", 1.0, ANGLE),
+    part("mrad", 1e3, ANGLE),
+    symbol("deg", PI / 180.0, ANGLE),
+    symbol("\u{b0}", PI / 180.0, ANGLE),
+    symbol("rev", 2.0 * PI, ANGLE),
+    symbol("rpm", 2.0 * PI / 60.0, [0, 0, -1, 0, 1]),
+    symbol("Hz", 1.0, FREQUENCY),
+    symbol("N", 1.0, FORCE),
+    symbol("kN", 1e3, FORCE),
+    part("mN", 1e3, FORCE),
+    symbol("Pa", 1.0, PRESSURE),
+    symbol("kPa", 1e3, PRESSURE),
+    symbol("MPa", 1e6, PRESSURE),
+    symbol("GPa", 1e9, PRESSURE),
+    symbol("bar", 1e5, PRESSURE),
+    symbol("J", 1.0, ENERGY),
+    symbol("kJ", 1e3, ENERGY),
+    part("mJ", 1e3, ENERGY),
+    symbol("W", 1.0, POWER),
+    symbol("kW", 1e3, POWER),
+    part("mW", 1e3, POWER),
+    part("%", 1e2, NONE),
+];
+
+/// Units proposed in messages and documentation, the SI unit among them.
+pub(crate) const fn accepted_units(quantity: Quantity) -> &'static [&'static str] {
+    match quantity {
+        Quantity::Dimensionless => &["%"],
+        Quantity::Angle => &["deg", "rad", "mrad"],
+        Quantity::Length => &["m", "mm", "um", "nm", "in"],
+        Quantity::Time => &["s", "ms", "us", "ns", "min"],
+        Quantity::Speed => &["m/s", "m/min", "mm/s", "mm/min"],
+        Quantity::AngularSpeed => &["rad/s", "deg/s", "rpm"],
+        Quantity::Density => &["kg/m^3", "g/cm^3"],
+        Quantity::Stress => &["Pa", "kPa", "MPa", "GPa", "N/mm^2"],
+        Quantity::Rate => &["1/s", "1/min"],
+        Quantity::Temperature => &["K", "degC"],
+        Quantity::ThermalConductivity => &["W/(m K)", "W/(mm K)"],
+        Quantity::SpecificHeat => &["J/(kg K)", "kJ/(kg K)"],
+        Quantity::HeatTransfer => &["W/(m^2 K)", "kW/(m^2 K)"],
+        Quantity::Force => &["N", "kN", "mN"],
+        Quantity::ForcePerWidth => &["N/m", "N/mm"],
+        Quantity::Energy => &["J", "kJ", "mJ"],
+        Quantity::EnergyPerWidth => &["J/m", "J/mm"],
+    }
+}
+
+/// The quantities that a unit can be recognised as in messages.
+const NAMED: &[Quantity] = &[
+    Quantity::Dimensionless,
+    Quantity::Angle,
+    Quantity::Length,
+    Quantity::Time,
+    Quantity::Speed,
+    Quantity::AngularSpeed,
+    Quantity::Density,
+    Quantity::Stress,
+    Quantity::Rate,
+    Quantity::Temperature,
+    Quantity::ThermalConductivity,
+    Quantity::SpecificHeat,
+    Quantity::HeatTransfer,
+    Quantity::Force,
+    Quantity::ForcePerWidth,
+    Quantity::Energy,
+];
+
+/// Reads `text` as `quantity`.
+pub(crate) fn parse(text: &str, quantity: Quantity) -> Result<Measured, UnitError> {
+    if text.len() > LONGEST_QUANTITY {
+        return Err(UnitError::TooLong);
+    }
+    let (number, rest) = split_number(text.trim())?;
+    let unit = parse_unit(rest)?;
+    let wanted = Unit::si(quantity).dimensions;
+    if unit.dimensions != wanted {
+        return Err(if rest.is_empty() {
+            UnitError::MissingUnit
+        } else {
+            UnitError::WrongDimension { found: name_of(unit.dimensions) }
+        });
+    }
+    let si = unit.size.apply(number) + unit.offset;
+    if si.is_finite() { Ok(Measured { si, unit }) } else { Err(UnitError::NotFinite) }
+}
+
+fn name_of(dimensions: Dimensions) -> Option<&'static str> {
+    NAMED
+        .iter()
+        .find(|quantity| Unit::si(**quantity).dimensions == dimensions)
+        .map(|quantity| quantity.name())
+}
+
+/// The longest prefix that is a number, and what follows without leading blanks.
+fn split_number(text: &str) -> Result<(f64, &str), UnitError> {
+    let bytes = text.as_bytes();
+    let digits = |mut at: usize| {
+        while bytes.get(at).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'_') {
+            at += 1;
+        }
+        at
+    };
+    let start = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
+    let mut end = digits(start);
+    let mut digit_count = end - start;
+    if bytes.get(end) == Some(&b'.') {
+        let fraction_end = digits(end + 1);
+        digit_count += fraction_end - end - 1;
+        end = fraction_end;
+    }
+    if digit_count == 0 {
+        return Err(if is_not_finite_word(text) {
+            UnitError::NotFinite
+        } else {
+            UnitError::NoNumber
+        });
+    }
+    if bytes.get(end) == Some(&b',') {
+        return Err(UnitError::DecimalComma);
+    }
+    end = exponent_end(bytes, end, digits);
+    let number: f64 = text[..end].replace('_', "").parse().map_err(|_| UnitError::NoNumber)?;
+    if number.is_finite() {
+        Ok((number, text[end..].trim_start()))
+    } else {
+        Err(UnitError::NotFinite)
+    }
+}
+
+fn is_not_finite_word(text: &str) -> bool {
+    let word = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+    word.starts_with("inf") || word.starts_with("nan")
+}
+
+fn exponent_end(bytes: &[u8], end: usize, digits: impl Fn(usize) -> usize) -> usize {
+    if !matches!(bytes.get(end), Some(b'e' | b'E')) {
+        return end;
+    }
+    let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+    let exponent = digits(end + 1 + sign);
+    if exponent > end + 1 + sign { exponent } else { end }
+}
+
+fn parse_unit(text: &str) -> Result<Unit, UnitError> {
+    let mut parser = UnitParser { rest: text.trim() };
+    if parser.rest.is_empty() {
+        return Ok(Unit {
+            size: Size::ONE,
+            offset: 0.0,
+            dimensions: Dimensions::default(),
+            text: String::new(),
+        });
+    }
+    if let Some(alone) = SYMBOLS.iter().find(|symbol| symbol.name == parser.rest) {
+        return Ok(Unit {
+            size: alone.size,
+            offset: alone.offset,
+            dimensions: Dimensions(alone.dimensions),
+            text: text.trim().to_owned(),
+        });
+    }
+    let (size, dimensions) = parser.product()?;
+    if !parser.rest.is_empty() {
+        return Err(UnitError::Malformed);
+    }
+    Ok(Unit { size, offset: 0.0, dimensions, text: text.trim().to_owned() })
+}
+
+/// Recursive descent; the depth is bounded by [`LONGEST_QUANTITY`].
+struct UnitParser<'t> {
+    rest: &'t str,
+}
+
+impl UnitParser<'_> {
+    fn product(&mut self) -> Result<(Size, Dimensions), UnitError> {
+        let (mut size, mut dimensions) = self.factor()?;
+        loop {
+            let blank = self.rest.starts_with(char::is_whitespace);
+            self.rest = self.rest.trim_start();
+            let sign = match self.rest.chars().next() {
+                Some('*' | '\u{b7}') => 1,
+                Some('/') => -1,
+                Some(')') | None => return Ok((size, dimensions)),
+                Some(_) if blank => 1,
+                Some(_) => return Err(UnitError::Malformed),
+            };
+            if let Some('*' | '\u{b7}' | '/') = self.rest.chars().next() {
+                let mut characters = self.rest.chars();
+                characters.next();
+                self.rest = characters.as_str().trim_start();
+            }
+            let (next_size, next) = self.factor()?;
+            size = size.times(next_size, sign);
+            dimensions = dimensions.times(next, sign)?;
+        }
+    }
+
+    fn factor(&mut self) -> Result<(Size, Dimensions), UnitError> {
+        if let Some(inside) = self.rest.strip_prefix('(') {
+            self.rest = inside.trim_start();
+            let product = self.product()?;
+            self.rest = self.rest.trim_start().strip_prefix(')').ok_or(UnitError::Malformed)?;
+            return Ok(product);
+        }
+        if let Some(after) = self.rest.strip_prefix('1') {
+            self.rest = after;
+            return Ok((Size::ONE, Dimensions::default()));
+        }
+        let end = self
+            .rest
+            .find(|c: char| !(c.is_alphabetic() || c == '%' || c == '\u{b0}'))
+            .unwrap_or(self.rest.len());
+        if end == 0 {
+            return Err(UnitError::Malformed);
+        }
+        let (name, after) = self.rest.split_at(end);
+        self.rest = after;
+        let symbol = SYMBOLS.iter().find(|symbol| symbol.name == name).ok_or_else(|| {
+            UnitError::UnknownUnit {
+                symbol: name.to_owned(),
+                nearest: crate::spelling::nearest(name, SYMBOLS.iter().map(|symbol| symbol.name)),
+            }
+        })?;
+        let exponent = self.exponent()?;
+        let dimensions = Dimensions::default().times(Dimensions(symbol.dimensions), exponent)?;
+        Ok((Size::ONE.times(symbol.size, exponent), dimensions))
+    }
+
+    /// `^2`, `^-1`, `2`, `²` or `³`; 1 if there is none.
+    fn exponent(&mut self) -> Result<i32, UnitError> {
+        for (raised, value) in [("\u{b2}", 2), ("\u{b3}", 3)] {
+            if let Some(after) = self.rest.strip_prefix(raised) {
+                self.rest = after;
+                return Ok(value);
+            }
+        }
+        let caret = self.rest.strip_prefix('^');
+        let text = caret.unwrap_or(self.rest);
+        let signed = caret.is_some() && text.starts_with('-');
+        let digits = &text[usize::from(signed)..];
+        let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
+        if end == 0 {
+            return if caret.is_some() { Err(UnitError::Malformed) } else { Ok(1) };
+        }
+        let value: i32 = digits[..end].parse().map_err(|_| UnitError::Malformed)?;
+        if !(1..=9).contains(&value) {
+            return Err(UnitError::Malformed);
+        }
+        self.rest = &digits[end..];
+        Ok(if signed { -value } else { value })
+    }
+}
+
+impl Dimensions {
+    fn times(self, other: Self, exponent: i32) -> Result<Self, UnitError> {
+        let mut product = self;
+        for (mine, theirs) in product.0.iter_mut().zip(other.0) {
+            let sum = i32::from(*mine) + i32::from(theirs) * exponent;
+            *mine = i8::try_from(sum).map_err(|_| UnitError::Malformed)?;
+        }
+        Ok(product)
+    }
+}
+
+/// A number with at most six significant digits, without a tail of zeros.
+pub(crate) fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    let magnitude = rounded.abs();
+    if magnitude != 0.0 && !(1e-4..1e7).contains(&magnitude) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
+}
+
+impl fmt::Display for UnitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoNumber => write!(f, "does not begin with a number"),
+            Self::DecimalComma => write!(f, "a decimal comma: write a point"),
+            Self::NotFinite => write!(f, "not a finite number"),
+            Self::MissingUnit => write!(f, "the unit is missing"),
+            Self::UnknownUnit { symbol, .. } => write!(f, "unknown unit `{symbol}`"),
+            Self::WrongDimension { found: Some(found) } => write!(f, "this is a {found}"),
+            Self::WrongDimension { found: None } => write!(f, "a unit of another kind"),
+            Self::Malformed => write!(f, "the unit cannot be read"),
+            Self::TooLong => write!(f, "too long for a quantity"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    fn si(text: &str, quantity: Quantity) -> f64 {
+        parse(text, quantity).unwrap_or_else(|error| panic!("{text}: {error}")).si
+    }
+
+    #[test]
+    fn quantities_of_a_cut() {
+        assert_relative_eq!(si("150 m/min", Quantity::Speed), 2.5, max_relative = 1e-15);
+        assert_eq!(si("20 um", Quantity::Length), 20e-6);
+        assert_eq!(si("10 us", Quantity::Time), 10e-6);
+        assert_relative_eq!(si("20 \u{b5}m", Quantity::Length), 2e-5, max_relative = 1e-15);
+        assert_eq!(si("331 MPa", Quantity::Stress), 331e6);
+        assert_relative_eq!(si("331 N/mm^2", Quantity::Stress), 331e6, max_relative = 1e-15);
+        assert_relative_eq!(si("37 deg", Quantity::Angle), 0.645_771_823_2, max_relative = 1e-9);
+        assert_relative_eq!(si("20 degC", Quantity::Temperature), 293.15, max_relative = 1e-15);
+        assert_eq!(si("-40.5 degC", Quantity::Temperature), -40.5 + 273.15);
+        assert_eq!(si("7850 kg/m^3", Quantity::Density), 7850.0);
+        assert_relative_eq!(si("7.85 g/cm^3", Quantity::Density), 7850.0, max_relative = 1e-14);
+        assert_eq!(si("486 J/(kg K)", Quantity::SpecificHeat), 486.0);
+        assert_eq!(si("50.7 W/(m*K)", Quantity::ThermalConductivity), 50.7);
+        assert_eq!(si("50.7 W/m/K", Quantity::ThermalConductivity), 50.7);
+        assert_eq!(si("50.7 W m^-1 K^-1", Quantity::ThermalConductivity), 50.7);
+        assert_eq!(si("1e-3 1/s", Quantity::Rate), 1e-3);
+        assert_eq!(si("1e-3 s^-1", Quantity::Rate), 1e-3);
+        assert_relative_eq!(si("60 rpm", Quantity::AngularSpeed), 2.0 * PI, max_relative = 1e-15);
+        assert_relative_eq!(
+            si("1 rev/min", Quantity::AngularSpeed),
+            PI / 30.0,
+            max_relative = 1e-15
+        );
+        assert_eq!(si("5 %", Quantity::Dimensionless), 0.05);
+        assert_eq!(si("1_000 mm", Quantity::Length), 1.0);
+        assert_eq!(si("2.5mm", Quantity::Length), 2.5e-3);
+    }
+
+    #[test]
+    fn every_accepted_unit_has_the_dimension_of_its_quantity() {
+        for quantity in NAMED {
+            for unit in accepted_units(*quantity) {
+                si(&format!("1 {unit}"), *quantity);
+            }
+        }
+        for quantity in [Quantity::EnergyPerWidth] {
+            for unit in accepted_units(quantity) {
+                si(&format!("1 {unit}"), quantity);
+            }
+        }
+    }
+
+    #[test]
+    fn mistakes_are_told_apart() {
+        let error = |text, quantity| parse(text, quantity).unwrap_err();
+        assert_eq!(
+            error("120 mm", Quantity::Speed),
+            UnitError::WrongDimension { found: Some("length") }
+        );
+        assert_eq!(error("120", Quantity::Speed), UnitError::MissingUnit);
+        assert_eq!(error("1,5 mm", Quantity::Length), UnitError::DecimalComma);
+        assert_eq!(error("fast", Quantity::Speed), UnitError::NoNumber);
+        assert_eq!(error("", Quantity::Speed), UnitError::NoNumber);
+        assert_eq!(error("nan m", Quantity::Length), UnitError::NotFinite);
+        assert_eq!(error("1e999 m", Quantity::Length), UnitError::NotFinite);
+        assert_eq!(error("1e308 GPa", Quantity::Stress), UnitError::NotFinite);
+        assert_eq!(
+            error("3 Mpa", Quantity::Stress),
+            UnitError::UnknownUnit { symbol: "Mpa".to_owned(), nearest: Some("MPa") }
+        );
+        assert_eq!(error("3 m/", Quantity::Speed), UnitError::Malformed);
+        assert_eq!(error("3 (m", Quantity::Length), UnitError::Malformed);
+        assert_eq!(error("3 m^99", Quantity::Length), UnitError::Malformed);
+        // W/m K reads from left to right: the kelvin ends up above the line.
+        assert!(matches!(
+            error("50 W/m K", Quantity::ThermalConductivity),
+            UnitError::WrongDimension { .. }
+        ));
+    }
+
+    #[test]
+    fn values_are_shown_in_the_unit_of_the_user() {
+        let unit = parse("0 m/min", Quantity::Speed).unwrap().unit;
+        assert_eq!(unit.express(2.5), "150 m/min");
+        let celsius = parse("0 degC", Quantity::Temperature).unwrap().unit;
+        assert_eq!(celsius.express(273.15), "0 degC");
+        assert_eq!(significant(0.1 + 0.2), "0.3");
+        assert_eq!(significant(1.234_567_89e-9), "1.23457e-9");
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_makes_the_parser_panic(text in "\\PC*") {
+            for quantity in NAMED {
+                if let Ok(measured) = parse(&text, *quantity) {
+                    prop_assert!(measured.si.is_finite());
+                }
+            }
+        }
+
+        #[test]
+        fn text_that_looks_like_a_quantity_never_panics(text in "[-+0-9.,eE_ ]{0,8}[a-zA-Z%\u{b0}\u{b5}/*^() 0-9-]{0,30}") {
+            for quantity in NAMED {
+                let _ = parse(&text, *quantity);
+            }
+        }
+
+        #[test]
+        fn every_number_comes_through_every_unit(number in -1e6_f64..1e6, which in 0..NAMED.len()) {
+            for unit in accepted_units(NAMED[which]) {
+                let measured = parse(&format!("{number} {unit}"), NAMED[which]).unwrap();
+                let back = measured.unit.size.undo(measured.si - measured.unit.offset);
+                // Two roundings, relative to the larger of the value and the offset.
+                prop_assert!((back - number).abs() <= 1e-12 * (number.abs() + measured.unit.offset));
+            }
+        }
+    }
+}

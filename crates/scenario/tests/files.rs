@@ -1,0 +1,144 @@
+//! Whole files: the good ones, the shipped ones, and what becomes of them.
+
+use approx::assert_relative_eq;
+use sphcut_scenario::{LoadOptions, Problem, Scenario, load};
+use sphcut_sph::setup::{Dimension, Shape, ToolSurface, VelocityField};
+use std::path::{Path, PathBuf};
+
+fn here(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn shown(problems: &[Problem]) -> String {
+    problems.iter().map(|problem| format!("{problem}\n")).collect()
+}
+
+fn good(path: &str) -> Scenario {
+    load(&here(path), &LoadOptions::default())
+        .unwrap_or_else(|problems| panic!("{path}:\n{}", shown(&problems)))
+}
+
+fn toml_files(folder: &str) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = std::fs::read_dir(here(folder))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .collect();
+    files.sort();
+    assert!(!files.is_empty(), "no files in {folder}");
+    files
+}
+
+#[test]
+fn every_good_file_and_every_shipped_scenario_loads() {
+    for folder in ["tests/good", "../../scenarios"] {
+        for path in toml_files(folder) {
+            if path.file_name().is_some_and(|name| name == "beside.toml") {
+                continue; // a material
+            }
+            let scenario = load(&path, &LoadOptions::default())
+                .unwrap_or_else(|problems| panic!("{}:\n{}", path.display(), shown(&problems)));
+            assert_eq!(scenario.name, path.file_stem().unwrap().to_str().unwrap());
+            assert!(!scenario.title.is_empty() && !scenario.description.is_empty());
+        }
+    }
+}
+
+#[test]
+fn the_list_of_shipped_materials_is_the_folder() {
+    let listed: Vec<String> =
+        sphcut_scenario::shipped_materials().iter().map(|(name, _)| (*name).to_owned()).collect();
+    let found: Vec<String> = toml_files("../../scenarios/materials")
+        .iter()
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    assert_eq!(listed, found);
+}
+
+#[test]
+fn every_shipped_material_is_a_material_with_sources() {
+    for (name, _) in sphcut_scenario::shipped_materials() {
+        let text = include_str!("good/cut_with_outline.toml").replace("beside.toml", name).replace(
+            "outline = \"tool.csv\"",
+            "rake_angle = \"5 deg\"\nclearance_angle = \"7 deg\"",
+        );
+        let parsed = sphcut_scenario::parse(&text, "material.toml", None, &LoadOptions::default());
+        let scenario = parsed.unwrap_or_else(|problems| panic!("{name}:\n{}", shown(&problems)));
+        assert!(!scenario.setup.materials[0].name.is_empty());
+    }
+}
+
+#[test]
+fn the_quick_start_is_what_it_says() {
+    let scenario = good("../../scenarios/quickstart.toml");
+    let setup = &scenario.setup;
+    assert_eq!(setup.dimension, Dimension::Two);
+    assert_relative_eq!(setup.particle_spacing, 20e-6, max_relative = 1e-12);
+    assert_eq!(setup.materials[0].flow_stress_values.get("initial_yield"), 331e6);
+    assert_relative_eq!(scenario.stop.travel, 1.5e-3, max_relative = 1e-12);
+    // 1.5 mm at 2.5 m/s
+    assert_relative_eq!(setup.end_time, 0.6e-3, max_relative = 1e-12);
+    assert_relative_eq!(setup.sampling_interval, 0.6e-3 / 500.0, max_relative = 1e-12);
+    let tool = setup.tool.as_ref().unwrap();
+    assert_relative_eq!(tool.velocity[0], 2.5, max_relative = 1e-12);
+    let ToolSurface::Polygon(points) = &tool.surface else { panic!("a polygon") };
+    let lowest = points.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+    assert_eq!(lowest, -0.1e-3);
+    // The workpiece's corner is at the origin; the gap is 0.6 spacings of 20 um to its surface.
+    let front = points
+        .iter()
+        .filter(|point| point[1] <= 0.0)
+        .map(|point| point[0])
+        .fold(f64::NEG_INFINITY, f64::max);
+    assert!(front < -11.9e-6 && front > -12.1e-6, "{front}");
+}
+
+#[test]
+fn every_key_of_a_cut_arrives() {
+    let scenario = good("tests/good/cut_with_everything.toml");
+    let setup = &scenario.setup;
+    let material = &setup.materials[0];
+    assert_eq!(material.density, 7900.0);
+    assert_eq!(material.flow_stress_values.get("initial_yield"), 350e6);
+    assert_relative_eq!(material.flow_stress_values.get("hardening_modulus"), 614e6);
+    assert_relative_eq!(material.flow_stress_values.get("melting_temperature"), 1733.15);
+    assert_relative_eq!(
+        setup.tool.as_ref().unwrap().friction_values.get("friction_coefficient"),
+        0.25
+    );
+    // Mirrored, then turned by 37 deg: the cut goes along (cos, sin), the feed along R (0, 1).
+    let (sine, cosine) = 37_f64.to_radians().sin_cos();
+    assert_relative_eq!(setup.frame.cutting[0], cosine, max_relative = 1e-12);
+    assert_relative_eq!(setup.frame.cutting[1], sine, max_relative = 1e-12);
+    assert_relative_eq!(setup.frame.feed[0], -sine, max_relative = 1e-12);
+    assert_relative_eq!(setup.frame.feed[1], cosine, max_relative = 1e-12);
+    let names: Vec<&str> = setup.supports.iter().map(|support| support.name.as_str()).collect();
+    assert_eq!(names, ["bottom", "back"]);
+    assert_eq!(setup.supports[0].velocity, [None, Some(0.0), None]);
+    assert_eq!(setup.supports[1].velocity, [None; 3]);
+    assert_relative_eq!(setup.supports[1].temperature.unwrap(), 293.15, max_relative = 1e-12);
+    assert_eq!(scenario.stop.steady.unwrap().relative_half_width, 0.02);
+    assert_eq!(scenario.output.checkpoint_seconds, 300.0);
+}
+
+#[test]
+fn bodies_supports_and_walls_arrive() {
+    let block = good("tests/good/sliding_block.toml").setup;
+    assert_eq!(block.bodies.len(), 3);
+    assert!(matches!(block.bodies[1].velocity, VelocityField::Rotation { .. }));
+    assert_eq!(block.supports[0].velocity, [None, Some(0.0), None]);
+    let ToolSurface::HalfSpace { normal, .. } = block.tool.unwrap().surface else {
+        panic!("a half space")
+    };
+    let length = normal.iter().map(|component| component * component).sum::<f64>();
+    assert_relative_eq!(length, 1.0, max_relative = 1e-12);
+    let bar = good("tests/good/taylor_bar.toml").setup;
+    assert_eq!(bar.dimension, Dimension::Three);
+    assert!(matches!(bar.bodies[0].shape, Shape::Cylinder { length, .. } if length == 25.4e-3));
+    assert_eq!(bar.materials[0].flow_stress_values.get("rate_coefficient"), 0.03);
+    assert_eq!(bar.materials[0].specific_heat, 385.0);
+    let rings = good("tests/good/colliding_rings.toml");
+    assert_eq!(rings.setup.sampling_interval, 1e-5);
+    assert!(!rings.setup.heat.conduction.is_on());
+    assert_eq!(rings.effects, [("flow_stress".to_owned(), "elastic".to_owned())]);
+}
