@@ -38,6 +38,8 @@ pub(crate) struct MaterialData {
     /// beta / (rho_0 cp), 0 without plastic heating.
     pub(crate) heating: f64,
     pub(crate) hourglass: f64,
+    /// kappa G in Pa.
+    pub(crate) hourglass_stiffness: f64,
     pub(crate) linear_viscosity: f64,
     pub(crate) quadratic_viscosity: f64,
     pub(crate) wave_speed: f64,
@@ -46,8 +48,10 @@ pub(crate) struct MaterialData {
 /// What a neighbour needs to know of a particle in the force sweep.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Exchange<const D: usize> {
-    /// `P B - eta F_dot`.
+    /// `P B - eta F_dot - y (x) q`.
     pub(crate) flux: Matrix<D>,
+    /// Hourglass force y = kappa G n in Pa m.
+    pub(crate) spring: Vector<D>,
     /// eta in Pa s.
     pub(crate) damping: f64,
 }
@@ -57,8 +61,12 @@ pub(crate) struct Exchange<const D: usize> {
 pub(crate) struct Frame<const D: usize> {
     /// B.
     pub(crate) correction: Matrix<D>,
-    /// sum_j w_ij X_ij.
+    /// c = sum_j w_ij X_ij.
     pub(crate) moment: Vector<D>,
+    /// q = B c.
+    pub(crate) lean: Vector<D>,
+    /// s = sum_j w_ij in 1/m^2.
+    pub(crate) weight: f64,
     /// V / V_0 of the reference.
     pub(crate) volume_ratio: f64,
     /// Correction of the Laplacian, D / tr(sum w X X).
@@ -234,12 +242,18 @@ impl<const D: usize> Engine<D> {
 
     pub(crate) fn size_arrays(&mut self) {
         let count = self.position.len();
-        let frame =
-            Frame { correction: zero(), moment: [0.0; D], volume_ratio: 1.0, laplacian: 0.0 };
+        let frame = Frame {
+            correction: zero(),
+            moment: [0.0; D],
+            lean: [0.0; D],
+            weight: 0.0,
+            volume_ratio: 1.0,
+            laplacian: 0.0,
+        };
         self.reference = self.position.clone();
         self.force = vec![[0.0; D]; count];
         self.frame = vec![frame; count];
-        self.exchange = vec![Exchange { flux: zero(), damping: 0.0 }; count];
+        self.exchange = vec![Exchange { flux: zero(), spring: [0.0; D], damping: 0.0 }; count];
         self.reference_volume = vec![0.0; count];
         self.tallies = vec![Tally::default(); count.div_ceil(CHUNK)];
     }
@@ -415,6 +429,7 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
                 law: (material.flow_stress.build)(&material.flow_stress_values),
                 heating,
                 hourglass: option("hourglass_coefficient") * impedance,
+                hourglass_stiffness: option("hourglass_stiffness") * material.moduli.shear,
                 linear_viscosity: option("linear_viscosity") * impedance,
                 quadratic_viscosity: option("quadratic_viscosity")
                     * inertial_density

@@ -8,8 +8,8 @@
 //! which makes every formula the same in two and three dimensions.
 
 use crate::tensor::{
-    Matrix, contract, determinant, inverse_nonsingular, product, rotated, step_rotation,
-    sum_scaled, trace, transpose, zero,
+    Matrix, Vector, apply, contract, determinant, inverse_nonsingular, product, rotated,
+    step_rotation, sum_scaled, trace, transpose, zero,
 };
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressModel;
@@ -37,6 +37,8 @@ pub(crate) struct MaterialPoint<const D: usize> {
     pub(crate) flow_stress: f64,
     /// Bulk viscous pressure of the last step (Kirchhoff) in Pa.
     pub(crate) viscous_pressure: f64,
+    /// Non-affine displacement n against the neighbours that hourglass stiffness remembers, in m.
+    pub(crate) offset: Vector<D>,
 }
 
 impl<const D: usize> MaterialPoint<D> {
@@ -51,6 +53,7 @@ impl<const D: usize> MaterialPoint<D> {
             temperature,
             flow_stress: 0.0,
             viscous_pressure: 0.0,
+            offset: [0.0; D],
         }
     }
 
@@ -136,7 +139,9 @@ impl<const D: usize> MaterialPoint<D> {
         for (k, row) in deviatoric_rate.iter_mut().enumerate() {
             row[k] -= volumetric_rate / 3.0;
         }
-        let carried = rotated(&self.deviator, &step_rotation(&spin, dt));
+        let rotation = step_rotation(&spin, dt);
+        let carried = rotated(&self.deviator, &rotation);
+        self.offset = apply(&rotation, &self.offset);
         let trial = sum_scaled(&carried, 2.0 * shear * dt, &deviatoric_rate);
         let increment = self.return_to_yield(&trial, context);
 

@@ -341,6 +341,7 @@ fn point_to_vec<const D: usize>(point: &MaterialPoint<D>) -> Vec<f64> {
         point.flow_stress,
         point.viscous_pressure,
     ]);
+    values.extend(point.offset);
     values
 }
 
@@ -359,6 +360,7 @@ fn point_from_slice<const D: usize>(values: &[f64]) -> MaterialPoint<D> {
         temperature: rest[3],
         flow_stress: rest[4],
         viscous_pressure: rest[5],
+        offset: std::array::from_fn(|k| rest[6 + k]),
     }
 }
 

@@ -61,8 +61,17 @@ pub const NUMERICS: &[Parameter] = &[
         "hourglass_coefficient",
         "chi_e",
         Range::closed(0.0, 2.0),
-        0.1,
+        0.05,
         "damping of non-affine motion of elastic material, in terms of rho c h_s",
+        "docs/numerics.md",
+    ),
+    number(
+        "hourglass_stiffness",
+        "kappa_h",
+        Range::closed(0.0, 2.0),
+        0.5,
+        "stiffness against non-affine displacement, in terms of the shear modulus; plastic flow \
+         makes it forget",
         "docs/numerics.md",
     ),
     number(
@@ -77,7 +86,7 @@ pub const NUMERICS: &[Parameter] = &[
         "density_diffusion",
         "delta",
         Range::closed(0.0, 10.0),
-        0.3,
+        1.0,
         "diffusion of the volume ratio's zig-zag in flowing material, in terms of h_s^2 eps_p_dot",
         "docs/numerics.md",
     ),

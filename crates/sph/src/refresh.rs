@@ -186,6 +186,8 @@ fn correct<const D: usize>(
     let usable = mean > 0.0 && determinant(&second) > FLATTEST_MOMENT * mean.powi(power);
     frame.correction = if usable { inverse_nonsingular(&second) } else { zero() };
     frame.moment = first;
+    frame.lean = apply(&frame.correction, &first);
+    frame.weight = total;
     frame.laplacian = if mean > 0.0 { 1.0 / mean } else { 0.0 };
     let gradient: f64 = index
         .iter()

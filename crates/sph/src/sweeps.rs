@@ -68,6 +68,38 @@ fn damping_of<const D: usize>(
     }
 }
 
+/// Integrates the non-affine displacement `n` of a particle against its neighbours,
+/// `n_dot = sum_j w_ij d_ij / s_i`, as a Maxwell element: plastic flow makes it forget with the
+/// rate `3 kappa G eps_p_dot / (chi_p sigma_y)`. Returns the power per volume it took in W/m^3.
+#[inline]
+fn remember<const D: usize>(
+    point: &mut MaterialPoint<D>,
+    data: &MaterialData,
+    drift: &Vector<D>,
+    weight: f64,
+    dt: f64,
+    yield_fraction: f64,
+) -> f64 {
+    let stiffness = data.hourglass_stiffness;
+    if stiffness == 0.0 || weight == 0.0 || dt == 0.0 {
+        return 0.0;
+    }
+    let before = point.offset;
+    let flowing = yield_fraction * point.flow_stress;
+    let forgetting = if point.plastic_strain_rate > 0.0 && flowing.is_finite() {
+        let rate = 3.0 * stiffness * point.plastic_strain_rate / flowing.max(f64::MIN_POSITIVE);
+        1.0 / (1.0 + dt * rate)
+    } else {
+        1.0
+    };
+    let mut power = 0.0;
+    for k in 0..D {
+        point.offset[k] = (before[k] + dt * drift[k] / weight) * forgetting;
+        power += 0.5 * stiffness * (before[k] + point.offset[k]) * drift[k];
+    }
+    power
+}
+
 fn check_point<const D: usize>(point: &MaterialPoint<D>, i: usize, tally: &mut Tally) {
     let failed = |quantity, value| Some(Failure { index: i, quantity, value });
     if tally.failure.is_some() {
@@ -128,14 +160,22 @@ impl<const D: usize> Engine<D> {
                     }
                     let damping = damping_of(point, data, yield_fraction);
                     let residual = sums.square - contract(&rate, &sums.moment);
-                    tally.hourglass +=
-                        damping * residual.max(0.0) * volume[i] * frame.volume_ratio * dt;
+                    let mut power = damping * residual.max(0.0);
+                    let drift = minus(&sums.difference, &apply(&rate, &frame.moment));
+                    power += remember(point, data, &drift, frame.weight, dt, yield_fraction);
+                    tally.hourglass += power * volume[i] * frame.volume_ratio * dt;
+                    let spring = point.offset.map(|n| data.hourglass_stiffness * n);
                     let flux = product(&point.piola_stress(&data.moduli), &frame.correction)
                         .map(|row| row.map(|component| component / frame.volume_ratio));
-                    let flux = sum_scaled(&flux, -damping, &rate);
-                    exchanges[offset] = Exchange { flux, damping };
-                    forces[offset] =
-                        plus_scaled(&apply(&flux, &frame.moment), damping, &sums.difference);
+                    let mut flux = sum_scaled(&flux, -damping, &rate);
+                    for row in 0..D {
+                        for column in 0..D {
+                            flux[row][column] -= spring[row] * frame.lean[column];
+                        }
+                    }
+                    let own = plus_scaled(&apply(&flux, &frame.moment), damping, &sums.difference);
+                    forces[offset] = plus_scaled(&own, frame.weight, &spring);
+                    exchanges[offset] = Exchange { flux, spring, damping };
                 }
             });
     }
@@ -194,7 +234,7 @@ impl<const D: usize> Engine<D> {
                     for k in 0..D {
                         let stress = dot(&other.flux[k], &separation);
                         let damping = other.damping * (velocity[j][k] - speed[k]);
-                        sum[k] += w * (stress + damping);
+                        sum[k] += w * (stress + damping - other.spring[k]);
                     }
                 }
                 *force = sum.map(|component| component * reference_volume[i]);
