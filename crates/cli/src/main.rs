@@ -1,1 +1,52 @@
-fn main() {}
+//! `sphcut`: metal cutting by particles, from a scenario file to a report.
+
+mod arguments;
+mod catalogue;
+mod check;
+mod failure;
+mod interrupt;
+mod loading;
+mod outcome;
+mod progress;
+mod run;
+mod text;
+
+use arguments::{Arguments, Command};
+use clap::{CommandFactory, Parser};
+use failure::{ExitCode, Failure};
+use std::io::Write;
+
+fn main() -> std::process::ExitCode {
+    let arguments = Arguments::parse();
+    match execute(arguments.command) {
+        Ok(code) => code.into(),
+        Err(failure) => {
+            failure.explain();
+            failure.exit_code().into()
+        }
+    }
+}
+
+/// Runs one subcommand.
+fn execute(command: Command) -> Result<ExitCode, Failure> {
+    match command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
+        Command::Catalogue { name } => catalogue::print(name.as_deref()),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "sphcut", &mut script);
+            print_bytes(&script)
+        }
+    }
+}
+
+/// Writes to standard output; a reader that has gone away is no failure.
+fn print_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
+    match std::io::stdout().write_all(bytes) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::output("cannot write to standard output", &error))
+        }
+        _ => Ok(ExitCode::Done),
+    }
+}

@@ -1,0 +1,155 @@
+//! The command line, declared once: parser, help and shell completions come from here.
+
+use clap::{Args, Parser, Subcommand};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+const LONG_ABOUT: &str = "\
+Simulates orthogonal metal cutting with particles (smoothed particle hydrodynamics). A scenario
+file in TOML says what is cut, with which tool and how finely; sphcut answers with forces,
+temperatures, the chip's shape and a report.";
+
+const EXAMPLES: &str = "\
+Examples:
+  sphcut run scenarios/quickstart.toml              cut, and write out/quickstart/report.html
+  sphcut check scenarios/quickstart.toml            what would run, how long it takes, what to watch
+  sphcut run cut.toml --out out/fine --threads 2    choose folder and threads
+  sphcut run cut.toml --resume                      go on after Ctrl-C or a power cut
+  sphcut catalogue friction                         the friction laws with equations and ranges
+
+Exit codes:
+  0 done   1 a validation case failed   2 mistakes in scenario or arguments   3 the run diverged
+  4 a file could not be read or written   130 interrupted, a checkpoint was written";
+
+/// Metal cutting by particles: forces, temperatures and the chip from one scenario file.
+#[derive(Debug, Parser)]
+#[command(name = "sphcut", version, long_about = LONG_ABOUT, after_help = EXAMPLES)]
+#[command(arg_required_else_help = true, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scenario and write its results and report.
+    #[command(after_help = RUN_HELP)]
+    Run(RunArguments),
+    /// Show what a scenario would do: setup in your units and in SI, cost, warnings.
+    #[command(after_help = CHECK_HELP)]
+    Check(CheckArguments),
+    /// List materials, laws and options with equations, parameters, ranges and sources.
+    #[command(after_help = CATALOGUE_HELP)]
+    Catalogue {
+        /// A kind (`materials`, `flow_stress`, `friction`, ...) or one entry (`johnson_cook`).
+        name: Option<String>,
+    },
+    /// Print a completion script for your shell.
+    #[command(after_help = COMPLETIONS_HELP)]
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+const RUN_HELP: &str = "\
+What appears in the output folder (out/<scenario> unless --out says otherwise):
+  report.html    one page: setup, pictures, forces, balances, warnings
+  summary.json   the results as numbers
+  forces.csv     forces, energies and temperatures over time, units in the header
+  run.h5         everything: channels, particles, scenario text, checkpoint
+
+Ctrl-C stops after the current step and writes a checkpoint; run the same command with --resume
+to go on. The results are the same, bit for bit, as without the interruption and for any number
+of threads.";
+
+const CHECK_HELP: &str = "\
+`check` runs a few dozen steps to measure the speed of this machine; --no-measure skips that.";
+
+const CATALOGUE_HELP: &str = "\
+Examples:
+  sphcut catalogue                  everything, one line each
+  sphcut catalogue johnson_cook     one law: equation, parameters, ranges, source
+  sphcut catalogue materials        the materials shipped in scenarios/materials";
+
+const COMPLETIONS_HELP: &str = "\
+Examples:
+  sphcut completions bash > ~/.local/share/bash-completion/completions/sphcut
+  sphcut completions zsh  > ~/.zfunc/_sphcut
+  sphcut completions fish > ~/.config/fish/completions/sphcut.fish";
+
+/// Options that say how a scenario is read.
+#[derive(Debug, Args)]
+pub struct ScenarioArguments {
+    /// The scenario file (TOML).
+    pub scenario: PathBuf,
+    /// Let the scenario read files outside its own folder.
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// The scenario.
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
+    /// Output folder [default: out/<name of the scenario>].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Go on from the last checkpoint in the output folder.
+    #[arg(long, conflicts_with = "force")]
+    pub resume: bool,
+    /// Replace an existing result.
+    #[arg(long)]
+    pub force: bool,
+    /// Say nothing but warnings and errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Progress and result as one JSON object per line on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// The scenario.
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
+    /// Threads for the measurement [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Do not measure the speed; no expected duration then.
+    #[arg(long)]
+    pub no_measure: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_declaration_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn resume_and_force_exclude_each_other() {
+        assert!(Arguments::try_parse_from(["sphcut", "run", "a.toml", "--resume"]).is_ok());
+        assert!(
+            Arguments::try_parse_from(["sphcut", "run", "a.toml", "--resume", "--force"]).is_err()
+        );
+    }
+
+    #[test]
+    fn no_threads_at_all_is_refused() {
+        assert!(Arguments::try_parse_from(["sphcut", "run", "a.toml", "--threads", "0"]).is_err());
+    }
+}

@@ -1,0 +1,176 @@
+//! `sphcut check`: what a scenario would do, without doing it.
+
+use crate::arguments::CheckArguments;
+use crate::failure::{ExitCode, Failure};
+use crate::progress::seconds_to_duration;
+use crate::{loading, text};
+use sphcut_scenario::{Origin, ResolvedEntry, Scenario};
+use sphcut_sph::setup::{Dimension, Setup};
+use sphcut_sph::{Estimate, Simulation};
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+/// Wall-clock time of the measurement.
+const MEASUREMENT: Duration = Duration::from_millis(1500);
+/// Steps that are not counted: the first ones warm caches and threads up.
+const WARM_UP: u32 = 3;
+/// Bytes of the program and of the record's buffers beside the solver's arrays, measured on an
+/// empty run.
+const BASE_BYTES: u64 = 20_000_000;
+
+/// Texts longer than this are prose, not values.
+const PROSE: usize = 60;
+/// Width of the text.
+const WIDTH: usize = 100;
+/// Blanks before a value.
+const VALUE_COLUMN: &str = "                             ";
+
+/// Prints setup, cost and warnings.
+pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
+    let scenario = loading::scenario(&arguments.scenario)?;
+    let threads = loading::threads(arguments.threads);
+    let pool = loading::pool(threads)?;
+    let (estimate, speed) = pool.install(|| cost(&scenario.setup, !arguments.no_measure))?;
+    let mut page = String::new();
+    let _ = writeln!(page, "{}", heading(&scenario));
+    page.push_str(&settings(&scenario.description));
+    page.push_str(&resolution(&scenario));
+    page.push_str(&expense(&estimate, speed, threads));
+    page.push_str(&warnings(&scenario.warnings));
+    crate::print_bytes(page.as_bytes())
+}
+
+/// Builds the particles and, if wanted, measures the updates per second.
+fn cost(setup: &Setup, measured: bool) -> Result<(Estimate, Option<f64>), Failure> {
+    let mut simulation =
+        Simulation::new(setup.clone()).map_err(|error| Failure::input(error.to_string()))?;
+    let estimate = simulation.estimate();
+    let speed = if measured { Some(measure(&mut simulation)?) } else { None };
+    Ok((estimate, speed))
+}
+
+/// Particle updates per second in the first steps.
+fn measure(simulation: &mut Simulation) -> Result<f64, Failure> {
+    let mut step = || {
+        simulation
+            .step()
+            .map(|_| simulation.is_finished())
+            .map_err(|diverged| Failure::diverged(format!("within the first steps: {diverged}")))
+    };
+    for _ in 0..WARM_UP {
+        step()?;
+    }
+    let (start, mut steps) = (Instant::now(), 0_u32);
+    loop {
+        let finished = step()?;
+        steps += 1;
+        if finished || start.elapsed() >= MEASUREMENT {
+            break;
+        }
+    }
+    let updates = f64::from(steps) * simulation.particle_count() as f64;
+    Ok(updates / start.elapsed().as_secs_f64())
+}
+
+fn heading(scenario: &Scenario) -> String {
+    let laws: Vec<String> =
+        scenario.effects.iter().map(|(kind, name)| format!("{kind} {name}")).collect();
+    format!("{} ({})\nlaws: {}\n", scenario.title, scenario.name, laws.join(", "))
+}
+
+/// Every key by section: as written and in SI; defaults and derived values are marked.
+fn settings(entries: &[ResolvedEntry]) -> String {
+    let mut page = String::new();
+    let mut section = None;
+    for entry in entries {
+        if section != Some(&entry.section) {
+            section = Some(&entry.section);
+            if !entry.section.is_empty() {
+                let _ = writeln!(page, "[{}]", entry.section);
+            }
+        }
+        let origin = match entry.origin {
+            Origin::Given => "",
+            Origin::Default => "  (default)",
+            Origin::Derived => "  (derived)",
+        };
+        let written = written(entry);
+        let line = format!("  {:<26} {written:<22} {}{origin}", entry.key, in_si(entry));
+        let _ = writeln!(page, "{}", line.trim_end());
+    }
+    page
+}
+
+/// The value as written; prose is moved to the column of the values.
+fn written(entry: &ResolvedEntry) -> String {
+    if entry.text.len() < PROSE && !entry.text.contains('\n') {
+        return entry.text.clone();
+    }
+    let indented = text::wrap(&entry.text, WIDTH, VALUE_COLUMN);
+    indented.trim_start().to_owned()
+}
+
+/// The SI value, left out where it says nothing new.
+fn in_si(entry: &ResolvedEntry) -> String {
+    let value = format!("{} {}", entry.value, entry.unit);
+    let value = value.trim();
+    if value == entry.text.trim() { String::new() } else { format!("= {value}") }
+}
+
+/// Particles across what has to be resolved.
+fn resolution(scenario: &Scenario) -> String {
+    let setup = &scenario.setup;
+    let across =
+        |length: f64| text::number((length / setup.particle_spacing * 10.0).round() / 10.0);
+    let mut page = String::from("\nresolution\n");
+    if let Some(thickness) = setup.uncut_chip_thickness {
+        let _ = writeln!(page, "  {} particles across the uncut chip thickness", across(thickness));
+    }
+    if let Some(radius) = setup.tool.as_ref().and_then(|tool| tool.edge_radius) {
+        let _ = writeln!(page, "  {} particles across the edge radius", across(radius));
+    }
+    let dimension = match setup.dimension {
+        Dimension::Two => "plane strain",
+        Dimension::Three => "three dimensions",
+    };
+    let _ =
+        writeln!(page, "  spacing {} um, {dimension}", text::number(setup.particle_spacing * 1e6));
+    page
+}
+
+/// Particles, steps, time and memory.
+fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize) -> String {
+    let mut page = String::from("\ncost\n");
+    let _ = writeln!(
+        page,
+        "  {} particles, {:.1} neighbours each",
+        text::grouped(estimate.particles as u64),
+        estimate.mean_neighbours
+    );
+    let _ = writeln!(
+        page,
+        "  {} steps of {:.3e} s at the start",
+        text::grouped(estimate.steps),
+        estimate.time_step
+    );
+    let _ = writeln!(page, "  about {} of memory", text::bytes(estimate.memory_bytes + BASE_BYTES));
+    if let Some(speed) = speed {
+        let updates = estimate.steps as f64 * estimate.particles as f64;
+        let _ = writeln!(
+            page,
+            "  about {} on {threads} thread{} ({}, measured now; a chip makes it slower)",
+            text::duration(seconds_to_duration(updates / speed)),
+            if threads == 1 { "" } else { "s" },
+            text::updates(speed),
+        );
+    }
+    page
+}
+
+fn warnings(warnings: &[String]) -> String {
+    if warnings.is_empty() {
+        return "\nno warnings\n".to_owned();
+    }
+    let lines: Vec<String> = warnings.iter().map(|warning| format!("  - {warning}\n")).collect();
+    format!("\nwarnings\n{}", lines.concat())
+}

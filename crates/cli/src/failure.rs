@@ -1,0 +1,103 @@
+//! Exit codes and what is said when a command fails.
+
+use std::fmt::Display;
+
+/// The exit codes of `sphcut`, as listed in its help.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExitCode {
+    /// The command did what was asked.
+    Done,
+    /// A validation case failed.
+    NotValidated,
+    /// Mistakes in the scenario or on the command line.
+    BadInput,
+    /// The numbers of the run blew up; everything before is kept.
+    Diverged,
+    /// A file could not be read or written.
+    InputOutput,
+    /// Interrupted; a checkpoint was written.
+    Interrupted,
+}
+
+impl ExitCode {
+    /// The number handed to the shell.
+    pub fn number(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::NotValidated => 1,
+            Self::BadInput => 2,
+            Self::Diverged => 3,
+            Self::InputOutput => 4,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+impl From<ExitCode> for std::process::ExitCode {
+    fn from(code: ExitCode) -> Self {
+        Self::from(code.number())
+    }
+}
+
+/// Why a command ended early, with what the user can do about it.
+#[derive(Debug)]
+pub struct Failure {
+    code: ExitCode,
+    /// `error: `, or nothing where the message brings its own.
+    prefix: &'static str,
+    /// What happened; may be several lines, each mistake already rendered.
+    message: String,
+    /// What to do next, if there is something sensible to say.
+    advice: Option<String>,
+}
+
+impl Failure {
+    /// A failure with its exit code.
+    pub fn new(code: ExitCode, message: impl Into<String>) -> Self {
+        Self { code, prefix: "error: ", message: message.into(), advice: None }
+    }
+
+    /// A mistake of the input.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self::new(ExitCode::BadInput, message)
+    }
+
+    /// A run that blew up.
+    pub fn diverged(message: impl Into<String>) -> Self {
+        Self::new(ExitCode::Diverged, message)
+    }
+
+    /// A file that could not be read or written.
+    pub fn output(what: impl Display, error: &dyn Display) -> Self {
+        Self::new(ExitCode::InputOutput, format!("{what}: {error}"))
+    }
+
+    /// A text that is complete already, each mistake with its own `error:`.
+    pub fn rendered(code: ExitCode, message: String) -> Self {
+        Self { code, prefix: "", message, advice: None }
+    }
+
+    /// The same failure with a hint.
+    pub fn advise(mut self, advice: impl Into<String>) -> Self {
+        self.advice = Some(advice.into());
+        self
+    }
+
+    /// The exit code of this failure.
+    pub fn exit_code(&self) -> ExitCode {
+        self.code
+    }
+
+    /// What happened, without the hint.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// Says on standard error what happened.
+    pub fn explain(&self) {
+        eprintln!("{}{}", self.prefix, self.message.trim_end());
+        if let Some(advice) = &self.advice {
+            eprintln!("  help: {advice}");
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Ctrl-C, SIGTERM and a closed terminal ask the run to stop after the current
+//! step; a second Ctrl-C ends the program at once.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Set by the signal handler, read between steps. The only state of the program
+/// that is not passed on: a signal handler cannot be given an argument.
+static REQUESTED: AtomicBool = AtomicBool::new(false);
+
+/// Installs the handler. Without one an interruption loses what followed the last checkpoint,
+/// so a failure to install is reported, not fatal.
+pub fn install() {
+    let handler = || {
+        if REQUESTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(i32::from(crate::failure::ExitCode::Interrupted.number()));
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
+        eprintln!("warning: Ctrl-C will not write a checkpoint: {error}");
+    }
+}
+
+/// Whether the user asked to stop.
+pub fn requested() -> bool {
+    REQUESTED.load(Ordering::SeqCst)
+}

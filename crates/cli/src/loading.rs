@@ -1,0 +1,72 @@
+//! From a file name to a scenario, and to the threads that compute it.
+
+use crate::arguments::ScenarioArguments;
+use crate::failure::{ExitCode, Failure};
+use sphcut_record::{Provenance, Setting};
+use sphcut_scenario::{Colours, LoadOptions, Mistake, OutsideFiles, Problem, Scenario};
+use std::io::IsTerminal;
+use std::num::NonZeroUsize;
+
+/// Reads and checks the scenario.
+pub fn scenario(arguments: &ScenarioArguments) -> Result<Scenario, Failure> {
+    let outside_files =
+        if arguments.allow_outside { OutsideFiles::Allowed } else { OutsideFiles::Refused };
+    sphcut_scenario::load(&arguments.scenario, &LoadOptions { outside_files })
+        .map_err(|problems| refused(arguments, &problems))
+}
+
+/// All mistakes, each with its place, and their number.
+fn refused(arguments: &ScenarioArguments, problems: &[Problem]) -> Failure {
+    let colours = if std::io::stderr().is_terminal() { Colours::Terminal } else { Colours::Plain };
+    let mut pages: Vec<String> = problems.iter().map(|problem| problem.render(colours)).collect();
+    if problems.len() > 1 {
+        let name = arguments.scenario.display();
+        pages.push(format!("{} mistakes in `{name}`; nothing was run", problems.len()));
+    }
+    // A scenario that is not there is an unreadable file, not a mistake inside one.
+    let unreadable = !arguments.scenario.exists()
+        || problems.iter().all(|problem| is_unreadable(arguments, problem));
+    let code = if unreadable { ExitCode::InputOutput } else { ExitCode::BadInput };
+    Failure::rendered(code, pages.join("\n\n"))
+}
+
+/// Whether the scenario file itself could not be read.
+fn is_unreadable(arguments: &ScenarioArguments, problem: &Problem) -> bool {
+    let shown = arguments.scenario.display().to_string();
+    matches!(&problem.mistake, Mistake::File { path, .. } if *path == shown)
+}
+
+/// Where the results of `scenario` come from.
+pub fn provenance(scenario: &Scenario) -> Provenance {
+    let settings = scenario.description.iter().map(|entry| Setting {
+        section: entry.section.clone(),
+        key: entry.key.clone(),
+        text: entry.text.clone(),
+        value: entry.value.clone(),
+        unit: entry.unit.to_owned(),
+    });
+    Provenance {
+        scenario_text: scenario.text.clone(),
+        scenario_name: scenario.name.clone(),
+        title: scenario.title.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        seed: scenario.setup.seed,
+        effects: scenario.effects.clone(),
+        settings: settings.collect(),
+        warnings: scenario.warnings.clone(),
+    }
+}
+
+/// The number of threads asked for, or that of the cores.
+pub fn threads(wanted: Option<NonZeroUsize>) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    wanted.map_or_else(cores, NonZeroUsize::get)
+}
+
+/// The pool on which the solver works.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::output(format!("cannot start {threads} threads"), &error))
+}

@@ -1,0 +1,104 @@
+//! What is said before and after a run.
+
+use crate::failure::{ExitCode, Failure};
+use crate::progress::{Style, emit, seconds_to_duration};
+use crate::text;
+use serde_json::json;
+use sphcut_record::driver::RunOptions;
+use sphcut_record::{Run, RunError};
+use sphcut_scenario::Scenario;
+use std::path::Path;
+
+/// Says what starts, and what the user should know before trusting it.
+pub fn announce(scenario: &Scenario, options: &RunOptions, style: Style) {
+    let folder = options.out_dir.display();
+    match style {
+        Style::Json => emit(&json!({
+            "event": "start",
+            "scenario": scenario.name,
+            "title": scenario.title,
+            "out": folder.to_string(),
+            "threads": options.threads,
+            "warnings": scenario.warnings,
+        })),
+        Style::Human => {
+            let plural = if options.threads == 1 { "" } else { "s" };
+            eprintln!("{}: {} thread{plural}, into {folder}", scenario.title, options.threads);
+        }
+        Style::Quiet => {}
+    }
+    if style != Style::Json {
+        for warning in &scenario.warnings {
+            eprintln!("warning: {warning}");
+        }
+    }
+}
+
+/// The failure of a run, with its exit code and what can be done.
+pub fn failed(error: &RunError, folder: &Path) -> Failure {
+    let failure = Failure::new(exit_code(error), error.to_string());
+    match error {
+        RunError::Diverged { .. } => failure.advise(format!(
+            "`sphcut report {}` shows the run until then; a smaller `courant` in [numerics] or a \
+             finer `particle_spacing` often helps",
+            folder.display()
+        )),
+        RunError::Mismatch { .. } => {
+            failure.advise("use --force to start again, or --out for another folder")
+        }
+        RunError::Damaged { .. } => failure
+            .advise("`--resume` goes on from the last good checkpoint, `--force` starts again"),
+        _ => failure,
+    }
+}
+
+fn exit_code(error: &RunError) -> ExitCode {
+    match error {
+        RunError::Diverged { .. } => ExitCode::Diverged,
+        RunError::Exists { .. } | RunError::Mismatch { .. } | RunError::Setup(_) => {
+            ExitCode::BadInput
+        }
+        RunError::Io { .. }
+        | RunError::InUse { .. }
+        | RunError::Foreign { .. }
+        | RunError::Damaged { .. } => ExitCode::InputOutput,
+    }
+}
+
+/// The failure as a JSON line.
+pub fn emit_error(failure: &Failure) {
+    emit(&json!({
+        "event": "error",
+        "exit_code": failure.exit_code().number(),
+        "message": failure.message(),
+    }));
+}
+
+/// Says how to go on.
+pub fn interrupted(run: &Run, style: Style) {
+    let steps = run.performance.steps;
+    match style {
+        Style::Json => emit(&json!({ "event": "interrupted", "step": steps })),
+        _ => eprintln!(
+            "interrupted after step {}: a checkpoint is written; the same command with --resume \
+             goes on",
+            text::grouped(steps)
+        ),
+    }
+}
+
+/// Says what came out and where it is.
+pub fn finished(run: &Run, folder: &Path, style: Style) {
+    let performance = &run.performance;
+    match style {
+        Style::Json => emit(&json!({ "event": "done", "out": folder.display().to_string() })),
+        Style::Human => println!(
+            "{} particles, {} steps in {} ({})",
+            text::grouped(performance.particles as u64),
+            text::grouped(performance.steps),
+            text::duration(seconds_to_duration(performance.wall_seconds)),
+            text::updates(performance.updates_per_second()),
+        ),
+        Style::Quiet => {}
+    }
+}

@@ -1,0 +1,138 @@
+//! `sphcut run`: a scenario from its file to its report.
+
+use crate::arguments::RunArguments;
+use crate::failure::{ExitCode, Failure};
+use crate::progress::{Display, Forces, Status, Style, Travel};
+use crate::{interrupt, loading, outcome};
+use sphcut_postprocess::steady::{Series, SteadyOptions, detect};
+use sphcut_record::driver::{self, Control, Moment, Progress, RunOptions, Start};
+use sphcut_record::{Outcome, Run};
+use sphcut_scenario::{Scenario, Steady};
+use sphcut_sph::ChannelId;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The test for a steady state looks at the whole record: once in this many samples is enough.
+const SAMPLES_BETWEEN_STEADY_TESTS: usize = 10;
+
+/// Runs the scenario.
+pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    let style = style(arguments);
+    let result = follow(arguments, style);
+    if let (Err(failure), Style::Json) = (&result, style) {
+        outcome::emit_error(failure);
+    }
+    result
+}
+
+/// From the file to the report.
+fn follow(arguments: &RunArguments, style: Style) -> Result<ExitCode, Failure> {
+    let scenario = loading::scenario(&arguments.scenario)?;
+    let options = options(arguments, &scenario);
+    interrupt::install();
+    outcome::announce(&scenario, &options, style);
+    let run = compute(&scenario, &options, style)?;
+    if run.outcome == Outcome::Interrupted {
+        outcome::interrupted(&run, style);
+        return Ok(ExitCode::Interrupted);
+    }
+    outcome::finished(&run, &options.out_dir, style);
+    Ok(ExitCode::Done)
+}
+
+fn style(arguments: &RunArguments) -> Style {
+    match (arguments.json, arguments.quiet) {
+        (true, _) => Style::Json,
+        (false, true) => Style::Quiet,
+        (false, false) => Style::Human,
+    }
+}
+
+fn options(arguments: &RunArguments, scenario: &Scenario) -> RunOptions {
+    let start = match (arguments.resume, arguments.force) {
+        (true, _) => Start::Resume,
+        (false, true) => Start::Replace,
+        (false, false) => Start::New,
+    };
+    RunOptions {
+        out_dir: output_folder(arguments.out.as_deref(), scenario),
+        start,
+        snapshots: scenario.output.snapshots,
+        checkpoint_interval: Duration::from_secs_f64(scenario.output.checkpoint_seconds),
+        threads: loading::threads(arguments.threads),
+    }
+}
+
+/// The folder of the result: the one asked for, or `out/<scenario>`.
+fn output_folder(wanted: Option<&Path>, scenario: &Scenario) -> PathBuf {
+    wanted.map_or_else(|| Path::new("out").join(&scenario.name), Path::to_owned)
+}
+
+/// Steps the simulation on its own threads and shows its progress.
+fn compute(scenario: &Scenario, options: &RunOptions, style: Style) -> Result<Run, Failure> {
+    let pool = loading::pool(options.threads)?;
+    let mut display = Display::new(style);
+    let provenance = loading::provenance(scenario);
+    let steady = scenario.stop.steady;
+    let run = pool.install(|| {
+        driver::run(&scenario.setup, &provenance, options, &mut |progress| {
+            display.update(&status(progress));
+            decide(progress, steady)
+        })
+    });
+    display.finish();
+    run.map_err(|error| outcome::failed(&error, &options.out_dir))
+}
+
+/// Whether the run goes on.
+fn decide(progress: &Progress, steady: Option<Steady>) -> Control {
+    if interrupt::requested() {
+        return Control::Interrupt;
+    }
+    match steady {
+        Some(steady) if is_steady(progress, steady) => Control::Stop,
+        _ => Control::Continue,
+    }
+}
+
+/// Whether the mean cutting force is known well enough. Only asked at samples, so that the answer
+/// does not depend on the clock.
+fn is_steady(progress: &Progress, steady: Steady) -> bool {
+    let samples = progress.samples;
+    let due = progress.moment == Moment::Sample
+        && samples.len().is_multiple_of(SAMPLES_BETWEEN_STEADY_TESTS)
+        && progress.travel >= steady.minimum_travel;
+    let options = SteadyOptions {
+        relative_half_width: steady.relative_half_width,
+        minimum_travel: steady.minimum_travel,
+    };
+    let series = || Series {
+        travel: samples.channel(ChannelId::Travel),
+        force: samples.channel(ChannelId::CuttingForce),
+    };
+    due && detect(series(), &options).reached
+}
+
+/// The progress as it is shown.
+fn status(progress: &Progress) -> Status {
+    let cuts = progress.end_travel > 0.0;
+    // Channels of a plane run are in N/m; those of a spatial one in N on the width of cut.
+    let per_width = match progress.facts.dimension {
+        2 => 1e-3,
+        _ => 1e-3 / progress.facts.width_of_cut,
+    };
+    let forces = progress.samples.last().filter(|_| cuts).map(|sample| Forces {
+        cutting: sample.get(ChannelId::CuttingForce) * per_width,
+        feed: sample.get(ChannelId::FeedForce) * per_width,
+    });
+    Status {
+        step: progress.step,
+        time: progress.time,
+        end_time: progress.end_time,
+        travel: cuts.then_some(Travel { now: progress.travel, end: progress.end_travel }),
+        updates_per_second: progress.updates_per_second,
+        wall_seconds: progress.wall_seconds,
+        remaining_seconds: progress.remaining_seconds,
+        forces,
+    }
+}

@@ -1,0 +1,118 @@
+//! Numbers, durations and sizes as people read them.
+
+use std::time::Duration;
+
+/// `1.2e9` as `1.20e9`, `0.25` as `0.25`, `1733` as `1733`: short and without loss of sense.
+pub fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 || (1e-3..1e6).contains(&magnitude) {
+        let text = format!("{value:.6}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        format!("{value:e}")
+    }
+}
+
+/// `1234567` as `1 234 567`.
+pub fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A duration as `42 s`, `3 min 20 s` or `5 h 12 min`.
+pub fn duration(duration: Duration) -> String {
+    let seconds = duration.as_secs();
+    match seconds {
+        0..10 => format!("{:.1} s", duration.as_secs_f64()),
+        10..60 => format!("{seconds} s"),
+        60..3600 => format!("{} min {} s", seconds / 60, seconds % 60),
+        _ => format!("{} h {} min", seconds / 3600, seconds % 3600 / 60),
+    }
+}
+
+/// Bytes as `512 kB`, `3.4 MB`, `1.2 GB` (powers of 1000).
+pub fn bytes(count: u64) -> String {
+    let value = count as f64;
+    match count {
+        0..1_000 => format!("{count} B"),
+        1_000..1_000_000 => format!("{:.0} kB", value / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", value / 1e6),
+        _ => format!("{:.2} GB", value / 1e9),
+    }
+}
+
+/// Particle updates per second as `0.84 M/s`.
+pub fn updates(per_second: f64) -> String {
+    format!("{:.2} M updates/s", per_second / 1e6)
+}
+
+/// Breaks `paragraph` into lines of at most `width` characters, each after `indent`.
+pub fn wrap(paragraph: &str, width: usize, indent: &str) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    let mut line = String::new();
+    for word in paragraph.split_whitespace() {
+        let length = indent.chars().count() + line.chars().count() + 1 + word.chars().count();
+        if !line.is_empty() && length > width {
+            lines.push(std::mem::take(&mut line));
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    lines.push(line);
+    lines.iter().map(|line| format!("{indent}{line}")).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(number(0.9), "0.9");
+        assert_eq!(number(1733.0), "1733");
+        assert_eq!(number(0.0134), "0.0134");
+        assert_eq!(number(5.531e8), "5.531e8");
+        assert_eq!(number(-0.5), "-0.5");
+        assert_eq!(number(0.0), "0");
+        assert_eq!(number(1e-6), "1e-6");
+    }
+
+    #[test]
+    fn counts_are_grouped_by_thousands() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1000), "1 000");
+        assert_eq!(grouped(1_234_567), "1 234 567");
+    }
+
+    #[test]
+    fn durations_have_at_most_two_units() {
+        assert_eq!(duration(Duration::from_millis(4200)), "4.2 s");
+        assert_eq!(duration(Duration::from_secs(59)), "59 s");
+        assert_eq!(duration(Duration::from_secs(200)), "3 min 20 s");
+        assert_eq!(duration(Duration::from_secs(18_720)), "5 h 12 min");
+    }
+
+    #[test]
+    fn sizes_use_powers_of_a_thousand() {
+        assert_eq!(bytes(12), "12 B");
+        assert_eq!(bytes(3_400_000), "3.4 MB");
+        assert_eq!(bytes(1_200_000_000), "1.20 GB");
+    }
+
+    #[test]
+    fn long_text_is_broken_between_words() {
+        assert_eq!(wrap("one two three", 9, "  "), "  one two\n  three");
+        assert_eq!(wrap("", 9, "  "), "  ");
+        assert_eq!(wrap("unbreakable", 4, ""), "unbreakable");
+    }
+}

@@ -1,0 +1,187 @@
+//! `cargo xtask bench`: how fast the solver is on this machine.
+//!
+//! Every case is built once and then stepped in short bursts. The bursts of all
+//! cases and thread counts take turns, so that a slow minute of the machine
+//! hits all of them and ratios stay meaningful. The result is appended to
+//! `docs/performance.md`.
+
+mod cases;
+mod machine;
+
+use cases::Case;
+use sphcut_sph::Simulation;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Numbers of threads compared.
+const THREADS: [usize; 2] = [1, 2];
+/// Times every case takes its turn.
+const ROUNDS: usize = 5;
+/// Shortest length of a burst: long against the resolution of the processor-time counter (1 us).
+const BURST: Duration = Duration::from_millis(1500);
+
+/// One burst of steps.
+#[derive(Debug, Clone, Copy)]
+struct Burst {
+    updates_per_second: f64,
+    updates_per_cpu_second: Option<f64>,
+    pairs_per_second: f64,
+}
+
+/// A case in progress and what has been measured of it.
+struct Track {
+    case: Case,
+    simulation: Simulation,
+    resident_bytes: Option<u64>,
+    /// For each of [`THREADS`].
+    bursts: Vec<Vec<Burst>>,
+}
+
+/// Measures, prints and appends the result.
+pub fn run(root: &Path) -> Result<(), String> {
+    if cfg!(debug_assertions) {
+        return in_release(root);
+    }
+    let mut tracks = cases::all().into_iter().map(prepare).collect::<Result<Vec<_>, _>>()?;
+    let pools = THREADS.iter().map(|threads| pool(*threads)).collect::<Result<Vec<_>, _>>()?;
+    for round in 1..=ROUNDS {
+        eprintln!("round {round} of {ROUNDS}");
+        for track in &mut tracks {
+            for (index, pool) in pools.iter().enumerate() {
+                let burst = pool.install(|| burst(&mut track.simulation))?;
+                track.bursts[index].push(burst);
+            }
+        }
+    }
+    let section = section(root, &tracks);
+    println!("{section}");
+    append(&root.join("docs/performance.md"), &section)
+}
+
+/// The development profile checks every addition: its speed says nothing.
+fn in_release(root: &Path) -> Result<(), String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let status = std::process::Command::new(cargo)
+        .args(["run", "--release", "--quiet", "--package", "xtask", "--", "bench"])
+        .current_dir(root)
+        .status()
+        .map_err(|error| format!("cannot run cargo: {error}"))?;
+    if status.success() { Ok(()) } else { Err("the benchmark failed".to_owned()) }
+}
+
+fn pool(threads: usize) -> Result<rayon::ThreadPool, String> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| format!("cannot start {threads} threads: {error}"))
+}
+
+/// Builds the case and steps it until something happens in it.
+fn prepare(case: Case) -> Result<Track, String> {
+    let before = machine::resident_bytes();
+    let mut simulation = Simulation::new((case.setup)()).map_err(|error| error.to_string())?;
+    eprintln!("{}: {} particles", case.name, simulation.particle_count());
+    for _ in 0..case.warm_up {
+        simulation.step().map_err(|error| error.to_string())?;
+    }
+    let resident_bytes =
+        before.zip(machine::resident_bytes()).and_then(|(before, after)| after.checked_sub(before));
+    Ok(Track { case, simulation, resident_bytes, bursts: vec![Vec::new(); THREADS.len()] })
+}
+
+fn burst(simulation: &mut Simulation) -> Result<Burst, String> {
+    let (wall, processor) = (Instant::now(), machine::processor_seconds());
+    let (mut steps, mut pairs) = (0_u64, 0.0);
+    while wall.elapsed() < BURST {
+        simulation.step().map_err(|error| error.to_string())?;
+        steps += 1;
+        pairs += simulation.pair_count() as f64;
+    }
+    let seconds = wall.elapsed().as_secs_f64();
+    let updates = steps as f64 * simulation.particle_count() as f64;
+    let processor_seconds = processor.zip(machine::processor_seconds()).map(|(a, b)| b - a);
+    Ok(Burst {
+        updates_per_second: updates / seconds,
+        updates_per_cpu_second: processor_seconds.map(|seconds| updates / seconds),
+        pairs_per_second: pairs / seconds,
+    })
+}
+
+/// Median and half the distance between the extremes.
+fn median_and_spread(mut values: Vec<f64>) -> (f64, f64) {
+    values.sort_by(f64::total_cmp);
+    let spread = (values[values.len() - 1] - values[0]) / 2.0;
+    (values[values.len() / 2], spread)
+}
+
+/// The section for `docs/performance.md`.
+fn section(root: &Path, tracks: &[Track]) -> String {
+    let mut text = format!("\n## {}\n\n{}\n\n", machine::date(), machine::description(root));
+    text.push_str(
+        "| case | particles | neighbours | threads | updates/s (M) | per CPU second (M) | \
+         pairs/s (M) | against 1 thread | bytes/particle (arrays; resident) |\n\
+         |---|---|---|---|---|---|---|---|---|\n",
+    );
+    for track in tracks {
+        let mut single = None;
+        for (threads, bursts) in THREADS.iter().zip(&track.bursts) {
+            let (updates, spread) =
+                median_and_spread(bursts.iter().map(|b| b.updates_per_second).collect());
+            let single = *single.get_or_insert(updates);
+            let (pairs, _) = median_and_spread(bursts.iter().map(|b| b.pairs_per_second).collect());
+            let processor: Option<Vec<f64>> =
+                bursts.iter().map(|b| b.updates_per_cpu_second).collect();
+            let processor = processor.map_or("-".to_owned(), |values| {
+                format!("{:.3}", median_and_spread(values).0 / 1e6)
+            });
+            let _ = writeln!(
+                text,
+                "| {} | {} | {:.1} | {threads} | {:.3} ± {:.3} | {processor} | {:.1} | {:.2} | {} |",
+                track.case.name,
+                track.simulation.particle_count(),
+                track.simulation.pair_count() as f64 / track.simulation.particle_count() as f64,
+                updates / 1e6,
+                spread / 1e6,
+                pairs / 1e6,
+                updates / single,
+                memory(track),
+            );
+        }
+    }
+    text
+}
+
+fn memory(track: &Track) -> String {
+    let particles = track.simulation.particle_count() as u64;
+    let arrays = track.simulation.estimate().memory_bytes / particles;
+    let resident = track.resident_bytes.map(|bytes| (bytes / particles).to_string());
+    format!("{arrays}; {}", resident.unwrap_or_else(|| "-".to_owned()))
+}
+
+fn append(path: &Path, section: &str) -> Result<(), String> {
+    std::fs::OpenOptions::new()
+        .append(true)
+        .open(path)
+        .and_then(|mut file| file.write_all(section.as_bytes()))
+        .map_err(|error| format!("{}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_does_not_care_for_one_slow_burst() {
+        assert_eq!(median_and_spread(vec![3.0, 1.0, 2.9, 3.1, 3.2]), (3.0, 1.1));
+    }
+
+    #[test]
+    fn every_case_can_be_built_and_stepped() {
+        for case in cases::all().into_iter().filter(|case| case.warm_up > 500) {
+            let mut simulation = Simulation::new((case.setup)()).unwrap();
+            simulation.step().unwrap();
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! Rules about single files, and links between them.
+
+use super::{File, Finding};
+use std::collections::HashSet;
+
+/// A rule: a file in, findings out.
+pub type Rule = fn(&File) -> Vec<Finding>;
+
+/// All rules that look at one file at a time.
+pub const ALL: &[Rule] = &[
+    no_side_effects_in_the_core,
+    only_the_command_prints,
+    only_scenario_knows_other_units,
+    no_ambiguous_field_names,
+    files_stay_short,
+    no_places_of_one_machine,
+    nothing_left_open,
+    every_file_is_introduced,
+];
+
+/// Crates that are pure functions of their input.
+const CORE: [&str; 2] = ["physics", "sph"];
+/// Paths that reach outside the program.
+const SIDE_EFFECTS: [&str; 6] =
+    ["std::fs", "std::env", "std::time", "std::net", "std::process", "std::io"];
+/// Macros that print.
+const PRINTING: [&str; 5] = ["println!", "eprintln!", "print!", "eprint!", "dbg!"];
+/// Names of non-SI units as the scenario reader knows them.
+const OTHER_UNITS: [&str; 18] = [
+    "mm", "um", "nm", "cm", "MPa", "GPa", "m/min", "mm/min", "deg", "degC", "°C", "ms", "us", "kN",
+    "N/mm", "rpm", "1/min", "g/cm^3",
+];
+/// Crates that must not contain them; the others show numbers to people.
+const WITHOUT_UNITS: [&str; 2] = CORE;
+/// Field names that mean two things in metal cutting.
+const AMBIGUOUS: [&str; 11] = ["h", "m", "n", "A", "B", "C", "T", "alpha", "beta", "gamma", "mu"];
+/// Lines of the longest file allowed.
+const MAX_LINES: usize = 600;
+
+fn words(file: &File, forbidden: &[&str], message: &str) -> Vec<Finding> {
+    let Some(source) = &file.source else { return Vec::new() };
+    let found = |line: &str| forbidden.iter().copied().find(|word| contains_word(line, word));
+    source
+        .lines()
+        .filter_map(|(number, line)| found(line).map(|word| (number, word)))
+        .map(|(number, word)| file.finding(number, format!("`{word}`: {message}")))
+        .collect()
+}
+
+/// Whether `line` contains `word` and not only as the end of a longer one.
+fn contains_word(line: &str, word: &str) -> bool {
+    line.match_indices(word).any(|(start, _)| {
+        let before = line[..start].chars().next_back();
+        let after = line[start + word.len()..].chars().next();
+        let joins = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        !joins(before) && (word.ends_with('!') || !joins(after))
+    })
+}
+
+/// Invariant 1, the part that is visible in the source.
+fn no_side_effects_in_the_core(file: &File) -> Vec<Finding> {
+    if !file.crate_name().is_some_and(|name| CORE.contains(&name)) || !file.is_production() {
+        return Vec::new();
+    }
+    words(file, &SIDE_EFFECTS, "physics and sph do no I/O and know no clock or environment")
+}
+
+/// Invariant 2, the part that is visible in the source.
+fn only_the_command_prints(file: &File) -> Vec<Finding> {
+    if file.crate_name().is_none_or(|name| name == "cli") || !file.is_production() {
+        return Vec::new();
+    }
+    words(file, &PRINTING, "only cli prints; return the text instead")
+}
+
+/// Invariant 3.
+fn only_scenario_knows_other_units(file: &File) -> Vec<Finding> {
+    let Some(source) = &file.source else { return Vec::new() };
+    if !file.crate_name().is_some_and(|name| WITHOUT_UNITS.contains(&name)) {
+        return Vec::new();
+    }
+    source
+        .literals
+        .iter()
+        .filter(|literal| OTHER_UNITS.contains(&literal.text.as_str()))
+        .map(|literal| {
+            let message =
+                format!("unit `{}`: only scenario knows units other than SI", literal.text);
+            file.finding(literal.line, message)
+        })
+        .collect()
+}
+
+/// Fields of structs whose name alone does not say which quantity it is.
+fn no_ambiguous_field_names(file: &File) -> Vec<Finding> {
+    let Some(source) = &file.source else { return Vec::new() };
+    let mut findings = Vec::new();
+    let mut depth = None;
+    for (number, line) in source.lines() {
+        let trimmed = line.trim_start();
+        if depth.is_none() && opens_struct(trimmed) {
+            depth = Some(0_i32);
+        }
+        let Some(level) = depth else { continue };
+        if let Some(name) = field_name(trimmed)
+            && level == 1
+            && AMBIGUOUS.contains(&name)
+        {
+            findings.push(file.finding(
+                number,
+                format!("field `{name}` means two things in cutting: write the full word"),
+            ));
+        }
+        let level = level + count(line, '{') - count(line, '}');
+        depth = (level > 0).then_some(level);
+    }
+    findings
+}
+
+fn opens_struct(line: &str) -> bool {
+    let is_struct =
+        contains_word(line, "struct") && (line.starts_with("struct") || line.starts_with("pub"));
+    is_struct && line.contains('{')
+}
+
+/// `name` of `pub name: Type,`.
+fn field_name(line: &str) -> Option<&str> {
+    let rest = match line.strip_prefix("pub") {
+        Some(rest) if rest.starts_with('(') => rest.split_once(')')?.1,
+        Some(rest) if rest.starts_with(' ') => rest,
+        _ => line,
+    };
+    let (name, _) = rest.trim_start().split_once(':')?;
+    let is_name = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    is_name.then_some(name)
+}
+
+fn count(line: &str, character: char) -> i32 {
+    i32::try_from(line.matches(character).count()).unwrap_or(i32::MAX)
+}
+
+fn files_stay_short(file: &File) -> Vec<Finding> {
+    let lines = file.text.lines().count();
+    if file.source.is_none() || lines <= MAX_LINES {
+        return Vec::new();
+    }
+    vec![file.finding(0, format!("{lines} lines: divide it, {MAX_LINES} are the limit"))]
+}
+
+fn no_places_of_one_machine(file: &File) -> Vec<Finding> {
+    // Put together here so that this file does not find itself.
+    let places = ["home", "root", "work", "tmp", "Users"].map(|place| format!("/{place}/"));
+    let mut findings = Vec::new();
+    for (index, line) in file.text.lines().enumerate() {
+        if let Some(place) = places.iter().find(|place| mentions_place(line, place)) {
+            findings.push(file.finding(index + 1, format!("`{place}` is a place of one machine")));
+        }
+    }
+    findings
+}
+
+/// An absolute path, not a part of a longer one (`target/tmp/`) or of an address.
+fn mentions_place(line: &str, place: &str) -> bool {
+    line.match_indices(place).any(|(start, _)| {
+        let before = line[..start].chars().next_back();
+        !before.is_some_and(|c| c.is_alphanumeric() || "._-/}~$".contains(c))
+    })
+}
+
+fn nothing_left_open(file: &File) -> Vec<Finding> {
+    let mut findings = words(file, &["todo!", "unimplemented!"], "left open");
+    let marks =
+        ["TO", "FIX"].map(|half| format!("{half}{}", if half == "TO" { "DO" } else { "ME" }));
+    for (index, line) in file.text.lines().enumerate() {
+        if let Some(mark) = marks.iter().find(|mark| contains_word(line, mark)) {
+            findings
+                .push(file.finding(index + 1, format!("`{mark}`: do it, or say what is known")));
+        }
+    }
+    findings
+}
+
+/// Every Rust file starts by saying what it is for.
+fn every_file_is_introduced(file: &File) -> Vec<Finding> {
+    if file.source.is_none() || file.text.trim_start().starts_with("//!") {
+        return Vec::new();
+    }
+    vec![file.finding(1, "starts without a `//!` that says what the file is for")]
+}
+
+/// Relative links of the documents that lead to no file of the repository.
+pub fn dead_links(files: &[File]) -> Vec<Finding> {
+    let known: HashSet<&str> = files.iter().map(|file| file.path.as_str()).collect();
+    let exists = |target: &str| {
+        let folder = format!("{}/", target.trim_end_matches('/'));
+        known.contains(target) || known.iter().any(|path| path.starts_with(&folder))
+    };
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.path.ends_with(".md")) {
+        for (index, line) in file.text.lines().enumerate() {
+            for link in links(line).filter(|link| !link.contains("://")) {
+                let target = resolve(&file.path, link);
+                if !target.is_empty() && !exists(&target) {
+                    findings.push(file.finding(index + 1, format!("dead link `{link}`")));
+                }
+            }
+        }
+    }
+    findings
+}
+
+/// The targets of `[text](target)` and `![text](target)` in a line, without anchors.
+fn links(line: &str) -> impl Iterator<Item = &str> {
+    line.split("](").skip(1).filter_map(|rest| {
+        let target = rest.split(')').next()?.split('#').next()?;
+        let is_path = !target.is_empty() && !target.contains(' ') && !target.starts_with("mailto:");
+        is_path.then_some(target)
+    })
+}
+
+/// The target of a link in `from` as a path from the top.
+fn resolve(from: &str, link: &str) -> String {
+    let mut parts: Vec<&str> = from.split('/').collect();
+    parts.pop();
+    for part in link.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()),
+            part => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(path: &str, text: &str) -> File {
+        File::new(path.to_owned(), text.to_owned())
+    }
+
+    #[test]
+    fn printing_is_found_in_libraries_and_allowed_in_the_command_and_in_tests() {
+        let text = "fn f() { println!(\"x\"); }";
+        assert_eq!(only_the_command_prints(&file("crates/sph/src/a.rs", text)).len(), 1);
+        assert!(only_the_command_prints(&file("crates/cli/src/a.rs", text)).is_empty());
+        assert!(only_the_command_prints(&file("crates/sph/tests/a.rs", text)).is_empty());
+        let quoted = "fn f() { g(\"println!\"); } // println!";
+        assert!(only_the_command_prints(&file("crates/sph/src/a.rs", quoted)).is_empty());
+    }
+
+    #[test]
+    fn the_core_reads_no_clock() {
+        let text = "use std::time::Instant;";
+        assert_eq!(no_side_effects_in_the_core(&file("crates/sph/src/a.rs", text)).len(), 1);
+        assert!(no_side_effects_in_the_core(&file("crates/record/src/a.rs", text)).is_empty());
+    }
+
+    #[test]
+    fn units_are_for_scenario() {
+        let text = "f(\"um\");";
+        assert_eq!(only_scenario_knows_other_units(&file("crates/sph/src/a.rs", text)).len(), 1);
+        assert!(
+            only_scenario_knows_other_units(&file("crates/scenario/src/a.rs", text)).is_empty()
+        );
+    }
+
+    #[test]
+    fn fields_are_found_but_locals_and_variants_are_not() {
+        let text = "pub struct A {\n    pub h: f64,\n    pub(crate) mu: f64,\n    height: f64,\n}\n\
+                    fn f() { let h: f64 = 1.0; }\n";
+        let findings = no_ambiguous_field_names(&file("crates/sph/src/a.rs", text));
+        assert_eq!(findings.iter().map(|f| f.line).collect::<Vec<_>>(), [2, 3]);
+    }
+
+    #[test]
+    fn long_files_are_found() {
+        let text = "//! a\n".repeat(MAX_LINES + 1);
+        assert_eq!(files_stay_short(&file("crates/sph/src/a.rs", &text)).len(), 1);
+        assert!(files_stay_short(&file("docs/a.md", &text)).is_empty());
+    }
+
+    #[test]
+    fn places_of_one_machine_are_found_but_not_parts_of_paths() {
+        let path = ["", "home", "me", "a.toml"].join("/");
+        assert_eq!(no_places_of_one_machine(&file("README.md", &path)).len(), 1);
+        let relative = ["target", "tmp", "a"].join("/");
+        assert!(no_places_of_one_machine(&file("README.md", &relative)).is_empty());
+    }
+
+    #[test]
+    fn open_work_is_found() {
+        assert_eq!(nothing_left_open(&file("crates/sph/src/a.rs", "fn f() { todo!() }")).len(), 1);
+        let mark = format!("# {}{}: finish", "TO", "DO");
+        assert_eq!(nothing_left_open(&file("docs/a.md", &mark)).len(), 1);
+    }
+
+    #[test]
+    fn links_lead_somewhere() {
+        let files = [
+            file("docs/a.md", "[b](b.md#x) [c](../README.md) [d](https://example.org) [e](no.md)"),
+            file("docs/b.md", ""),
+            file("README.md", "[docs](docs) ![p](docs/images/p.png)"),
+        ];
+        let messages: Vec<String> = dead_links(&files).into_iter().map(|f| f.message).collect();
+        assert_eq!(messages, ["dead link `no.md`", "dead link `docs/images/p.png`"]);
+    }
+}
