@@ -19,6 +19,7 @@ pub(crate) fn bodies(
     let mut materials = Vec::new();
     let tables = root.tables("body");
     let count = tables.len();
+    check_table_count(findings, root, "body", count)?;
     for table in tables {
         let record = reader::read(findings, &root.source, table, &sections::body(), dimension);
         let material = shelf.material(findings, &record);
@@ -43,6 +44,28 @@ pub(crate) fn bodies(
     (bodies.len() == count).then_some((bodies, materials))
 }
 
+/// Most bodies and most supports of a scenario.
+const MOST_TABLES: usize = 500;
+
+fn check_table_count(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    key: &str,
+    count: usize,
+) -> Option<()> {
+    if count <= MOST_TABLES {
+        return Some(());
+    }
+    let mistake = Mistake::TooLarge {
+        message: format!(
+            "{count} tables [[{key}]]: more than the {MOST_TABLES} this program takes"
+        ),
+        help: "describe fewer of them".to_owned(),
+    };
+    findings.problem(&root.source, root.span(key), mistake);
+    None
+}
+
 /// All `[[support]]` tables.
 pub(crate) fn supports(
     findings: &mut Findings,
@@ -52,6 +75,7 @@ pub(crate) fn supports(
     let mut supports = Vec::new();
     let tables = root.tables("support");
     let count = tables.len();
+    check_table_count(findings, root, "support", count)?;
     for table in tables {
         let record = reader::read(findings, &root.source, table, &sections::support(), dimension);
         let region = shape(findings, &record, dimension);
@@ -160,7 +184,7 @@ fn refuse_keys_of_other_shapes(findings: &mut Findings, record: &Record<'_>, kin
 
 fn require_shape_keys(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
     let section = if record.section == "body" { sections::body() } else { sections::support() };
-    for key in keys.iter().filter(|key| !record.is_written(key)) {
+    for key in keys.iter().filter(|key| record.lacks(key)) {
         let field = section.field(key).expect("the caller names keys of a shape");
         findings.problem(&record.source, record.heading.clone(), reader::missing(&section, field));
     }
@@ -257,7 +281,7 @@ fn report_unknown_field(
     let choices = sections::VELOCITY_FIELDS;
     let mistake = Mistake::NotAChoice {
         key: "field".to_owned(),
-        word: field.to_owned(),
+        word: reader::shortened(field),
         nearest: crate::spelling::nearest(field, choices.iter().copied()).map(str::to_owned),
         allowed: choices.iter().map(|word| (*word).to_owned()).collect(),
     };

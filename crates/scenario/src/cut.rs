@@ -163,7 +163,7 @@ fn check_wedge(findings: &mut Findings, record: &Record<'_>, tool: &EdgeGeometry
 /// Reports each of `keys` that is not written.
 pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
     let all = [sections::tool(), sections::stop()];
-    for key in keys.iter().filter(|key| !record.is_written(key)) {
+    for key in keys.iter().filter(|key| record.lacks(key)) {
         let section = all.iter().find(|section| section.name == record.section);
         let field = section.and_then(|section| Some((section, section.field(key)?)));
         if let Some((section, field)) = field {

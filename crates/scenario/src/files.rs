@@ -65,7 +65,7 @@ impl Surroundings {
 }
 
 fn file_mistake(named: &str, reason: String, help: &str) -> Box<Mistake> {
-    Box::new(Mistake::File { path: named.to_owned(), reason, help: help.to_owned() })
+    Box::new(Mistake::File { path: crate::reader::shortened(named), reason, help: help.to_owned() })
 }
 
 /// Reads a regular file of UTF-8 text of at most `largest` bytes.

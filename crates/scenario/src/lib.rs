@@ -51,6 +51,8 @@ pub fn shipped_materials() -> &'static [(&'static str, &'static str)] {
 fn report_syntax(findings: &mut Findings, source: &Arc<Source>, errors: &[toml::de::Error]) {
     for error in errors.iter().take(MOST_SYNTAX_ERRORS) {
         let message = error.message().replace('\n', "; ");
+        // The first half says it all; the parser's second guess would mislead.
+        let message = message.replace("must be quoted, expected literal string", "must be quoted");
         let span = error.span().unwrap_or(0..0);
         findings.problem(source, span, Mistake::Syntax { message });
     }
@@ -59,9 +61,15 @@ fn report_syntax(findings: &mut Findings, source: &Arc<Source>, errors: &[toml::
 /// More would bury the first one, from which the others usually follow.
 const MOST_SYNTAX_ERRORS: usize = 10;
 
-/// The first line that is not empty: the place of what concerns the file as a whole.
+/// The first line that is neither empty nor a comment: the place of what concerns the whole file.
 fn first_line(text: &str) -> Range<usize> {
-    let start = text.len() - text.trim_start().len();
-    let length = text[start..].find('\n').unwrap_or(text.len() - start);
-    start..start + length
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let content = line.trim();
+        if !content.is_empty() && !content.starts_with('#') {
+            return start..start + line.trim_end().len();
+        }
+        start += line.len();
+    }
+    0..text.find('\n').unwrap_or(text.len())
 }

@@ -73,7 +73,7 @@ impl<'t> Shelf<'t> {
                 let mistake = Mistake::WrongType {
                     key: name.to_owned(),
                     expected: format!("a table: [materials.{name}]"),
-                    found: "a single value",
+                    found: "a single value".to_owned(),
                 };
                 findings.problem(&root.source, value.span(), mistake);
                 continue;
@@ -144,7 +144,7 @@ impl<'t> Shelf<'t> {
         allowed.dedup();
         Mistake::NotAChoice {
             key: "material".to_owned(),
-            word: name.to_owned(),
+            word: reader::shortened(name),
             nearest: spelling::nearest(name, allowed.iter().map(String::as_str)).map(str::to_owned),
             allowed,
         }
@@ -279,7 +279,8 @@ fn check_temperatures(findings: &mut Findings, owner: &Record<'_>, values: &Valu
         ),
         help: "check both temperatures and their units".to_owned(),
     };
-    findings.problem(&owner.source, owner.span("material"), mistake);
+    let place = if owner.is_written("override") { "override" } else { "material" };
+    findings.problem(&owner.source, owner.span(place), mistake);
     None
 }
 
@@ -327,7 +328,7 @@ fn read_draft(
         let flow_section = format!("{section}.flow_stress");
         let written = flow.0.get("law").and_then(|law| law.get_ref().as_str());
         draft.law = written.and_then(flow_stress::find);
-        if draft.law.is_some() || written.is_none() {
+        if draft.law.is_some() {
             let section = sections::flow_stress(&flow_section, draft.law);
             draft.law_numbers = reader::read(findings, source, flow, &section, 2).written_numbers();
         } else {
@@ -340,7 +341,7 @@ fn read_draft(
     draft
 }
 
-/// With an unknown law only the law itself is a mistake: its other keys cannot be judged.
+/// Without a known law only the law itself is a mistake: the other keys cannot be judged.
 fn read_unknown_law(
     findings: &mut Findings,
     source: &Arc<Source>,
@@ -357,7 +358,7 @@ fn read_unknown_law(
             }
         }
     }
-    reader::read_with(findings, source, flow, &section, 2, Defaults::Ignore);
+    reader::read(findings, source, flow, &section, 2);
 }
 
 /// In a material file every value says where it comes from.

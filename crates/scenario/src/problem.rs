@@ -53,7 +53,7 @@ pub enum Mistake {
         /// What is expected.
         expected: String,
         /// What is there.
-        found: &'static str,
+        found: String,
     },
     /// A text that is not a quantity of the kind asked for.
     Quantity {
@@ -168,6 +168,9 @@ impl Mistake {
     #[must_use]
     pub fn help(&self) -> String {
         match self {
+            Self::Syntax { message } if message.contains("must be quoted") => {
+                "words and quantities stand in quotes: length = \"2.5 mm\"".to_owned()
+            }
             Self::Syntax { .. } | Self::WrongType { .. } | Self::OutOfRange { .. } => String::new(),
             Self::UnknownKey { allowed, section, .. } if section.is_empty() => {
                 format!("keys and sections of a scenario: {}", allowed.join(", "))
@@ -175,7 +178,7 @@ impl Mistake {
             Self::UnknownKey { allowed, section, .. } => {
                 format!("keys of [{section}]: {}", allowed.join(", "))
             }
-            Self::Missing { example, .. } => format!("for example: {example}"),
+            Self::Missing { example, .. } => format!("for example {example}"),
             Self::Quantity { units, error, .. } => quantity_help(units, error),
             Self::NotAChoice { allowed, .. } => format!("choices: {}", allowed.join(", ")),
             Self::Contradiction { help, .. }

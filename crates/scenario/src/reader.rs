@@ -46,9 +46,21 @@ pub(crate) struct Findings {
     pub(crate) description: Vec<ResolvedEntry>,
 }
 
+/// More mistakes than anyone reads; bounds time and memory on hostile texts.
+const MOST_PROBLEMS: usize = 200;
+
 impl Findings {
     pub(crate) fn problem(&mut self, source: &Arc<Source>, span: Range<usize>, mistake: Mistake) {
-        self.problems.push(Problem::new(source, span, mistake));
+        match self.problems.len() {
+            0..MOST_PROBLEMS => self.problems.push(Problem::new(source, span, mistake)),
+            MOST_PROBLEMS => {
+                let message = format!("more than {MOST_PROBLEMS} mistakes: the rest is not told");
+                let help = "correct these first".to_owned();
+                let mistake = Mistake::TooLarge { message, help };
+                self.problems.push(Problem::new(source, span, mistake));
+            }
+            _ => {}
+        }
     }
 
     /// Notes a value that follows from others.
@@ -83,7 +95,9 @@ pub(crate) struct Record<'t> {
     /// Where the table begins.
     pub(crate) heading: Range<usize>,
     raw: &'t DeTable<'t>,
-    items: Vec<(&'static str, Value, Option<Range<usize>>)>,
+    items: Vec<(&'static str, Value)>,
+    /// Keys that are written with a mistyped name.
+    meant: Vec<&'static str>,
 }
 
 impl<'t> Record<'t> {
@@ -140,6 +154,11 @@ impl<'t> Record<'t> {
         self.raw.get(key).is_some()
     }
 
+    /// Whether the key is missing: neither written nor meant by a mistyped one.
+    pub(crate) fn lacks(&self, key: &str) -> bool {
+        !self.is_written(key) && !self.meant.contains(&key)
+    }
+
     /// Where the value of `key` stands; the heading if it is not written.
     pub(crate) fn span(&self, key: &str) -> Range<usize> {
         self.raw.get(key).map_or_else(|| self.heading.clone(), Spanned::span)
@@ -166,8 +185,8 @@ impl<'t> Record<'t> {
     pub(crate) fn written_numbers(&self) -> Vec<(&'static str, f64)> {
         self.items
             .iter()
-            .filter(|(key, _, span)| span.is_some() && self.is_written(key))
-            .filter_map(|(key, value, _)| match value {
+            .filter(|(key, _)| self.is_written(key))
+            .filter_map(|(key, value)| match value {
                 Value::Number(number) => Some((*key, *number)),
                 _ => None,
             })
@@ -220,42 +239,64 @@ pub(crate) fn read_with<'t>(
     dimension: usize,
     defaults: Defaults,
 ) -> Record<'t> {
-    refuse_unknown_keys(findings, source, raw, section);
+    let meant = refuse_unknown_keys(findings, source, raw, section);
     let mut items = Vec::new();
     for field in &section.fields {
         let mut reader = FieldReader { source, findings: &mut *findings, field, dimension };
         if let Some(written) = raw.get(field.key) {
             if let Some((value, text)) = reader.value(written) {
                 describe(findings, section, field, &value, text, Origin::Given);
-                items.push((field.key, value, Some(written.span())));
+                items.push((field.key, value));
             }
         } else if defaults == Defaults::Fill
+            && !meant.contains(&field.key)
             && let Some(value) = absent(findings, source, &heading, section, field)
         {
-            items.push((field.key, value, None));
+            items.push((field.key, value));
         }
     }
-    Record { source: Arc::clone(source), section: section.name.clone(), heading, raw, items }
+    Record { source: Arc::clone(source), section: section.name.clone(), heading, raw, items, meant }
 }
 
+/// Reports unknown keys; returns the keys that they probably were meant to be.
 fn refuse_unknown_keys(
     findings: &mut Findings,
     source: &Arc<Source>,
     raw: &DeTable<'_>,
     section: &Section,
-) {
+) -> Vec<&'static str> {
+    let mut meant = Vec::new();
     for key in raw.keys() {
         let name = key.get_ref().as_ref();
         if section.field(name).is_none() {
+            let nearest = spelling::nearest(name, section.keys());
+            meant.extend(section.keys().find(|known| Some(*known) == nearest));
             let mistake = Mistake::UnknownKey {
                 section: section.name.clone(),
-                key: name.to_owned(),
-                nearest: spelling::nearest(name, section.keys()).map(str::to_owned),
+                key: shortened(name),
+                nearest: nearest.map(str::to_owned),
                 allowed: section.keys().map(str::to_owned).collect(),
             };
             findings.problem(source, key.span(), mistake);
         }
     }
+    meant
+}
+
+/// Longest text of a user that is repeated in a message.
+const LONGEST_QUOTE: usize = 60;
+
+/// Text of a user as it may be repeated: short and without control characters.
+pub(crate) fn shortened(text: &str) -> String {
+    let mut quote: String = text
+        .chars()
+        .take(LONGEST_QUOTE)
+        .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
+        .collect();
+    if text.chars().nth(LONGEST_QUOTE).is_some() {
+        quote.push_str("...");
+    }
+    quote
 }
 
 /// The default of a key that is not written; a mistake if it is required.
@@ -282,9 +323,14 @@ fn absent(
 
 /// The mistake of a key that is not there.
 pub(crate) fn missing(section: &Section, field: &Field) -> Mistake {
+    let key = match field.kind {
+        Kind::Table if section.name.is_empty() => format!("[{}]", field.key),
+        Kind::Tables if section.name.is_empty() => format!("[[{}]]", field.key),
+        _ => field.key.to_owned(),
+    };
     Mistake::Missing {
         section: section.name.clone(),
-        key: field.key.to_owned(),
+        key,
         meaning: field.meaning.to_string(),
         example: field.example_line(),
     }
@@ -381,7 +427,7 @@ impl FieldReader<'_> {
     }
 
     fn wrong_type<T>(&mut self, span: &Range<usize>, expected: &str, value: &DeValue) -> Option<T> {
-        let (expected, found) = (expected.to_owned(), type_name(value));
+        let (expected, found) = (expected.to_owned(), type_name(value).to_owned());
         self.mistake(span.clone(), Mistake::WrongType { key: self.key(), expected, found });
         None
     }
@@ -426,7 +472,7 @@ impl FieldReader<'_> {
     ) {
         let mistake = Mistake::Quantity {
             key: self.key(),
-            text,
+            text: shortened(&text),
             wanted: quantity.name(),
             units: units::accepted_units(quantity).to_vec(),
             error,
@@ -449,6 +495,7 @@ impl FieldReader<'_> {
             Ok(count) if (min..=max).contains(&count) => Some((Value::Count(count), text)),
             _ => {
                 let range = format!("from {min} to {max}");
+                let text = shortened(&text);
                 self.mistake(span.clone(), Mistake::OutOfRange { key: self.key(), text, range });
                 None
             }
@@ -467,6 +514,7 @@ impl FieldReader<'_> {
         }
         let nearest = spelling::nearest(&word, words.iter().copied()).map(str::to_owned);
         let allowed = words.iter().map(|word| (*word).to_owned()).collect();
+        let word = shortened(&word);
         self.mistake(span, Mistake::NotAChoice { key: self.key(), word, nearest, allowed });
         None
     }
@@ -483,7 +531,7 @@ impl FieldReader<'_> {
             return self.wrong_type(span, &expected, value);
         };
         if list.len() != self.dimension {
-            let found = "a list of another length";
+            let found = format!("a list of {}", list.len());
             self.mistake(span.clone(), Mistake::WrongType { key: self.key(), expected, found });
             return None;
         }

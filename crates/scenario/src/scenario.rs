@@ -185,7 +185,7 @@ fn kind(findings: &mut Findings, root: &Record<'_>) -> Option<Kind> {
 /// Reports each of the sections `keys` that is not there.
 fn require_sections(findings: &mut Findings, root: &Record<'_>, keys: &[&str]) {
     let section = sections::root();
-    for key in keys.iter().filter(|key| !root.is_written(key)) {
+    for key in keys.iter().filter(|key| root.lacks(key)) {
         let field = section.field(key).expect("the caller names sections of the file");
         findings.problem(&root.source, root.heading.clone(), reader::missing(&section, field));
     }
@@ -264,7 +264,7 @@ fn read_bodies(
 /// Options that every scenario has.
 struct Common {
     heat: Option<sphcut_sph::setup::Heat>,
-    numerics: Option<sphcut_physics::Values>,
+    numerics: Option<(sphcut_physics::Values, Switch)>,
     contact: Option<sphcut_physics::Values>,
 }
 
@@ -287,9 +287,11 @@ impl Common {
 
     fn setup(self, dimension: Dimension, resolution: Resolution, time: f64) -> Option<Setup> {
         let empty = Setup::empty(dimension, resolution.particle_spacing, time);
+        let (numerics, mechanics) = self.numerics?;
         Some(Setup {
             heat: self.heat?,
-            numerics: self.numerics?,
+            numerics,
+            mechanics,
             contact: self.contact?,
             discretisation: resolution.discretisation,
             seed: resolution.seed,

@@ -126,6 +126,9 @@ impl Field {
 
     /// A line that could stand in the file.
     pub(crate) fn example_line(&self) -> String {
+        if matches!(self.kind, Kind::Table | Kind::Tables) && !self.example.is_empty() {
+            return self.example.to_owned();
+        }
         if !self.example.is_empty() {
             return format!("{} = {}", self.key, self.example);
         }

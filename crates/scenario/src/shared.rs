@@ -62,10 +62,10 @@ pub(crate) fn heat(findings: &mut Findings, root: &Record<'_>) -> Option<Heat> {
     })
 }
 
-/// `[numerics]`.
-pub(crate) fn numerics(findings: &mut Findings, root: &Record<'_>) -> Option<Values> {
+/// `[numerics]`: the values, and whether the particles move.
+pub(crate) fn numerics(findings: &mut Findings, root: &Record<'_>) -> Option<(Values, Switch)> {
     optional_section(findings, root, &sections::numerics(), 2, |_, record| {
-        values(record, options::NUMERICS)
+        Some((values(record, options::NUMERICS)?, switch(record.switch("mechanics")?)))
     })
 }
 
@@ -133,7 +133,11 @@ fn spacing(
     if !written && !preset {
         let section = sections::resolution();
         let field = section.field("particle_spacing").expect("a key of [resolution]");
-        findings.problem(&record.source, record.heading.clone(), reader::missing(&section, field));
+        let mut mistake = reader::missing(&section, field);
+        if let (Mistake::Missing { example, .. }, true) = (&mut mistake, has_process) {
+            example.push_str(", or preset = \"standard\"");
+        }
+        findings.problem(&record.source, record.heading.clone(), mistake);
         return None;
     }
     if written {
@@ -164,16 +168,16 @@ pub(crate) fn friction(
     let name = format!("{}.friction", owner.section);
     let written = table.0.get("law").and_then(|law| law.get_ref().as_str());
     let law = written.and_then(friction::find);
-    let section = match (law, written) {
-        (None, Some(_)) => any_friction(&name),
-        _ => sections::friction(&name, law),
+    let section = match law {
+        None => any_friction(&name),
+        Some(_) => sections::friction(&name, law),
     };
     let record = reader::read(findings, &owner.source, table, &section, 2);
     let law = law?;
     Some((law, values(&record, law.parameters)?))
 }
 
-/// With an unknown law only the law itself is a mistake: its other keys cannot be judged.
+/// Without a known law only the law itself is a mistake: the other keys cannot be judged.
 fn any_friction(name: &str) -> Section {
     let mut section = sections::friction(name, None);
     for law in friction::LAWS {

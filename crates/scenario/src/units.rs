@@ -186,17 +186,17 @@ const SYMBOLS: &[Symbol] = &[
     part("%", 1e2, NONE),
 ];
 
-/// Units proposed in messages and documentation, the SI unit among them.
+/// Units proposed in messages and documentation, the SI unit among them, the usual one first.
 pub(crate) const fn accepted_units(quantity: Quantity) -> &'static [&'static str] {
     match quantity {
         Quantity::Dimensionless => &["%"],
         Quantity::Angle => &["deg", "rad", "mrad"],
-        Quantity::Length => &["m", "mm", "um", "nm", "in"],
+        Quantity::Length => &["mm", "um", "m", "nm", "in"],
         Quantity::Time => &["s", "ms", "us", "ns", "min"],
-        Quantity::Speed => &["m/s", "m/min", "mm/s", "mm/min"],
+        Quantity::Speed => &["m/min", "m/s", "mm/s", "mm/min"],
         Quantity::AngularSpeed => &["rad/s", "deg/s", "rpm"],
         Quantity::Density => &["kg/m^3", "g/cm^3"],
-        Quantity::Stress => &["Pa", "kPa", "MPa", "GPa", "N/mm^2"],
+        Quantity::Stress => &["MPa", "GPa", "kPa", "Pa", "N/mm^2"],
         Quantity::Rate => &["1/s", "1/min"],
         Quantity::Temperature => &["K", "degC"],
         Quantity::ThermalConductivity => &["W/(m K)", "W/(mm K)"],
@@ -235,7 +235,7 @@ pub(crate) fn parse(text: &str, quantity: Quantity) -> Result<Measured, UnitErro
         return Err(UnitError::TooLong);
     }
     let (number, rest) = split_number(text.trim())?;
-    let unit = parse_unit(rest)?;
+    let unit = parse_unit(rest).map_err(|error| propose(error, quantity))?;
     let wanted = Unit::si(quantity).dimensions;
     if unit.dimensions != wanted {
         return Err(if rest.is_empty() {
@@ -246,6 +246,18 @@ pub(crate) fn parse(text: &str, quantity: Quantity) -> Result<Measured, UnitErro
     }
     let si = unit.size.apply(number) + unit.offset;
     if si.is_finite() { Ok(Measured { si, unit }) } else { Err(UnitError::NotFinite) }
+}
+
+/// The nearest unit for an unknown symbol: those of the quantity come first.
+fn propose(error: UnitError, quantity: Quantity) -> UnitError {
+    let UnitError::UnknownUnit { symbol, .. } = error else { return error };
+    let usual = accepted_units(quantity)
+        .iter()
+        .flat_map(|unit| unit.split(|c: char| !(c.is_alphabetic() || c == '%')))
+        .filter(|name| !name.is_empty());
+    let all = usual.chain(SYMBOLS.iter().map(|symbol| symbol.name));
+    let nearest = crate::spelling::nearest(&symbol, all);
+    UnitError::UnknownUnit { symbol, nearest }
 }
 
 fn name_of(dimensions: Dimensions) -> Option<&'static str> {
@@ -379,12 +391,10 @@ impl UnitParser<'_> {
         }
         let (name, after) = self.rest.split_at(end);
         self.rest = after;
-        let symbol = SYMBOLS.iter().find(|symbol| symbol.name == name).ok_or_else(|| {
-            UnitError::UnknownUnit {
-                symbol: name.to_owned(),
-                nearest: crate::spelling::nearest(name, SYMBOLS.iter().map(|symbol| symbol.name)),
-            }
-        })?;
+        let symbol = SYMBOLS
+            .iter()
+            .find(|symbol| symbol.name == name)
+            .ok_or_else(|| UnitError::UnknownUnit { symbol: name.to_owned(), nearest: None })?;
         let exponent = self.exponent()?;
         let dimensions = Dimensions::default().times(Dimensions(symbol.dimensions), exponent)?;
         Ok((Size::ONE.times(symbol.size, exponent), dimensions))

@@ -44,6 +44,23 @@ fn every_good_file_and_every_shipped_scenario_loads() {
     }
 }
 
+/// No scenario starts with an overlap, an empty body or an unusable tool.
+#[test]
+fn every_good_file_and_every_shipped_scenario_starts() {
+    for folder in ["tests/good", "../../scenarios"] {
+        for path in toml_files(folder) {
+            if path.file_name().is_some_and(|name| name == "beside.toml") {
+                continue; // a material
+            }
+            let scenario = load(&path, &LoadOptions::default()).unwrap();
+            let simulation = sphcut_sph::Simulation::new(scenario.setup);
+            let simulation =
+                simulation.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            assert!(simulation.particle_count() > 100, "{}", path.display());
+        }
+    }
+}
+
 #[test]
 fn the_list_of_shipped_materials_is_the_folder() {
     let listed: Vec<String> =
@@ -137,6 +154,7 @@ fn bodies_supports_and_walls_arrive() {
     assert!(matches!(bar.bodies[0].shape, Shape::Cylinder { length, .. } if length == 25.4e-3));
     assert_eq!(bar.materials[0].flow_stress_values.get("rate_coefficient"), 0.03);
     assert_eq!(bar.materials[0].specific_heat, 385.0);
+    assert!(!good("tests/good/heat_slab.toml").setup.mechanics.is_on());
     let rings = good("tests/good/colliding_rings.toml");
     assert_eq!(rings.setup.sampling_interval, 1e-5);
     assert!(!rings.setup.heat.conduction.is_on());

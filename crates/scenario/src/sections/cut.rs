@@ -1,0 +1,166 @@
+//! Sections of a cut.
+
+use super::{LONGEST, ROOM_TEMPERATURE, between, default, positive, temperature};
+use crate::section::{Field, Kind, Presence, Section};
+use sphcut_physics::{Quantity, Range};
+use std::f64::consts::PI;
+
+/// `[workpiece]`.
+pub(crate) fn workpiece() -> Section {
+    Section::new(
+        "workpiece",
+        "A rectangle; before the cut its upper side is y = 0 and its front side x = 0.",
+        vec![
+            Field::new(
+                "material",
+                Kind::Material,
+                Presence::Required,
+                "name of a material, a file `name.toml` beside the scenario, or a table",
+            )
+            .example("\"aisi1045_table5\""),
+            Field::new(
+                "override",
+                Kind::Table,
+                Presence::Optional,
+                "single values that replace those of the material",
+            ),
+            Field::new(
+                "length",
+                positive(Quantity::Length, LONGEST),
+                Presence::Required,
+                "extent along the cut",
+            )
+            .example("\"2.5 mm\""),
+            Field::new(
+                "height",
+                positive(Quantity::Length, LONGEST),
+                Presence::Required,
+                "extent below the uncut surface",
+            )
+            .example("\"0.5 mm\""),
+            temperature("temperature", ROOM_TEMPERATURE, "initial temperature"),
+        ],
+    )
+}
+
+/// `[tool]`.
+pub(crate) fn tool() -> Section {
+    let angle = |key, min: f64, max: f64, meaning| {
+        let range = Range::closed(min * PI / 180.0, max * PI / 180.0);
+        Field::new(
+            key,
+            Kind::Quantity(Quantity::Angle, range),
+            Presence::Derived("required unless `outline` is given"),
+            meaning,
+        )
+    };
+    Section::new(
+        "tool",
+        "Rake angle, clearance angle and edge radius, or an outline.",
+        vec![
+            angle(
+                "rake_angle",
+                -60.0,
+                60.0,
+                "gamma, positive if the rake face leans away from the chip",
+            )
+            .example("\"5 deg\""),
+            angle("clearance_angle", 0.0, 45.0, "alpha, between flank and machined surface")
+                .example("\"7 deg\""),
+            Field::new(
+                "edge_radius",
+                between(Quantity::Length, 0.0, 5e-3),
+                Presence::Derived("required unless `outline` is given"),
+                "r_n, radius of the rounded cutting edge",
+            )
+            .example("\"20 um\""),
+            Field::new(
+                "outline",
+                Kind::Path,
+                Presence::Optional,
+                "CSV file with the tool's cross-section: two columns x, y in mm, a header line; the tool cuts towards +x and is moved so that its lowest point runs at the depth of cut",
+            ),
+            Field::new(
+                "friction",
+                Kind::Table,
+                Presence::Required,
+                "friction between tool and workpiece",
+            )
+            .example("friction = { law = \"coulomb\", friction_coefficient = 0.3 }"),
+        ],
+    )
+}
+
+/// `[process]`.
+pub(crate) fn process() -> Section {
+    Section::new(
+        "process",
+        "The tool moves through the resting workpiece.",
+        vec![
+            Field::new(
+                "cutting_speed",
+                positive(Quantity::Speed, 1000.0),
+                Presence::Required,
+                "v_c, speed of the tool through the workpiece",
+            )
+            .example("\"150 m/min\""),
+            Field::new(
+                "uncut_chip_thickness",
+                positive(Quantity::Length, 0.01),
+                Presence::Required,
+                "h, depth of the layer that the tool takes off",
+            )
+            .example("\"0.1 mm\""),
+            Field::new(
+                "width_of_cut",
+                positive(Quantity::Length, 1.0),
+                Presence::Required,
+                "b, extent along the cutting edge",
+            )
+            .example("\"3 mm\""),
+            Field::new(
+                "orientation",
+                between(Quantity::Angle, -4.0 * PI, 4.0 * PI),
+                default("0 deg"),
+                "rotates the whole set-up about the origin, counter-clockwise; results do not depend on it",
+            ),
+            Field::new(
+                "mirrored",
+                Kind::Switch,
+                default("false"),
+                "mirrors the whole set-up (y to -y) before the rotation; results do not depend on it",
+            ),
+        ],
+    )
+}
+
+/// `[boundaries]`.
+pub(crate) fn boundaries() -> Section {
+    let side = |key, meaning| {
+        Field::new(key, Kind::Choice(vec!["fixed", "sliding", "free"]), default("fixed"), meaning)
+    };
+    Section::new(
+        "boundaries",
+        "`fixed`: the particles rest; `sliding`: they may move along the side only; `free`: nothing is prescribed.",
+        vec![
+            side("bottom", "the side away from the tool"),
+            side("back", "the side at the end of the cut"),
+            temperature(
+                "bottom_temperature",
+                Presence::Optional,
+                "temperature kept at the bottom; without it no heat passes",
+            ),
+            temperature(
+                "back_temperature",
+                Presence::Optional,
+                "temperature kept at the back; without it no heat passes",
+            ),
+            Field::new(
+                "layers",
+                Kind::Count { min: 1, max: 20 },
+                default("3"),
+                "rows of particles that belong to a held side",
+            ),
+        ],
+    )
+}

@@ -1,0 +1,83 @@
+//! Sections of a material and of the laws.
+
+use super::{choice, positive};
+use crate::section::{Field, Kind, Presence, Section};
+use sphcut_physics::flow_stress::{self, FlowStressEntry};
+use sphcut_physics::friction::{self, FrictionEntry};
+use sphcut_physics::{Quantity, Range};
+
+/// A material, from a file or inline.
+pub(crate) fn material(name: &str) -> Section {
+    Section::new(
+        name,
+        "A material.",
+        vec![
+            Field::new("title", Kind::Text, Presence::Derived("the name"), "name for reports"),
+            Field::new(
+                "density",
+                positive(Quantity::Density, 1e5),
+                Presence::Required,
+                "rho, mass density",
+            )
+            .example("\"7850 kg/m^3\""),
+            Field::new(
+                "young_modulus",
+                positive(Quantity::Stress, 1e13),
+                Presence::Required,
+                "E, Young's modulus",
+            )
+            .example("\"205 GPa\""),
+            Field::new(
+                "poisson_ratio",
+                Kind::Quantity(Quantity::Dimensionless, Range::closed(-0.9, 0.495)),
+                Presence::Required,
+                "nu, Poisson's ratio",
+            )
+            .example("0.3"),
+            Field::new(
+                "specific_heat",
+                positive(Quantity::SpecificHeat, 1e5),
+                Presence::Derived("required where heat acts"),
+                "cp, specific heat capacity",
+            )
+            .example("\"486 J/(kg K)\""),
+            Field::new(
+                "thermal_conductivity",
+                positive(Quantity::ThermalConductivity, 1e4),
+                Presence::Derived("required where heat acts"),
+                "k, thermal conductivity",
+            )
+            .example("\"50 W/(m K)\""),
+            Field::new("flow_stress", Kind::Table, Presence::Required, "when the material yields")
+                .example("flow_stress = { law = \"elastic\" }"),
+            Field::new(
+                "sources",
+                Kind::Table,
+                Presence::Derived("required in material files"),
+                "where each value comes from: the keys of this table as text",
+            ),
+            Field::new("notes", Kind::Text, Presence::Optional, "choices and their effect"),
+        ],
+    )
+}
+
+/// `flow_stress` of a material.
+pub(crate) fn flow_stress(name: &str, law: Option<&'static FlowStressEntry>) -> Section {
+    let names = choice(flow_stress::LAWS.iter().map(|law| law.key));
+    let fields = vec![
+        Field::new("law", names, Presence::Required, "the flow-stress law")
+            .example("\"johnson_cook\""),
+    ];
+    let section = Section::new(name, "When the material yields.", fields);
+    law.map_or(section.clone(), |law| section.with_parameters(law.parameters))
+}
+
+/// `friction` of a tool or a wall.
+pub(crate) fn friction(name: &str, law: Option<&'static FrictionEntry>) -> Section {
+    let names = choice(friction::LAWS.iter().map(|law| law.key));
+    let fields = vec![
+        Field::new("law", names, Presence::Required, "the friction law").example("\"coulomb\""),
+    ];
+    let section = Section::new(name, "Friction between tool and workpiece.", fields);
+    law.map_or(section.clone(), |law| section.with_parameters(law.parameters))
+}

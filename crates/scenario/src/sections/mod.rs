@@ -1,0 +1,282 @@
+//! Every section of a scenario and of a material file.
+
+mod bodies;
+mod cut;
+mod material;
+
+pub(crate) use bodies::{SHAPE_KEYS, VELOCITY_FIELDS, body, support, velocity, wall};
+pub(crate) use cut::{boundaries, process, tool, workpiece};
+pub(crate) use material::{flow_stress, friction, material};
+
+use crate::section::{Field, Kind, Presence, Section};
+use sphcut_physics::{Quantity, Range};
+use sphcut_sph::kernel::KernelChoice;
+use sphcut_sph::options;
+use sphcut_sph::setup::Lattice;
+use std::borrow::Cow;
+
+/// Initial arrangements by name.
+pub(crate) const LATTICES: &[(&str, Lattice)] = &[
+    ("square", Lattice::Square),
+    ("hexagonal", Lattice::Hexagonal),
+    ("disordered", Lattice::Disordered),
+];
+
+/// Resolution presets: particle spacings across the uncut chip thickness.
+pub(crate) const PRESETS: &[(&str, f64)] = &[("draft", 5.0), ("standard", 10.0), ("fine", 14.0)];
+
+const LONGEST: f64 = 100.0;
+const HOTTEST: f64 = 10_000.0;
+const ROOM_TEMPERATURE: Presence = Presence::Default(Cow::Borrowed("293.15 K"));
+
+const fn default(text: &'static str) -> Presence {
+    Presence::Default(Cow::Borrowed(text))
+}
+
+const fn positive(quantity: Quantity, max: f64) -> Kind {
+    Kind::Quantity(quantity, Range::above(0.0, max))
+}
+
+const fn between(quantity: Quantity, min: f64, max: f64) -> Kind {
+    Kind::Quantity(quantity, Range::closed(min, max))
+}
+
+fn temperature(key: &'static str, presence: Presence, meaning: &'static str) -> Field {
+    Field::new(key, positive(Quantity::Temperature, HOTTEST), presence, meaning)
+        .example("\"293.15 K\"")
+}
+
+fn choice(names: impl Iterator<Item = &'static str>) -> Kind {
+    Kind::Choice(names.collect())
+}
+
+/// The top of the file.
+pub(crate) fn root() -> Section {
+    let table = |key, presence, meaning| Field::new(key, Kind::Table, presence, meaning);
+    Section::new(
+        "",
+        "A scenario is either a cut ([workpiece], [tool], [process]) or a set of [[body]] tables.",
+        vec![
+            Field::new(
+                "title",
+                Kind::Text,
+                Presence::Required,
+                "one line that says what is simulated",
+            )
+            .example("\"Orthogonal cut of AISI 1045\""),
+            Field::new(
+                "dimension",
+                Kind::Count { min: 2, max: 3 },
+                default("2"),
+                "2 for plane strain, 3 for three dimensions (bodies only)",
+            ),
+            table(
+                "sources",
+                Presence::Optional,
+                "where the figures come from: free keys, text values",
+            ),
+            table(
+                "materials",
+                Presence::Optional,
+                "materials of this file by name: [materials.NAME]",
+            ),
+            table("workpiece", Presence::Optional, "the workpiece of a cut")
+                .example("[workpiece] with material, length and height"),
+            table("tool", Presence::Optional, "the rigid tool of a cut")
+                .example("[tool] with rake_angle, clearance_angle, edge_radius and friction"),
+            table("process", Presence::Optional, "what the tool does in a cut")
+                .example("[process] with cutting_speed, uncut_chip_thickness and width_of_cut"),
+            table("boundaries", Presence::Optional, "how the workpiece of a cut is held"),
+            Field::new("body", Kind::Tables, Presence::Optional, "a body made of particles")
+                .example("[[body]] with name, material and shape"),
+            Field::new(
+                "support",
+                Kind::Tables,
+                Presence::Optional,
+                "a region of held or moved particles",
+            ),
+            table("wall", Presence::Optional, "a rigid wall"),
+            table("resolution", Presence::Required, "particles and kernel")
+                .example("[resolution] with preset = \"draft\""),
+            table("heat", Presence::Optional, "heat sources and conduction"),
+            table("numerics", Presence::Optional, "discretisation and time step"),
+            table("contact", Presence::Optional, "contact between particles and tool"),
+            table("output", Presence::Optional, "what is recorded"),
+            table("stop", Presence::Required, "when the run ends")
+                .example("[stop] with travel = \"1.5 mm\""),
+        ],
+    )
+}
+
+/// `[resolution]`.
+pub(crate) fn resolution() -> Section {
+    Section::new(
+        "resolution",
+        "Either `particle_spacing` or, for a cut, `preset`.",
+        vec![
+            Field::new(
+                "particle_spacing",
+                Kind::Quantity(Quantity::Length, Range::closed(1e-9, 1.0)),
+                Presence::Derived("from `preset`"),
+                "distance of neighbouring particles at the start",
+            )
+            .example("\"20 um\""),
+            Field::new(
+                "preset",
+                choice(PRESETS.iter().map(|preset| preset.0)),
+                Presence::Optional,
+                "spacing relative to the uncut chip thickness: draft h/5, standard h/10, fine h/14",
+            ),
+            Field::new(
+                "kernel",
+                choice(KernelChoice::ALL.iter().map(|kernel| kernel.0)),
+                default("wendland_c2"),
+                "smoothing kernel",
+            ),
+            Field::new(
+                "lattice",
+                choice(LATTICES.iter().map(|lattice| lattice.0)),
+                default("square"),
+                "initial arrangement of the particles",
+            ),
+            Field::new(
+                "seed",
+                Kind::Count { min: 0, max: i64::MAX },
+                default("0"),
+                "seed of the disordered lattice",
+            ),
+        ],
+    )
+}
+
+/// `[heat]`.
+pub(crate) fn heat() -> Section {
+    let switch = |key, meaning| Field::new(key, Kind::Switch, default("true"), meaning);
+    Section::new(
+        "heat",
+        "Heat sources, conduction and their shares.",
+        vec![
+            switch("plastic_heating", "plastic work heats the particles"),
+            switch("friction_heating", "friction heats the particles"),
+            switch("conduction", "heat flows between particles"),
+        ],
+    )
+    .with_parameters(sphcut_physics::heat::PARAMETERS)
+}
+
+/// `[numerics]`.
+pub(crate) fn numerics() -> Section {
+    Section::new(
+        "numerics",
+        "Discretisation and time step.",
+        vec![Field::new(
+            "mechanics",
+            Kind::Switch,
+            default("true"),
+            "whether the particles move; false solves heat conduction alone",
+        )],
+    )
+    .with_parameters(options::NUMERICS)
+}
+
+/// `[contact]`.
+pub(crate) fn contact() -> Section {
+    Section::new("contact", "Contact between particles and tool.", Vec::new())
+        .with_parameters(options::CONTACT)
+}
+
+/// `[output]`.
+pub(crate) fn output() -> Section {
+    Section::new(
+        "output",
+        "What is recorded.",
+        vec![
+            Field::new(
+                "snapshots",
+                Kind::Count { min: 1, max: 10_000 },
+                default("40"),
+                "pictures of all particles over the run",
+            ),
+            Field::new(
+                "sampling_travel",
+                positive(Quantity::Length, LONGEST),
+                Presence::Derived("a five hundredth of the travel"),
+                "travel over which a force is averaged (cut)",
+            )
+            .example("\"2 um\""),
+            Field::new(
+                "sampling_time",
+                positive(Quantity::Time, 1e6),
+                Presence::Derived("a five hundredth of the time"),
+                "time over which a force is averaged (bodies)",
+            ),
+            Field::new(
+                "checkpoint_interval",
+                between(Quantity::Time, 1.0, 1e6),
+                default("10 min"),
+                "wall-clock time between checkpoints",
+            ),
+            Field::new("pictures", Kind::Switch, default("true"), "pictures in the report"),
+            Field::new(
+                "animation",
+                Kind::Switch,
+                default("true"),
+                "animation of the chip in the report",
+            ),
+        ],
+    )
+}
+
+/// `[stop]`.
+pub(crate) fn stop() -> Section {
+    Section::new(
+        "stop",
+        "A cut ends after `travel`, or earlier when `steady` holds; bodies are followed for `time`.",
+        vec![
+            Field::new(
+                "travel",
+                positive(Quantity::Length, LONGEST),
+                Presence::Derived("required for a cut"),
+                "path of the tool from its start",
+            )
+            .example("\"1.5 mm\""),
+            Field::new(
+                "time",
+                positive(Quantity::Time, 1e6),
+                Presence::Derived("required for bodies"),
+                "simulated time",
+            )
+            .example("\"1 ms\""),
+            Field::new(
+                "steady",
+                Kind::Table,
+                Presence::Optional,
+                "ends the cut once the mean cutting force is known well enough",
+            ),
+        ],
+    )
+}
+
+/// `[stop.steady]`.
+pub(crate) fn steady() -> Section {
+    Section::new(
+        "stop.steady",
+        "Both conditions must hold.",
+        vec![
+            Field::new(
+                "relative_half_width",
+                Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 0.5)),
+                Presence::Required,
+                "half width of the 95 % interval of the mean cutting force over the mean",
+            )
+            .example("0.02"),
+            Field::new(
+                "minimum_travel",
+                positive(Quantity::Length, LONGEST),
+                Presence::Required,
+                "travel before which the run never ends",
+            )
+            .example("\"1 mm\""),
+        ],
+    )
+}
