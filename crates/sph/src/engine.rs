@@ -16,6 +16,7 @@
 //! keeps both momenta. `docs/theory.md` derives all of it.
 
 use crate::account::{Account, Tally};
+use crate::body_contact::BodyPairs;
 use crate::contact::{ContactInput, ToolContact, reduced};
 use crate::error::{Diverged, SetupError};
 use crate::material_point::MaterialPoint;
@@ -104,6 +105,10 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) reference_volume: Vec<f64>,
     pub(crate) list: NeighbourList,
     pub(crate) tallies: Vec<Tally>,
+    /// Pairs of unbonded bodies; `None` where all bodies are bonded.
+    pub(crate) body_pairs: Option<BodyPairs>,
+    /// Penalty stiffness between bodies in N/m (N/m^2 in 2D).
+    pub(crate) body_stiffness: f64,
     // The whole.
     pub(crate) materials: Vec<MaterialData>,
     pub(crate) holds: Vec<Hold<D>>,
@@ -174,6 +179,7 @@ impl<const D: usize> Engine<D> {
         engine.account.initial_heat = engine.heat_content();
         engine.sweep_gradients(0.0);
         engine.sweep_forces();
+        engine.push_bodies_apart();
         engine.touch_tool();
         Ok(engine)
     }
@@ -215,6 +221,10 @@ impl<const D: usize> Engine<D> {
             reference_volume: Vec::new(),
             list: NeighbourList::default(),
             tallies: Vec::new(),
+            body_pairs: (!setup.bonded.is_on()).then(BodyPairs::default),
+            body_stiffness: contact_stiffness
+                * stiffest
+                * setup.particle_spacing.powi(D as i32 - 2),
             materials,
             holds: Hold::all(setup),
             tool,
@@ -273,6 +283,7 @@ impl<const D: usize> Engine<D> {
         self.sweep_gradients(dt);
         self.close_tallies()?;
         self.sweep_forces();
+        self.push_bodies_apart();
         self.touch_tool();
         self.book_contact(0.5 * dt);
         self.kick(0.5 * dt);
@@ -282,6 +293,7 @@ impl<const D: usize> Engine<D> {
             self.refresh();
             self.sweep_gradients(0.0);
             self.sweep_forces();
+            self.push_bodies_apart();
             self.add_contact_forces();
         }
         Ok(())

@@ -4,6 +4,7 @@
 //! does no I/O: what happens is told as plain data ([`observation`]).
 
 mod account;
+mod body_contact;
 mod contact;
 mod density_diffusion;
 mod engine;

@@ -126,7 +126,11 @@ impl<const D: usize> Cells<D> {
     }
 
     /// Calls `visit` with each range of particles in the cells around `position`.
-    fn around(&self, position: &Vector<D>, mut visit: impl FnMut(std::ops::Range<usize>)) {
+    pub(crate) fn around(
+        &self,
+        position: &Vector<D>,
+        mut visit: impl FnMut(std::ops::Range<usize>),
+    ) {
         let cell = self.coordinates(position);
         let low = |k: usize| cell[k].saturating_sub(1);
         let high = |k: usize| (cell[k] + 1).min(self.counts[k] - 1);
@@ -147,12 +151,14 @@ pub(crate) struct Smoothing {
     pub(crate) length: f64,
 }
 
-/// Builds the list for particles already stored in cell order.
+/// Builds the list for particles already stored in cell order; with `body`, pairs of different
+/// bodies are left out.
 pub(crate) fn build_list<const D: usize>(
     list: &mut NeighbourList,
     cells: &Cells<D>,
     positions: &[Vector<D>],
     volumes: &[f64],
+    body: Option<&[u32]>,
     smoothing: Smoothing,
 ) {
     let support = 2.0 * smoothing.length;
@@ -171,7 +177,8 @@ pub(crate) fn build_list<const D: usize>(
                     for j in range {
                         let separation = minus(&positions[j], position);
                         let square = dot(&separation, &separation);
-                        if square < support_square && j != i {
+                        let joined = body.is_none_or(|body| body[j] == body[i]);
+                        if square < support_square && j != i && joined {
                             index.push(j as u32);
                             weight.push(
                                 volumes[j]

@@ -88,12 +88,13 @@ impl<const D: usize> Engine<D> {
     fn sample_energies(&self, set: &mut impl FnMut(ChannelId, f64)) {
         let account = &self.account;
         let (kinetic, elastic) = (self.kinetic_energy(), self.elastic_energy());
+        let contact = account.contact + self.body_contact_energy();
         let numerical = account.hourglass
             + account.viscosity
             + account.density_diffusion
             + account.artificial_stress
             + account.residue
-            + account.contact;
+            + contact;
         let supplied = account.initial_energy + account.tool_work + account.support_work;
         let found = kinetic + elastic + account.plastic + account.friction + numerical;
         set(ChannelId::ToolWork, account.tool_work);
@@ -102,7 +103,7 @@ impl<const D: usize> Engine<D> {
         set(ChannelId::ElasticEnergy, elastic);
         set(ChannelId::PlasticWork, account.plastic);
         set(ChannelId::FrictionWork, account.friction);
-        set(ChannelId::ContactEnergy, account.contact);
+        set(ChannelId::ContactEnergy, contact);
         set(ChannelId::HourglassWork, account.hourglass);
         set(ChannelId::ViscosityWork, account.viscosity);
         set(ChannelId::DensityDiffusionWork, account.density_diffusion);

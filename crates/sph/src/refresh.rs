@@ -11,6 +11,8 @@ use rayon::prelude::*;
 const REFRESH_SPREAD: f64 = 0.25;
 /// Particles within this many spacings of the surface are watched for contact until the next refresh.
 const CONTACT_MARGIN: f64 = 1.0;
+/// The same for particles of two unbonded bodies, beyond the spacing at which they touch.
+const BODY_MARGIN: f64 = 0.8;
 /// A moment matrix flatter than this (determinant over that of the isotropic one of the same
 /// trace) has no inverse worth using: such a particle has neighbours on a line only, sees no
 /// velocity gradient and bears no stress until it meets others.
@@ -62,7 +64,12 @@ impl<const D: usize> Engine<D> {
             self.reference_volume[i] = self.volume[i] * self.frame[i].volume_ratio;
         }
         let mut list = std::mem::take(&mut self.list);
-        build_list(&mut list, cells, &self.reference, &self.reference_volume, self.smoothing);
+        let body = self.body_pairs.is_some().then_some(self.body.as_slice());
+        build_list(&mut list, cells, &self.reference, &self.reference_volume, body, self.smoothing);
+        if let Some(pairs) = &mut self.body_pairs {
+            let reach = (1.0 + BODY_MARGIN) * self.spacing;
+            pairs.build(cells, &self.reference, &self.body, reach);
+        }
         self.list = list;
         let limits = self.correct_operators();
         self.set_time_step(&limits);
@@ -138,7 +145,8 @@ impl<const D: usize> Engine<D> {
             };
             let contact =
                 CONTACT_SAFETY * self.spacing / data.wave_speed / self.contact_stiffness.sqrt();
-            let contact = if self.tool.is_some() { contact } else { f64::INFINITY };
+            let touches = self.tool.is_some() || self.body_pairs.is_some();
+            let contact = if touches { contact } else { f64::INFINITY };
             mechanical = mechanical.min(wave).min(damping).min(contact);
             if self.conducts && data.conductivity > 0.0 {
                 let capacity = data.density * data.specific_heat;

@@ -46,6 +46,8 @@ pub struct Setup {
     pub sampling_interval: f64,
     /// Which of the heat mechanisms act.
     pub heat: Heat,
+    /// Whether bodies that touch are bonded (one continuum) or meet in frictionless contact.
+    pub bonded: Switch,
     /// Whether the particles move; off solves heat conduction alone.
     pub mechanics: Switch,
     /// Values of [`options::NUMERICS`].
@@ -75,6 +77,7 @@ impl Setup {
             end_time,
             sampling_interval: end_time / 100.0,
             heat: Heat::default(),
+            bonded: Switch::On,
             mechanics: Switch::On,
             numerics: Values::defaults(options::NUMERICS),
             contact: Values::defaults(options::CONTACT),
