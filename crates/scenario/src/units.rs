@@ -210,7 +210,7 @@ pub(crate) const fn accepted_units(quantity: Quantity) -> &'static [&'static str
 }
 
 /// The quantities that a unit can be recognised as in messages.
-const NAMED: &[Quantity] = &[
+pub(crate) const NAMED: &[Quantity] = &[
     Quantity::Dimensionless,
     Quantity::Angle,
     Quantity::Length,

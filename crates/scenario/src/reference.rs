@@ -1,0 +1,200 @@
+//! The reference page of scenario files, generated from the same tables as the parser.
+
+use crate::library;
+use crate::schema::preferred;
+use crate::section::{Field, Kind, Presence, Section, range_text};
+use crate::sections;
+use crate::units;
+use sphcut_physics::{Quantity, flow_stress, friction};
+use std::fmt::Write;
+
+const HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
+
+# Scenario files
+
+A scenario is a TOML file. It is either a **cut** (`[workpiece]`, `[tool]`, `[process]`) or a set of **bodies**
+(`[[body]]`, `[[support]]`, `[wall]`). `sphcut check FILE` shows what was understood, in your units and in SI, and
+tells all mistakes of a file at once. For completion in an editor: `sphcut schema > scenario.schema.json`, and
+`#:schema scenario.schema.json` as the first line of the scenario.
+
+Conventions of a cut, before `mirrored` and `orientation` act: the workpiece fills 0 <= x <= length,
+-height <= y <= 0; its uncut surface is y = 0. The lowest point of the tool runs at y = -h. The tool starts left of
+the workpiece, `start_gap` particle spacings away, and moves towards +x. The cutting force acts along the tool's
+motion, the feed force (thrust) into the machined surface; both are those of the tool on the workpiece.
+
+## Quantities
+
+A quantity is text: a number and a unit, `\"150 m/min\"`. Units are multiplied with a blank or `*`, divided with `/`,
+raised with `^`, and read from left to right: write `\"50 W/(m K)\"`, not `\"50 W/m K\"`. Upper and lower case matter:
+`MPa` is not `mPa`. Pure numbers need no quotes; per cent may be written as `\"25 %\"`. Vectors are lists with as many
+entries as there are dimensions.
+
+";
+
+/// The reference of all keys as Markdown.
+#[must_use]
+pub fn reference() -> String {
+    let mut page = HEAD.to_owned();
+    unit_table(&mut page);
+    page.push_str("## The top of the file\n\n");
+    section(&mut page, &sections::root());
+    page.push_str("# A cut\n\n");
+    for one in
+        [sections::workpiece(), sections::tool(), sections::process(), sections::boundaries()]
+    {
+        headed(&mut page, &one, Brackets::Single);
+    }
+    page.push_str("# Bodies, supports, a wall\n\n");
+    headed(&mut page, &sections::body(), Brackets::Double);
+    velocities(&mut page);
+    headed(&mut page, &sections::support(), Brackets::Double);
+    headed(&mut page, &sections::wall(), Brackets::Single);
+    page.push_str("# What both have\n\n");
+    for one in [
+        sections::resolution(),
+        sections::heat(),
+        sections::numerics(),
+        sections::contact(),
+        sections::output(),
+        sections::stop(),
+        sections::steady(),
+    ] {
+        headed(&mut page, &one, Brackets::Single);
+    }
+    materials(&mut page);
+    laws(&mut page);
+    page
+}
+
+/// `[section]` or `[[section]]`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Brackets {
+    Single,
+    Double,
+}
+
+/// Appends a line; writing to a string cannot fail.
+macro_rules! line {
+    ($page:expr, $($text:tt)*) => {
+        writeln!($page, $($text)*).expect("writing to a string cannot fail")
+    };
+}
+
+fn unit_table(page: &mut String) {
+    line!(page, "| quantity | units (others of the same dimension are accepted) |\n|---|---|");
+    for quantity in units::NAMED {
+        let units = units::accepted_units(*quantity).join("`, `");
+        line!(page, "| {} | `{units}` |", quantity.name());
+    }
+    line!(page, "");
+}
+
+fn headed(page: &mut String, section: &Section, brackets: Brackets) {
+    match brackets {
+        Brackets::Single => line!(page, "## `[{}]`\n", section.name),
+        Brackets::Double => line!(page, "## `[[{}]]`\n", section.name),
+    }
+    self::section(page, section);
+}
+
+fn section(page: &mut String, section: &Section) {
+    line!(page, "{}\n", section.meaning);
+    rows(page, section.fields.iter());
+}
+
+fn rows<'f>(page: &mut String, fields: impl Iterator<Item = &'f Field>) {
+    line!(page, "| key | value | without it | meaning |\n|---|---|---|---|");
+    for field in fields {
+        line!(
+            page,
+            "| `{}` | {} | {} | {} |",
+            field.key,
+            value(&field.kind),
+            without(field),
+            field.meaning.replace('|', "\\|")
+        );
+    }
+    line!(page, "");
+}
+
+fn value(kind: &Kind) -> String {
+    match kind {
+        Kind::Quantity(Quantity::Dimensionless, range) => {
+            format!("number {}", range_text(*range, &preferred(Quantity::Dimensionless)))
+        }
+        Kind::Quantity(quantity, range) => {
+            format!("{} {}", quantity.name(), range_text(*range, &preferred(*quantity)))
+        }
+        Kind::Count { min, max } if *max == i64::MAX => format!("whole number from {min}"),
+        Kind::Count { min, max } => format!("whole number from {min} to {max}"),
+        Kind::Choice(words) => format!("`\"{}\"`", words.join("\"`, `\"")),
+        Kind::Text => "text".to_owned(),
+        Kind::Path => "path of a file, relative to the scenario".to_owned(),
+        Kind::Switch => "`true`, `false`".to_owned(),
+        Kind::Vector(Quantity::Dimensionless) => "list of numbers".to_owned(),
+        Kind::Vector(quantity) => format!("list, each a {}", quantity.name()),
+        Kind::PartialVector(quantity) => format!("list, each a {} or `\"free\"`", quantity.name()),
+        Kind::Table => "table".to_owned(),
+        Kind::Tables => "list of tables".to_owned(),
+        Kind::Material => "name of a material, `\"FILE.toml\"`, or a table".to_owned(),
+    }
+}
+
+fn without(field: &Field) -> String {
+    match &field.presence {
+        Presence::Required => "**required**".to_owned(),
+        Presence::Optional => "-".to_owned(),
+        Presence::Default(text) => format!("`{text}`"),
+        Presence::Derived(text) => (*text).to_owned(),
+    }
+}
+
+fn velocities(page: &mut String) {
+    line!(page, "## `velocity` of a body\n\nA table with `field` and the keys of that field:\n");
+    for field in sections::VELOCITY_FIELDS {
+        line!(page, "### `field = \"{field}\"`\n");
+        let section = sections::velocity(field);
+        rows(page, section.fields.iter().filter(|field| field.key != "field"));
+    }
+}
+
+fn materials(page: &mut String) {
+    page.push_str(
+        "# Materials\n\nA material is the name of a shipped one, a file beside the scenario (the name ends in \
+         `.toml`), a table `[materials.NAME]` of the scenario, or a table in place. `override` replaces single \
+         values: `override = { density = \"7900 kg/m^3\", flow_stress = { initial_yield = \"350 MPa\" } }`. \
+         In files, `[sources]` has an entry for every value.\n\n",
+    );
+    rows(page, sections::material("material").fields.iter());
+    line!(page, "Shipped materials:\n\n| name | title | law |\n|---|---|---|");
+    for (name, text) in library::MATERIALS {
+        let field = |key: &str| {
+            let line = text.lines().find(|line| line.starts_with(key));
+            line.and_then(|line| line.split('"').nth(1)).unwrap_or_default()
+        };
+        line!(page, "| `{name}` | {} | `{}` |", field("title = "), field("law = "));
+    }
+    line!(page, "");
+}
+
+fn laws(page: &mut String) {
+    page.push_str("# Flow-stress laws\n\nKeys of `flow_stress`, after `law`.\n\n");
+    for law in flow_stress::LAWS {
+        let about = (law.key, law.title, law.equation, law.validity, law.source);
+        self::law(page, about, &sections::flow_stress("flow_stress", Some(law)));
+    }
+    page.push_str("# Friction laws\n\nKeys of `friction`, after `law`.\n\n");
+    for law in friction::LAWS {
+        let about = (law.key, law.title, law.equation, law.validity, law.source);
+        self::law(page, about, &sections::friction("friction", Some(law)));
+    }
+}
+
+type About = (&'static str, &'static str, &'static str, &'static str, &'static str);
+
+fn law(page: &mut String, (key, title, equation, validity, source): About, section: &Section) {
+    line!(page, "## `law = \"{key}\"`: {title}\n\n`{equation}`\n\n{validity}. Source: {source}.\n");
+    if section.fields.len() > 1 {
+        rows(page, section.fields.iter().filter(|field| field.key != "law"));
+    }
+}
