@@ -46,6 +46,17 @@ pub enum Command {
         /// A kind (`materials`, `flow_stress`, `friction`, ...) or one entry (`johnson_cook`).
         name: Option<String>,
     },
+    /// Write the snapshots of a run as VTKHDF for ParaView.
+    Export {
+        /// Folder of the run, with `run.h5` inside.
+        run: PathBuf,
+        /// File to write [default: RUN/snapshots.vtkhdf].
+        #[arg(long, value_name = "FILE")]
+        to: Option<PathBuf>,
+        /// Replace an existing file.
+        #[arg(long)]
+        force: bool,
+    },
     /// Print a completion script for your shell.
     #[command(after_help = COMPLETIONS_HELP)]
     Completions {

@@ -3,6 +3,7 @@
 mod arguments;
 mod catalogue;
 mod check;
+mod export;
 mod failure;
 mod interrupt;
 mod loading;
@@ -32,6 +33,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
     match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
+        Command::Export { run, to, force } => export::export(&run, to.as_deref(), force),
         Command::Catalogue { name } => catalogue::print(name.as_deref()),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -32,8 +32,10 @@ pub(crate) fn stage(
 
 /// Gives the staged content of `path` its name.
 pub(crate) fn publish(path: &Path) -> Result<(), RunError> {
+    // The parent of a bare file name is the empty path, which cannot be opened.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     fs::rename(temporary(path), path)
-        .and_then(|()| sync_folder(path.parent().unwrap_or(Path::new("."))))
+        .and_then(|()| sync_folder(folder.unwrap_or(Path::new("."))))
         .map_err(|error| abandon(path, error))
 }
 

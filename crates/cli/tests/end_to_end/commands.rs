@@ -1,0 +1,91 @@
+//! The commands beside `run`, from the outside.
+
+use crate::common::{TINY, Workshop};
+
+#[test]
+fn help_teaches_with_examples() {
+    let shop = Workshop::new("commands_help");
+    let help = shop.sphcut(&["--help"]).expect_code(0);
+    for text in ["Examples:", "sphcut run scenarios/quickstart.toml", "Exit codes:", "130"] {
+        assert!(help.out.contains(text), "{text}: {}", help.out);
+    }
+    for command in ["run", "check", "catalogue", "completions"] {
+        let page = shop.sphcut(&[command, "--help"]).expect_code(0);
+        assert!(page.out.contains("Usage: sphcut"), "{command}: {}", page.out);
+    }
+    shop.sphcut(&[]).expect_code(2).expect_err("Usage: sphcut");
+}
+
+#[test]
+fn check_shows_both_units_the_cost_and_warnings() {
+    let shop = Workshop::new("commands_check");
+    shop.write("tiny.toml", TINY);
+    let page = shop.sphcut(&["check", "tiny.toml", "--threads", "1"]).expect_code(0).out;
+    let expected = [
+        "A tiny cut",
+        "150 m/min",
+        "= 2.5 m/s",
+        "(default)",
+        // 0.1 mm / 25 um and 20 um / 25 um
+        "4 particles across the uncut chip thickness",
+        "0.8 particles across the edge radius",
+        // 0.8 mm x 0.3 mm / (25 um)^2
+        "384 particles",
+        "on 1 thread (",
+        "warnings",
+    ];
+    for text in expected {
+        assert!(page.contains(text), "`{text}` is not in:\n{page}");
+    }
+    assert!(!shop.path("out").exists(), "check writes nothing");
+}
+
+#[test]
+fn check_and_run_refuse_the_same_mistakes() {
+    let shop = Workshop::new("commands_check_mistake");
+    shop.tiny_with("25 um", "25 kg");
+    let run = shop.sphcut(&["run", "tiny.toml"]).expect_code(2);
+    let check = shop.sphcut(&["check", "tiny.toml"]).expect_code(2);
+    assert_eq!(run.err, check.err);
+}
+
+#[test]
+fn the_catalogue_has_an_overview_and_details() {
+    let shop = Workshop::new("commands_catalogue");
+    let overview = shop.sphcut(&["catalogue"]).expect_code(0).out;
+    for text in ["johnson_cook", "shear_capped_coulomb", "aisi1045_table5", "numerics"] {
+        assert!(overview.contains(text), "{text}: {overview}");
+    }
+    let law = shop.sphcut(&["catalogue", "shear_capped_coulomb"]).expect_code(0).out;
+    for text in ["tau = min(mu p, m_s sigma_y / sqrt(3))", "0 < m_s <= 1", "default 1", "source"] {
+        assert!(law.contains(text), "{text}: {law}");
+    }
+    let material = shop.sphcut(&["catalogue", "aisi1045_table5"]).expect_code(0).out;
+    assert!(material.contains("331 MPa") && material.contains("source"), "{material}");
+    shop.sphcut(&["catalogue", "jonson"]).expect_code(2).expect_err("johnson_cook");
+}
+
+#[test]
+fn completions_are_scripts() {
+    let shop = Workshop::new("commands_completions");
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = shop.sphcut(&["completions", shell]).expect_code(0).out;
+        assert!(script.contains("allow-outside"), "{shell}");
+    }
+}
+
+#[test]
+fn export_writes_the_snapshots_again() {
+    let shop = Workshop::new("commands_export");
+    shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.02 mm\"");
+    shop.sphcut(&["run", "tiny.toml", "--quiet", "--out", "result"]).expect_code(0);
+    shop.sphcut(&["export", "result"]).expect_code(2).expect_err("--force");
+    shop.sphcut(&["export", "result", "--to", "particles.vtkhdf"]).expect_code(0);
+    let ours = std::fs::read(shop.path("particles.vtkhdf")).unwrap();
+    // The signature of every HDF5 file.
+    assert_eq!(ours[..8], *b"\x89HDF\r\n\x1a\n");
+    shop.sphcut(&["export", "nowhere"]).expect_code(4).expect_err("nowhere");
+    std::fs::create_dir(shop.path("foreign")).unwrap();
+    shop.write("foreign/run.h5", "this is a letter");
+    shop.sphcut(&["export", "foreign"]).expect_code(4).expect_err("foreign/run.h5");
+}

@@ -1,0 +1,131 @@
+//! A tiny cut and a way to run the program on it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A cut of a few hundred particles that takes about a second.
+pub const TINY: &str = r#"title = "A tiny cut"
+
+[workpiece]
+material = "aisi1045_table5"
+length = "0.8 mm"
+height = "0.3 mm"
+temperature = "20 degC"
+
+[tool]
+rake_angle = "5 deg"
+clearance_angle = "7 deg"
+edge_radius = "20 um"
+
+[tool.friction]
+law = "shear_capped_coulomb"
+friction_coefficient = 0.25
+
+[process]
+cutting_speed = "150 m/min"
+uncut_chip_thickness = "0.1 mm"
+width_of_cut = "3 mm"
+
+[resolution]
+particle_spacing = "25 um"
+
+[numerics]
+mass_scaling = 1000
+
+[output]
+snapshots = 4
+
+[stop]
+travel = "0.2 mm"
+"#;
+
+/// A folder of one test, empty at its start.
+pub struct Workshop {
+    folder: PathBuf,
+}
+
+impl Workshop {
+    /// The folder `name`; tests that run side by side need different names.
+    pub fn new(name: &str) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder).expect("an old test folder can be removed");
+        }
+        std::fs::create_dir_all(&folder).expect("the test folder can be created");
+        Self { folder }
+    }
+
+    /// A path in the folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// Writes a file and returns its path.
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path(name);
+        std::fs::write(&path, text).expect("a file can be written into the test folder");
+        path
+    }
+
+    /// Writes the tiny scenario with `from` replaced by `to`.
+    pub fn tiny_with(&self, from: &str, to: &str) -> PathBuf {
+        assert!(TINY.contains(from), "the tiny scenario has no `{from}`");
+        self.write("tiny.toml", &TINY.replace(from, to))
+    }
+
+    /// The text of a file.
+    pub fn read(&self, name: &str) -> String {
+        let path = self.path(name);
+        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    }
+
+    /// The program, started in the folder with `arguments`.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sphcut"));
+        command.args(arguments).current_dir(&self.folder);
+        command
+    }
+
+    /// Runs the program to its end.
+    pub fn sphcut(&self, arguments: &[&str]) -> Ended {
+        let output = self.command(arguments).output().expect("the program starts");
+        Ended::from(output)
+    }
+}
+
+/// What a finished program left behind.
+#[derive(Debug)]
+pub struct Ended {
+    /// Its exit code.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl From<Output> for Ended {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code(),
+            out: String::from_utf8_lossy(&output.stdout).into_owned(),
+            err: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+}
+
+impl Ended {
+    /// Fails with everything the program said if it did not end with `code`.
+    #[track_caller]
+    pub fn expect_code(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "\nout: {}\nerr: {}", self.out, self.err);
+        self
+    }
+
+    /// Fails unless standard error contains `text`.
+    #[track_caller]
+    pub fn expect_err(self, text: &str) -> Self {
+        assert!(self.err.contains(text), "`{text}` is not in: {}", self.err);
+        self
+    }
+}

@@ -1,0 +1,5 @@
+//! `sphcut` from the outside: what a user types, what comes back.
+
+mod commands;
+mod common;
+mod run;

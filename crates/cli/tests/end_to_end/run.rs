@@ -1,0 +1,198 @@
+//! `sphcut run` from the outside: files, exit codes, interruption.
+
+use crate::common::{Ended, TINY, Workshop};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+/// The data lines of a `forces.csv`, without the header.
+fn rows(csv: &str) -> Vec<&str> {
+    csv.lines().filter(|line| !line.starts_with('#')).skip(1).collect()
+}
+
+#[test]
+fn a_run_leaves_its_files_in_the_default_folder() {
+    let shop = Workshop::new("run_default");
+    shop.write("tiny.toml", TINY);
+    let ended = shop.sphcut(&["run", "tiny.toml"]).expect_code(0);
+    assert!(ended.err.contains("100 %"), "plain progress lines: {}", ended.err);
+    assert!(ended.out.contains("384 particles"), "{}", ended.out);
+    for name in ["run.h5", "forces.csv", "snapshots.vtkhdf"] {
+        assert!(shop.path("out/tiny").join(name).exists(), "{name}");
+    }
+    assert!(!shop.path("out/tiny/run.partial").exists(), "nothing half done is left");
+    let forces = shop.read("out/tiny/forces.csv");
+    assert!(rows(&forces).len() > 300, "{} rows", rows(&forces).len());
+}
+
+#[test]
+fn an_existing_result_is_only_replaced_on_request() {
+    let shop = Workshop::new("run_force");
+    shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.02 mm\"");
+    let arguments = ["run", "tiny.toml", "--out", "result", "--quiet"];
+    shop.sphcut(&arguments).expect_code(0);
+    let before = std::fs::read(shop.path("result/run.h5")).unwrap();
+    shop.sphcut(&arguments).expect_code(2).expect_err("--force");
+    assert_eq!(std::fs::read(shop.path("result/run.h5")).unwrap(), before);
+    shop.sphcut(&[&arguments[..], &["--force"]].concat()).expect_code(0);
+}
+
+#[test]
+fn quiet_says_nothing_but_warnings() {
+    let shop = Workshop::new("run_quiet");
+    shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.02 mm\"");
+    let ended = shop.sphcut(&["run", "tiny.toml", "--quiet"]).expect_code(0);
+    assert_eq!(ended.out, "");
+    assert!(ended.err.lines().all(|line| line.starts_with("warning: ")), "{}", ended.err);
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let shop = Workshop::new("run_threads");
+    shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.08 mm\"");
+    for threads in ["1", "2", "3"] {
+        shop.sphcut(&["run", "tiny.toml", "--quiet", "--threads", threads, "--out", threads])
+            .expect_code(0);
+    }
+    let one = shop.read("1/forces.csv");
+    assert_eq!(rows(&one), rows(&shop.read("2/forces.csv")));
+    assert_eq!(rows(&one), rows(&shop.read("3/forces.csv")));
+}
+
+#[test]
+fn json_is_one_object_per_line() {
+    let shop = Workshop::new("run_json");
+    shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.05 mm\"");
+    let ended = shop.sphcut(&["run", "tiny.toml", "--json"]).expect_code(0);
+    let events: Vec<Value> =
+        ended.out.lines().map(|line| serde_json::from_str(line).expect(line)).collect();
+    let names: Vec<&str> = events.iter().filter_map(|event| event["event"].as_str()).collect();
+    assert_eq!(names.first(), Some(&"start"));
+    assert_eq!(names.last(), Some(&"done"));
+    assert!(names.contains(&"progress"), "{names:?}");
+    assert_eq!(ended.err, "");
+}
+
+#[test]
+fn mistakes_are_told_at_their_place_all_at_once() {
+    let shop = Workshop::new("run_mistakes");
+    let text = TINY.replace("150 m/min", "150 mm").replace("rake_angle", "rake_angel");
+    shop.write("tiny.toml", &text);
+    let ended = shop
+        .sphcut(&["run", "tiny.toml"])
+        .expect_code(2)
+        .expect_err("tiny.toml:10:1")
+        .expect_err("did you mean `rake_angle`?")
+        .expect_err("`cutting_speed` must be a speed");
+    assert!(ended.err.contains("m/min"), "{}", ended.err);
+    assert!(!shop.path("out").exists(), "nothing is written for a bad scenario");
+    let json = shop.sphcut(&["run", "tiny.toml", "--json"]).expect_code(2);
+    let event: Value = serde_json::from_str(json.out.trim()).unwrap();
+    assert_eq!((&event["event"], &event["exit_code"]), (&"error".into(), &2.into()));
+}
+
+#[test]
+fn a_scenario_that_is_not_there_is_an_input_output_error() {
+    let shop = Workshop::new("run_missing");
+    shop.sphcut(&["run", "nowhere.toml"]).expect_code(4).expect_err("nowhere.toml");
+}
+
+#[test]
+fn wrong_arguments_are_bad_input() {
+    let shop = Workshop::new("run_arguments");
+    shop.sphcut(&["run"]).expect_code(2).expect_err("<SCENARIO>");
+    shop.sphcut(&["run", "a.toml", "--thread", "2"]).expect_code(2).expect_err("--threads");
+}
+
+#[test]
+fn a_run_that_blows_up_says_where_and_keeps_what_it_has() {
+    let shop = Workshop::new("run_diverged");
+    // A thousand metres per second and ten thousand times the inertia: far beyond the sound speed.
+    let text =
+        TINY.replace("150 m/min", "1000 m/s").replace("mass_scaling = 1000", "mass_scaling = 1e4");
+    shop.write("tiny.toml", &text);
+    shop.sphcut(&["run", "tiny.toml"])
+        .expect_code(3)
+        .expect_err("diverged in step")
+        .expect_err("of particle");
+    assert!(shop.path("out/tiny/run.h5").exists());
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_an_input_output_error() {
+    let shop = Workshop::new("run_unwritable");
+    shop.write("tiny.toml", TINY);
+    shop.write("file", "not a folder");
+    let ended = shop.sphcut(&["run", "tiny.toml", "--out", "file/result"]).expect_code(4);
+    assert!(ended.err.contains("file/result"), "{}", ended.err);
+    assert_eq!(shop.read("file"), "not a folder");
+}
+
+#[test]
+fn files_outside_the_scenarios_folder_need_permission() {
+    let shop = Workshop::new("run_outside");
+    let outline = "x,y\n0,0\n-0.02,0.3\n-0.3,0.3\n-0.3,0.05\n";
+    shop.write("tool.csv", outline);
+    std::fs::create_dir(shop.path("inner")).unwrap();
+    let angles = "rake_angle = \"5 deg\"\nclearance_angle = \"7 deg\"\nedge_radius = \"20 um\"\n";
+    let text = TINY.replace(angles, "outline = \"../tool.csv\"\n");
+    shop.write("inner/tiny.toml", &text);
+    let refused = shop.sphcut(&["check", "inner/tiny.toml", "--no-measure"]).expect_code(2);
+    refused.expect_err("inner/tiny.toml:10:11").expect_err("--allow-outside");
+    shop.sphcut(&["check", "inner/tiny.toml", "--no-measure", "--allow-outside"]).expect_code(0);
+}
+
+/// Starts a run, sends it SIGINT as soon as its first sample is there, and waits for its end.
+#[cfg(unix)]
+fn interrupted(shop: &Workshop, arguments: &[&str]) -> Ended {
+    let mut child = shop
+        .command(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = BufReader::new(child.stdout.take().expect("its output is a pipe")).lines();
+    let first = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("progress")));
+    assert!(first.is_some(), "the run ended before its first progress line");
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.expect("there is a kill command").success());
+    let rest: Vec<String> = lines.map_while(Result::ok).collect();
+    let mut ended = Ended::from(child.wait_with_output().expect("the program ends"));
+    ended.out = rest.join("\n");
+    ended
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_goes_on_with_the_same_bits() {
+    let shop = Workshop::new("run_interrupt");
+    // Lighter inertia: enough steps to be interrupted in the middle.
+    shop.tiny_with("mass_scaling = 1000", "mass_scaling = 50");
+    shop.sphcut(&["run", "tiny.toml", "--quiet", "--out", "whole"]).expect_code(0);
+    let arguments = ["run", "tiny.toml", "--json", "--out", "parts"];
+    let ended = interrupted(&shop, &arguments).expect_code(130);
+    assert!(ended.out.contains("\"interrupted\""), "{}", ended.out);
+    let so_far = rows(&shop.read("parts/forces.csv")).len();
+    let whole = shop.read("whole/forces.csv");
+    assert!(so_far < rows(&whole).len(), "{so_far} rows: it was not interrupted in the middle");
+
+    shop.sphcut(&["run", "tiny.toml", "--quiet", "--out", "parts"])
+        .expect_code(2)
+        .expect_err("--resume");
+    let resumed = ["run", "tiny.toml", "--quiet", "--out", "parts", "--resume"];
+    shop.sphcut(&resumed).expect_code(0);
+    assert_eq!(shop.read("parts/forces.csv"), whole);
+    // A finished run has nothing left to do.
+    shop.sphcut(&resumed).expect_code(0);
+    assert_eq!(shop.read("parts/forces.csv"), whole);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_changed_scenario_does_not_go_on_with_an_old_run() {
+    let shop = Workshop::new("run_changed");
+    shop.tiny_with("mass_scaling = 1000", "mass_scaling = 50");
+    interrupted(&shop, &["run", "tiny.toml", "--json"]).expect_code(130);
+    shop.tiny_with("mass_scaling = 1000", "mass_scaling = 60");
+    shop.sphcut(&["run", "tiny.toml", "--resume"]).expect_code(2).expect_err("mass_scaling = 60");
+}
