@@ -121,3 +121,27 @@ pub(crate) const TOOL_FIELDS: &[Field] = fields! {
 pub(crate) fn all_fields() -> impl Iterator<Item = &'static Field> {
     PARTICLE_FIELDS.iter().chain(TOOL_FIELDS)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_description_of_the_layout_names_every_field() {
+        let description = include_str!("../../../../docs/run_h5.md");
+        for field in all_fields() {
+            assert!(description.contains(&format!("`{}`", field.name)), "{}", field.name);
+        }
+    }
+
+    #[test]
+    fn a_column_of_the_wrong_form_is_refused() {
+        let field = |name: &str| all_fields().find(|field| field.name == name).unwrap();
+        let mut snapshot = Snapshot::default();
+        assert_eq!(field("position").set_reals(&mut snapshot, vec![0.0; 4]), None);
+        assert_eq!(field("body").set_integers(&mut snapshot, vec![1 << 40]), None);
+        assert_eq!(field("body").set_reals(&mut snapshot, vec![1.0]), None);
+        assert_eq!(field("stress").set_reals(&mut snapshot, vec![0.5; 12]), Some(()));
+        assert_eq!(snapshot.stress, [[0.5; 6]; 2]);
+    }
+}

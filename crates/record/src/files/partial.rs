@@ -60,24 +60,18 @@ pub(crate) fn exists(files: &RunFiles) -> bool {
 /// Removes the unfinished run in `files`, if there is one; files that are not ours stay.
 pub(crate) fn remove(files: &RunFiles) -> Result<(), RunError> {
     let dir = files.partial();
-    let doomed = files.dir.join("run.partial.done");
-    remove_contents(&doomed)?;
     if !dir.exists() {
         return Ok(());
     }
     drop(lock(&dir)?);
-    // Renamed first, so that a crash in between leaves no half of a run to be resumed.
-    fs::rename(&dir, &doomed).map_err(|error| RunError::io(&dir, "remove", error))?;
-    remove_contents(&doomed)
-}
-
-fn remove_contents(dir: &Path) -> Result<(), RunError> {
-    let Ok(entries) = fs::read_dir(dir) else { return Ok(()) };
+    // First, so that a crash in between leaves nothing that looks like a run to be resumed.
+    atomic::remove_if_there(&origin_path(&dir))?;
+    let entries = fs::read_dir(&dir).map_err(|error| RunError::io(&dir, "read", error))?;
     for entry in entries.flatten().filter(|entry| is_ours(&entry.file_name().to_string_lossy())) {
         atomic::remove_if_there(&entry.path())?;
     }
     // Fails if something that is not ours is left, which is then to stay.
-    let _ = fs::remove_dir(dir);
+    let _ = fs::remove_dir(&dir);
     Ok(())
 }
 

@@ -122,3 +122,71 @@ fn write_field(
 fn integers(writer: &HdfWriter, name: &str, values: &[i64]) -> Result<(), RunError> {
     writer.array(&format!("{ROOT}/{name}"), Array::I64(values), Shape::Rows, &[])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::hdf::HdfReader;
+    use super::*;
+
+    fn snapshot(particles: u32, time: f64) -> Snapshot {
+        let filled = |value: f64| (0..particles).map(|i| value + f64::from(i)).collect::<Vec<_>>();
+        let vectors = |value: f64| (0..particles).map(|i| [value, f64::from(i), 0.0]).collect();
+        Snapshot {
+            time,
+            id: (0..u64::from(particles)).collect(),
+            body: vec![0; particles as usize],
+            position: vectors(time),
+            velocity: vectors(1.0),
+            stress: (0..particles).map(|i| [f64::from(i); 6]).collect(),
+            von_mises_stress: filled(10.0),
+            pressure: filled(20.0),
+            density: filled(30.0),
+            plastic_strain: filled(40.0),
+            plastic_strain_rate: filled(50.0),
+            temperature: filled(60.0),
+            contact_force: vectors(2.0),
+            neighbours: (0..particles).collect(),
+            ..Snapshot::default()
+        }
+    }
+
+    /// The layout of the specification for steps of 2, 3 and 1 particles.
+    #[test]
+    fn the_layout_is_that_of_the_specification() {
+        let snapshots = [snapshot(2, 0.0), snapshot(3, 0.5), snapshot(1, 2.0)];
+        let index: Vec<SnapshotInfo> = snapshots.iter().map(SnapshotInfo::of).collect();
+        let path = std::env::temp_dir().join(format!("sphcut-{}.vtkhdf", std::process::id()));
+        write(&path, &index, &|number, _| Ok(snapshots[number].clone())).unwrap();
+        let file = HdfReader::open(&path, "a VTKHDF file").unwrap();
+        std::fs::remove_file(&path).unwrap();
+
+        assert_eq!(file.text("VTKHDF", "Type").unwrap(), "PolyData");
+        assert_eq!(file.real_list("VTKHDF", "Version").unwrap(), [2.0, 0.0]);
+        let integers = |name: &str| file.integers(&format!("VTKHDF/{name}")).unwrap();
+        assert_eq!(integers("NumberOfPoints"), [2, 3, 1]);
+        assert_eq!(integers("Vertices/NumberOfCells"), [2, 3, 1]);
+        assert_eq!(integers("Vertices/NumberOfConnectivityIds"), [2, 3, 1]);
+        assert_eq!(integers("Vertices/Offsets"), [0, 1, 2, 3]);
+        assert_eq!(integers("Vertices/Connectivity"), [0, 1, 2]);
+        for kind in ["Lines", "Polygons", "Strips"] {
+            assert_eq!(integers(&format!("{kind}/NumberOfCells")), [0, 0, 0]);
+            assert_eq!(integers(&format!("{kind}/Offsets")), [0]);
+        }
+        assert_eq!(file.integer("VTKHDF/Steps", "NSteps").unwrap(), 3);
+        assert_eq!(file.reals("VTKHDF/Steps/Values").unwrap(), [0.0, 0.5, 2.0]);
+        assert_eq!(integers("Steps/PartOffsets"), [0, 1, 2]);
+        assert_eq!(integers("Steps/NumberOfParts"), [1, 1, 1]);
+        assert_eq!(integers("Steps/PointOffsets"), [0, 2, 5]);
+        assert_eq!(file.shape("VTKHDF/Steps/CellOffsets").unwrap(), [3, 4]);
+        assert_eq!(file.shape("VTKHDF/Points").unwrap(), [6, 3]);
+        let x: Vec<f64> = file.reals("VTKHDF/Points").unwrap().chunks(3).map(|p| p[0]).collect();
+        assert_eq!(x, [0.0, 0.0, 0.5, 0.5, 0.5, 2.0]);
+        let temperature = file.reals("VTKHDF/PointData/temperature").unwrap();
+        assert_eq!(temperature, [60.0, 61.0, 60.0, 61.0, 62.0, 60.0]);
+        assert_eq!(file.shape("VTKHDF/PointData/stress").unwrap(), [6, 6]);
+        for field in PARTICLE_FIELDS.iter().filter(|field| field.name != "position") {
+            let offsets = integers(&format!("Steps/PointDataOffsets/{}", field.name));
+            assert_eq!(offsets, [0, 2, 5], "{}", field.name);
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! What other programs read from the files: h5py from `run.h5`, VTK (hence
+//! ParaView) from `snapshots.vtkhdf`.
+//!
+//! Needs Python with `h5py` and `vtk`; says so and does nothing where they are
+//! missing. `SPHCUT_PYTHON` names another interpreter than `python3`.
+
+mod support;
+
+use serde_json::Value;
+use sphcut_record::driver::{self, Control, Start};
+use sphcut_record::{Run, RunFiles, Snapshots, export_vtkhdf};
+use sphcut_sph::CHANNELS;
+use std::path::Path;
+use std::process::Command;
+use support::{Fake, Folder, options, provenance, snapshot_of};
+
+/// What the script says when a module is missing.
+const MODULE_MISSING: i32 = 77;
+
+/// What `reader` finds in `file`; `None` where Python or the module is missing.
+fn read_back(reader: &str, file: &Path) -> Option<Value> {
+    let python = std::env::var("SPHCUT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/python/read_back.py");
+    let output = match Command::new(&python).arg(script).arg(reader).arg(file).output() {
+        Ok(output) => output,
+        Err(error) => {
+            eprintln!("skipped: `{python}` cannot be started ({error})");
+            return None;
+        }
+    };
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    if output.status.code() == Some(MODULE_MISSING) {
+        eprintln!("skipped: {}", complaint.trim());
+        return None;
+    }
+    assert!(output.status.success(), "{complaint}");
+    Some(serde_json::from_slice(&output.stdout).unwrap())
+}
+
+fn finished_run(folder: &Folder) -> Run {
+    let fake = Fake { particles: 3000, steps: 40, sampling: 3, ..Fake::default() };
+    let options = options(&folder.0, Start::New);
+    driver::run(&fake, &provenance(), &options, &mut |_| Control::Continue).unwrap()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(values) => values.iter().flat_map(numbers).collect(),
+        number => vec![number.as_f64().unwrap()],
+    }
+}
+
+#[test]
+fn h5py_reads_the_record() {
+    let folder = Folder::new("h5py");
+    let run = finished_run(&folder);
+    let Some(seen) = read_back("h5py", &RunFiles::in_dir(&folder.0).record()) else { return };
+    assert_eq!(seen["layout"], 1);
+    assert_eq!(seen["channels"].as_object().unwrap().len(), CHANNELS.len());
+    for (channel, column) in CHANNELS.iter().zip(run.samples.columns()) {
+        let series = &seen["channels"][channel.name];
+        assert_eq!(numbers(&series["values"]), *column, "{}", channel.name);
+        assert_eq!(series["unit"], if channel.unit.is_empty() { "1" } else { channel.unit });
+        assert_eq!(series["meaning"], channel.meaning);
+        assert_eq!(series["extendible"], true);
+    }
+    assert_eq!(seen["scenario_text"], run.provenance.scenario_text);
+    assert_eq!(seen["title"], run.provenance.title);
+    assert_eq!(seen["effects"][0][1], run.provenance.effects[0].1);
+    assert_eq!(seen["settings"][0][3], run.provenance.settings[0].value);
+    assert_eq!(seen["settings"][1][2], "", "an empty text stays empty");
+    assert_eq!(seen["steps"], 40);
+    assert_eq!(seen["outcome"], "finished");
+    assert_eq!(seen["material"], run.facts.materials[0].name);
+    assert_eq!(seen["initial_yield"], 5.53e8);
+    let times: Vec<f64> = run.snapshots.index().iter().map(|info| info.time).collect();
+    assert_eq!(numbers(&seen["times"]), times);
+    let first = run.snapshots.get(0).unwrap();
+    assert_eq!(numbers(&seen["position"]), first.position.as_flattened());
+    assert_eq!(numbers(&seen["temperature"]), first.temperature);
+    assert_eq!(seen["id"][2999], 2999 * 3);
+    assert_eq!(seen["state"]["clock/step"][0], 40);
+    assert_eq!(seen["state"]["empty"], Value::Array(vec![]));
+}
+
+#[test]
+fn vtk_reads_points_scalars_and_time_steps() {
+    let folder = Folder::new("vtk");
+    let mut run = finished_run(&folder);
+    // Another number of particles in every step, none at all in one.
+    let counts = [5, 9, 0, 3000, 2];
+    let snapshots = counts.iter().enumerate().map(|(step, count)| {
+        let state: Vec<f64> = (0..*count).map(|i| f64::from(i) * 0.25 + step as f64).collect();
+        snapshot_of(&state, step as f64 * 1e-4, step as u64 * 10)
+    });
+    run.snapshots = Snapshots::in_memory(snapshots.collect());
+    let path = folder.0.join("changing.vtkhdf");
+    export_vtkhdf(&run, &path).unwrap();
+    let Some(seen) = read_back("vtk", &path) else { return };
+    let frames = seen["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), counts.len());
+    for (number, frame) in frames.iter().enumerate() {
+        let snapshot = run.snapshots.get(number).unwrap();
+        assert_eq!(frame["time"].as_f64().unwrap(), snapshot.time);
+        // All values of these snapshots are multiples of 1/4 and exact in single precision.
+        assert_eq!(numbers(&frame["points"]), snapshot.position.as_flattened(), "frame {number}");
+        assert_eq!(frame["vertices"], counts[number]);
+        let connectivity: Vec<f64> = (0..counts[number]).map(f64::from).collect();
+        assert_eq!(numbers(&frame["connectivity"]), connectivity);
+        let arrays = &frame["arrays"];
+        assert_eq!(numbers(&arrays["temperature"]), snapshot.temperature);
+        assert_eq!(numbers(&arrays["velocity"]), snapshot.velocity.as_flattened());
+        assert_eq!(numbers(&arrays["stress"]), snapshot.stress.as_flattened());
+        let ids: Vec<f64> = snapshot.id.iter().map(|id| *id as f64).collect();
+        assert_eq!(numbers(&arrays["id"]), ids);
+        let neighbours: Vec<f64> = snapshot.neighbours.iter().map(|n| f64::from(*n)).collect();
+        assert_eq!(numbers(&arrays["neighbours"]), neighbours);
+    }
+}
+
+#[test]
+fn vtk_reads_what_a_run_leaves() {
+    let folder = Folder::new("vtk-run");
+    let run = finished_run(&folder);
+    let Some(seen) = read_back("vtk", &RunFiles::in_dir(&folder.0).vtkhdf()) else { return };
+    let frames = seen["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), run.snapshots.len());
+    for (frame, info) in frames.iter().zip(run.snapshots.index()) {
+        assert_eq!(frame["time"].as_f64().unwrap(), info.time);
+        assert_eq!(frame["vertices"], 3000);
+    }
+}
