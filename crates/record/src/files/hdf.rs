@@ -293,9 +293,11 @@ impl HdfReader {
         self.attribute(path, name)?.as_f64().ok_or_else(|| self.wrong_type(path, name))
     }
 
-    /// A real array attribute of the group `path`.
+    /// An array attribute of the group `path`.
     pub(crate) fn real_list(&self, path: &str, name: &str) -> Result<Vec<f64>, RunError> {
-        self.attribute(path, name)?.to_f64s().ok_or_else(|| self.wrong_type(path, name))
+        let value = self.attribute(path, name)?;
+        let integers = || Some(value.to_i64s()?.into_iter().map(|i| i as f64).collect());
+        value.to_f64s().or_else(integers).ok_or_else(|| self.wrong_type(path, name))
     }
 
     /// A whole-numbered attribute of the group `path`.
