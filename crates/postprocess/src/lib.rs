@@ -1,5 +1,31 @@
 //! What a run means: steady state, forces with their uncertainty, chip, balances.
+//!
+//! [`evaluate`] turns a [`sphcut_record::Run`] into a [`ProcessResult`], [`summary_json`] turns
+//! that into `summary.json`, whose schema `docs/summary_json.md` describes.
 
+mod balances;
+mod chip;
+mod cloud;
+mod contact;
+mod geometry;
+mod process;
+mod statistics;
 pub mod steady;
+mod summary;
+mod surface;
 #[cfg(any(test, feature = "synthetic"))]
 pub mod synthetic;
+mod warnings;
+
+pub use balances::{
+    ENERGY_TERMS, EnergyBalance, EnergyTerm, HeatBalance, MomentumBalance, MomentumBalances,
+    TermKind,
+};
+pub use geometry::{Chip, Contact, Geometry};
+pub use process::{
+    Extremes, Force, Forces, ProcessResult, Resolution, Temperatures, Window, evaluate,
+    evaluate_with,
+};
+pub use summary::{SCHEMA_VERSION, Summary, summary_json};
+pub use surface::MachinedSurface;
+pub use warnings::Warning;

@@ -37,9 +37,9 @@
 mod interval;
 mod truncation;
 
-pub use interval::{MeanInterval, mean_interval};
+pub use interval::{AutocorrelationTime, MeanInterval, autocorrelation_time, mean_interval};
 
-use interval::{Batches, autocorrelation_time, t_quantile};
+use interval::{Batches, t_quantile};
 use std::fmt;
 
 /// Fewest correlation lengths in a steady window.

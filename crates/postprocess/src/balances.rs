@@ -1,0 +1,279 @@
+//! Energy, momentum and heat: does everything add up, and how much of it is numerical?
+
+use sphcut_record::{Facts, Samples};
+use sphcut_sph::{CHANNELS, ChannelId};
+
+/// What a term of the energy balance stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TermKind {
+    /// Stored or dissipated by the material or by friction.
+    Physical,
+    /// Put in or taken out by the discretisation.
+    Numerical,
+    /// What nobody accounts for.
+    Closure,
+}
+
+/// The terms into which the work goes, in the order in which charts stack them.
+pub const ENERGY_TERMS: &[(ChannelId, TermKind, &str)] = &[
+    (ChannelId::PlasticWork, TermKind::Physical, "Plastic dissipation"),
+    (ChannelId::FrictionWork, TermKind::Physical, "Friction"),
+    (ChannelId::ElasticEnergy, TermKind::Physical, "Elastic energy"),
+    (ChannelId::KineticEnergy, TermKind::Physical, "Kinetic energy"),
+    (ChannelId::HourglassWork, TermKind::Numerical, "Hourglass control"),
+    (ChannelId::ViscosityWork, TermKind::Numerical, "Bulk viscosity"),
+    (ChannelId::DensityDiffusionWork, TermKind::Numerical, "Density diffusion"),
+    (ChannelId::ArtificialStressWork, TermKind::Numerical, "Artificial stress"),
+    (ChannelId::UpdateResidue, TermKind::Numerical, "Residue of the stress update"),
+    (ChannelId::ContactEnergy, TermKind::Numerical, "Contact penalty"),
+    (ChannelId::EnergyError, TermKind::Closure, "Not accounted for"),
+];
+
+/// One term of the energy balance at the end of the run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnergyTerm {
+    /// The channel.
+    pub channel: ChannelId,
+    /// What it stands for.
+    pub kind: TermKind,
+    /// Name for people.
+    pub title: &'static str,
+    /// J, per metre of width in a plane run.
+    pub energy: f64,
+    /// Over the energy supplied; 0 where none was.
+    pub share: f64,
+}
+
+impl EnergyTerm {
+    /// Identifier of the channel.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        CHANNELS[self.channel as usize].name
+    }
+}
+
+/// The energy balance at the end of the run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnergyBalance {
+    /// Work of the tool in J, per metre of width in a plane run.
+    pub tool_work: f64,
+    /// Work of the tool per metre of width of cut in J/m.
+    pub tool_work_per_width: f64,
+    /// Work of the tool and of moving supports, by absolute value: what shares refer to. In a run
+    /// without either, the sum of the physical terms.
+    pub supplied: f64,
+    /// Every term.
+    pub terms: Vec<EnergyTerm>,
+    /// |not accounted for| / supplied.
+    pub closure: f64,
+    /// Gross numerical share: sum of |numerical term| / supplied. Absolute values, so that a
+    /// negative term cannot hide a positive one.
+    pub numerical_dissipation: f64,
+    /// Kinetic energy over supplied, the largest value of the later half of the run.
+    pub kinetic_share: f64,
+}
+
+/// Books of one run; `None` without samples.
+pub(crate) fn energy(samples: &Samples, facts: &Facts) -> Option<EnergyBalance> {
+    let last = samples.last()?;
+    let terms: Vec<(usize, f64)> =
+        ENERGY_TERMS.iter().enumerate().map(|(k, term)| (k, last.get(term.0))).collect();
+    let physical: f64 = terms
+        .iter()
+        .filter(|(k, _)| ENERGY_TERMS[*k].1 == TermKind::Physical)
+        .map(|(_, energy)| energy.abs())
+        .sum();
+    let tool_work = last.get(ChannelId::ToolWork);
+    let work = tool_work.abs() + last.get(ChannelId::SupportWork).abs();
+    let supplied = if work > 0.0 { work } else { physical };
+    let share = |energy: f64| if supplied > 0.0 { energy / supplied } else { 0.0 };
+    let terms: Vec<EnergyTerm> = terms
+        .into_iter()
+        .map(|(k, energy)| {
+            let (channel, kind, title) = ENERGY_TERMS[k];
+            EnergyTerm { channel, kind, title, energy, share: share(energy) }
+        })
+        .collect();
+    let gross = |kind: TermKind| {
+        terms.iter().filter(|term| term.kind == kind).map(|term| term.share.abs()).sum()
+    };
+    Some(EnergyBalance {
+        tool_work,
+        tool_work_per_width: tool_work * facts.force_factor() / facts.width_of_cut,
+        supplied,
+        closure: gross(TermKind::Closure),
+        numerical_dissipation: gross(TermKind::Numerical),
+        kinetic_share: kinetic_share(samples),
+        terms,
+    })
+}
+
+fn kinetic_share(samples: &Samples) -> f64 {
+    let kinetic = samples.channel(ChannelId::KineticEnergy);
+    let tool = samples.channel(ChannelId::ToolWork);
+    let support = samples.channel(ChannelId::SupportWork);
+    (samples.len() / 2..samples.len())
+        .map(|k| (kinetic[k], tool[k].abs() + support[k].abs()))
+        .filter(|(_, supplied)| *supplied > 0.0)
+        .map(|(kinetic, supplied)| kinetic / supplied)
+        .fold(0.0, f64::max)
+}
+
+/// The momentum balance along one direction over a window: impulse of the contact plus impulse
+/// of the supports against the change of momentum. N s, per metre of width in a plane run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MomentumBalance {
+    /// Of the tool on the workpiece.
+    pub contact_impulse: f64,
+    /// Of the supports on the workpiece.
+    pub reaction_impulse: f64,
+    /// Momentum at the end minus at the start.
+    pub momentum_change: f64,
+}
+
+impl MomentumBalance {
+    /// contact + reaction - change.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.contact_impulse + self.reaction_impulse - self.momentum_change
+    }
+}
+
+/// Momentum along the cutting and the feed direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MomentumBalances {
+    /// Along the cutting direction.
+    pub cutting: MomentumBalance,
+    /// Into the machined surface.
+    pub feed: MomentumBalance,
+}
+
+impl MomentumBalances {
+    /// Magnitude of the residual over the magnitude of the contact impulse; `None` without one.
+    #[must_use]
+    pub fn closure(&self) -> Option<f64> {
+        let impulse = self.cutting.contact_impulse.hypot(self.feed.contact_impulse);
+        let residual = self.cutting.residual().hypot(self.feed.residual());
+        (impulse > 0.0).then(|| residual / impulse)
+    }
+}
+
+/// The balances over the samples from `first` on; `None` for fewer than two samples.
+/// The first sample gives the momentum at the start and is not part of the impulses.
+pub(crate) fn momentum(samples: &Samples, first: usize) -> Option<MomentumBalances> {
+    if samples.len() < first.saturating_add(2) {
+        return None;
+    }
+    let time = samples.channel(ChannelId::Time);
+    let impulse = |id: ChannelId| {
+        let force = samples.channel(id);
+        (first + 1..samples.len()).map(|k| force[k] * (time[k] - time[k - 1])).sum()
+    };
+    let change = |id: ChannelId| {
+        let momentum = samples.channel(id);
+        momentum[samples.len() - 1] - momentum[first]
+    };
+    Some(MomentumBalances {
+        cutting: MomentumBalance {
+            contact_impulse: impulse(ChannelId::CuttingForce),
+            reaction_impulse: impulse(ChannelId::ReactionCutting),
+            momentum_change: change(ChannelId::MomentumCutting),
+        },
+        feed: MomentumBalance {
+            contact_impulse: impulse(ChannelId::FeedForce),
+            reaction_impulse: impulse(ChannelId::ReactionFeed),
+            momentum_change: change(ChannelId::MomentumFeed),
+        },
+    })
+}
+
+/// Heat at the end of the run in J, per metre of width in a plane run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeatBalance {
+    /// Supplied by plastic work, friction and boundaries.
+    pub supplied: f64,
+    /// Found in the particles above their initial state.
+    pub content: f64,
+}
+
+impl HeatBalance {
+    /// |content - supplied| / |supplied|; `None` where none was supplied.
+    #[must_use]
+    pub fn closure(&self) -> Option<f64> {
+        (self.supplied != 0.0).then(|| ((self.content - self.supplied) / self.supplied).abs())
+    }
+}
+
+pub(crate) fn heat(samples: &Samples) -> Option<HeatBalance> {
+    let last = samples.last()?;
+    Some(HeatBalance {
+        supplied: last.get(ChannelId::HeatSupplied),
+        content: last.get(ChannelId::HeatContent),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::SyntheticCut;
+    use sphcut_sph::Sample;
+
+    fn facts() -> Facts {
+        Facts::of(&sphcut_sph::Setup::empty(sphcut_sph::setup::Dimension::Two, 1e-5, 1.0))
+    }
+
+    fn record(rows: &[Sample]) -> Samples {
+        let mut samples = Samples::default();
+        rows.iter().for_each(|row| samples.push(row));
+        samples
+    }
+
+    #[test]
+    fn shares_are_gross_and_a_negative_term_hides_nothing() {
+        let mut rows = SyntheticCut::default().samples(100, 10e-6, &[]);
+        let last = rows.last_mut().unwrap();
+        let work = last.get(ChannelId::ToolWork);
+        last.values[ChannelId::ArtificialStressWork as usize] = -0.04 * work;
+        last.values[ChannelId::EnergyError as usize] = -0.002 * work;
+        let energy = energy(&record(&rows), &facts()).unwrap();
+        // 0.05 + 0.005 + 0.012 + 0.002 of the drawing, and 0.04.
+        assert!((energy.numerical_dissipation - 0.109).abs() < 1e-12, "{energy:?}");
+        assert!((energy.closure - 0.002).abs() < 1e-12);
+        assert!((energy.kinetic_share - 0.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_free_flight_refers_to_its_own_energy() {
+        let mut row = Sample { values: vec![0.0; CHANNELS.len()] };
+        row.values[ChannelId::KineticEnergy as usize] = 8.0;
+        row.values[ChannelId::ElasticEnergy as usize] = 2.0;
+        row.values[ChannelId::HourglassWork as usize] = 0.1;
+        let energy = energy(&record(&[row]), &facts()).unwrap();
+        assert_eq!(energy.supplied, 10.0);
+        assert!((energy.numerical_dissipation - 0.01).abs() < 1e-15);
+    }
+
+    #[test]
+    fn momentum_closes_by_hand() {
+        let row = |time: f64, force: f64, reaction: f64, momentum: f64| {
+            let mut row = Sample { values: vec![0.0; CHANNELS.len()] };
+            row.values[ChannelId::Time as usize] = time;
+            row.values[ChannelId::CuttingForce as usize] = force;
+            row.values[ChannelId::ReactionCutting as usize] = reaction;
+            row.values[ChannelId::MomentumCutting as usize] = momentum;
+            row
+        };
+        let samples = record(&[
+            row(1.0, 9.0, 9.0, 0.5),
+            row(2.0, 10.0, -7.0, 3.5),
+            row(4.0, 10.0, -9.0, 5.4),
+        ]);
+        let balance = momentum(&samples, 0).unwrap();
+        // Contact 10 * 1 + 10 * 2, supports -7 * 1 - 9 * 2, change 5.4 - 0.5.
+        assert_eq!(balance.cutting.contact_impulse, 30.0);
+        assert_eq!(balance.cutting.reaction_impulse, -25.0);
+        assert!((balance.cutting.residual() - 0.1).abs() < 1e-12);
+        assert!((balance.closure().unwrap() - 0.1 / 30.0).abs() < 1e-12);
+        assert_eq!(momentum(&samples, 2), None);
+    }
+}

@@ -1,0 +1,173 @@
+//! Chip thickness and chip speed from the particles.
+//!
+//! **Chip**: the particles that hang together (clusters of at least twenty) and lie above the
+//! uncut surface by more than a quarter of the uncut chip thickness, and by two spacings.
+//!
+//! **Thickness** h_ch: at each particle of the chip's surface a straight line is drawn inwards,
+//! against the surface normal, to where the material ends. Its length, from particle to particle,
+//! plus one spacing (half a particle at each end) is the local thickness. The chip thickness is
+//! the median: the few lines that run along the chip from its free end do not matter, nor does
+//! the curl. Lines that leave the chip downwards are dropped.
+//!
+//! **Compression ratio** lambda_h = h_ch / h. The **chip speed** v_ch is the median speed of the
+//! chip's particles relative to the tool; by conservation of volume v_c / v_ch is the same ratio
+//! once the cut is steady and no material flows sideways or under the edge.
+
+use crate::cloud::{Cloud, CutPlane, Point};
+use crate::statistics::{median, quantile};
+use sphcut_sph::Snapshot;
+use sphcut_sph::setup::Vector;
+
+/// Fewest lines a thickness is taken from.
+const FEWEST_LINES: usize = 12;
+/// A chip must be this many times longer than thick: else most lines run along it.
+const LEAST_SLENDERNESS: f64 = 1.2;
+/// Distance beyond which a point of a line lies outside the material, in spacings.
+const REACH: f64 = 0.85;
+
+/// The chip in one snapshot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ChipShape {
+    /// h_ch in m.
+    pub thickness: f64,
+    /// First quartile of the local thickness in m.
+    pub thin: f64,
+    /// Third quartile of the local thickness in m.
+    pub thick: f64,
+    /// v_ch in m/s.
+    pub speed: f64,
+}
+
+/// What is known beforehand.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ChipContext {
+    pub plane: CutPlane,
+    /// Height of the uncut surface in the frame of the cut.
+    pub surface: f64,
+    pub uncut_chip_thickness: f64,
+    pub tool_velocity: Vector,
+}
+
+/// Measures the chip; `None` while there is too little of it.
+pub(crate) fn measure(
+    snapshot: &Snapshot,
+    cloud: &Cloud,
+    context: &ChipContext,
+) -> Option<ChipShape> {
+    let margin = (0.25 * context.uncut_chip_thickness).max(2.0 * cloud.spacing);
+    let floor = context.surface + margin;
+    let chip: Vec<usize> =
+        (0..cloud.points.len()).filter(|&i| cloud.points[i][1] > floor).collect();
+    let lines: Vec<f64> =
+        chip.iter().filter_map(|&i| local_thickness(cloud, i, context.surface)).collect();
+    if lines.len() < FEWEST_LINES {
+        return None;
+    }
+    let thickness = median(&lines);
+    let area = chip.len() as f64 * cloud.spacing * cloud.spacing;
+    if area < LEAST_SLENDERNESS * thickness * thickness {
+        return None;
+    }
+    let speeds: Vec<f64> =
+        chip.iter().map(|&i| relative_speed(snapshot, cloud.source[i], context)).collect();
+    Some(ChipShape {
+        thickness,
+        thin: quantile(&lines, 0.25),
+        thick: quantile(&lines, 0.75),
+        speed: median(&speeds),
+    })
+}
+
+fn relative_speed(snapshot: &Snapshot, particle: usize, context: &ChipContext) -> f64 {
+    let velocity = snapshot.velocity[particle];
+    let relative = [0, 1, 2].map(|k| velocity[k] - context.tool_velocity[k]);
+    let [along, up] = context.plane.project(&relative);
+    along.hypot(up)
+}
+
+/// Length of the line from a surface particle inwards plus one spacing; `None` inside the
+/// material and where the line goes below the uncut surface.
+fn local_thickness(cloud: &Cloud, particle: usize, surface: f64) -> Option<f64> {
+    let normal = cloud.outward_normal(particle)?;
+    let start = cloud.points[particle];
+    let step = 0.25 * cloud.spacing;
+    let at =
+        |length: f64| -> Point { [start[0] - normal[0] * length, start[1] - normal[1] * length] };
+    let mut length = 0.0;
+    while cloud.any_near(at(length + step), REACH * cloud.spacing) {
+        length += step;
+        if at(length)[1] < surface {
+            return None;
+        }
+    }
+    // The line ends up to `REACH` beyond the last particle; that is how far it saw it.
+    let mut last: f64 = 0.0;
+    cloud.near(at(length), 1.2 * cloud.spacing, |i| {
+        let offset = crate::cloud::difference(start, cloud.points[i]);
+        last = last.max(offset[0] * normal[0] + offset[1] * normal[1]);
+    });
+    (last > 0.0).then_some(last + cloud.spacing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic::SyntheticCut;
+    use sphcut_sph::setup::CuttingFrame;
+
+    fn frame(angle: f64) -> CuttingFrame {
+        let (sine, cosine) = angle.sin_cos();
+        CuttingFrame {
+            cutting: [cosine, sine, 0.0],
+            feed: [sine, -cosine, 0.0],
+            passive: [0.0, 0.0, 1.0],
+        }
+    }
+
+    fn shape(cut: &SyntheticCut, travel: f64) -> Option<ChipShape> {
+        let snapshot = cut.snapshot(travel);
+        let frame = frame(cut.orientation);
+        let plane = CutPlane::new(frame);
+        let cloud = Cloud::new(&snapshot, plane);
+        let context = ChipContext {
+            plane,
+            surface: 0.0,
+            uncut_chip_thickness: cut.uncut_chip_thickness,
+            tool_velocity: frame.cutting.map(|c| c * cut.cutting_speed),
+        };
+        measure(&snapshot, &cloud, &context)
+    }
+
+    #[test]
+    fn the_drawn_thickness_is_found_whatever_the_rake_the_disorder_and_the_direction() {
+        for rake in [-10.0_f64, 0.0, 5.0, 25.0] {
+            for (orientation, disorder) in [(0.0, 0.0), (0.0, 0.3), (0.6458, 0.15)] {
+                let cut = SyntheticCut {
+                    rake_angle: rake.to_radians(),
+                    orientation,
+                    disorder,
+                    ..SyntheticCut::default()
+                };
+                let chip = shape(&cut, 1.5e-3).unwrap();
+                // The drawn chip is 22 layers thick. Surface particles are displaced by up to
+                // 0.15 spacings and lines may be oblique by a few degrees: half a spacing.
+                let error = chip.thickness - cut.chip_thickness;
+                assert!(error.abs() < 0.5 * cut.particle_spacing, "rake {rake}: {chip:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_speed_of_the_drawn_chip_gives_the_compression_ratio() {
+        let cut = SyntheticCut::default();
+        let chip = shape(&cut, 1.5e-3).unwrap();
+        // v_ch = v_c / 2.2 relative to the tool.
+        assert!((chip.speed * 2.2 / cut.cutting_speed - 1.0).abs() < 1e-9, "{chip:?}");
+    }
+
+    #[test]
+    fn no_chip_has_no_thickness() {
+        assert_eq!(shape(&SyntheticCut::default(), 0.0), None);
+        assert_eq!(shape(&SyntheticCut::default(), 0.3e-3), None);
+    }
+}

@@ -1,0 +1,181 @@
+//! Chip, contact and machined surface over the snapshots of a run.
+
+use crate::chip::{self, ChipContext, ChipShape};
+use crate::cloud::{Cloud, CutPlane};
+use crate::contact::{self, ContactShape};
+use crate::process::Window;
+use crate::statistics::{mean, median, quantile};
+use crate::surface::{self, MachinedSurface, SurfaceContext};
+use sphcut_record::{Run, RunError};
+use sphcut_sph::{ChannelId, Snapshot};
+
+/// What the snapshots show. Plane runs only; in three dimensions only the counts are filled.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Geometry {
+    /// The chip; `None` where there is none or too little of it.
+    pub chip: Option<Chip>,
+    /// Length of contact between tool and workpiece; `None` without contact.
+    pub contact: Option<Contact>,
+    /// The machined surface in the last snapshot.
+    pub surface: Option<MachinedSurface>,
+    /// Particles in the last snapshot that hang together with fewer than twenty others.
+    pub loose_particles: usize,
+    /// Snapshots within the window that were measured.
+    pub snapshots: usize,
+}
+
+/// The chip, mean over the snapshots of the window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chip {
+    /// h_ch in m.
+    pub thickness: f64,
+    /// Standard deviation of h_ch between the snapshots in m.
+    pub thickness_deviation: f64,
+    /// Mean quartiles of the local thickness in m: their distance tells how serrated the chip is.
+    pub quartiles: [f64; 2],
+    /// lambda_h = h_ch / h.
+    pub compression_ratio: f64,
+    /// v_c / v_ch, the same ratio from the speed of the chip.
+    pub speed_ratio: f64,
+    /// Snapshots in which a chip could be measured.
+    pub snapshots: usize,
+}
+
+/// The contact, mean over the snapshots of the window in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// On the side of the tool that faces the cut.
+    pub rake: f64,
+    /// On the side that faces the machined surface.
+    pub flank: f64,
+    /// Standard deviation of the total between the snapshots.
+    pub deviation: f64,
+}
+
+impl Contact {
+    /// Rake and flank together.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.rake + self.flank
+    }
+}
+
+/// Measures the snapshots that lie in the window, and the last one whether it does or not.
+pub(crate) fn measure(run: &Run, window: &Window) -> Result<Geometry, RunError> {
+    let (Some(thickness), Some(tool_velocity)) =
+        (run.facts.uncut_chip_thickness, run.facts.tool_velocity)
+    else {
+        return Ok(Geometry::default());
+    };
+    if run.facts.dimension != 2 || run.snapshots.is_empty() {
+        return Ok(Geometry::default());
+    }
+    let plane = CutPlane::new(run.facts.frame);
+    let first = run.snapshots.get(0)?;
+    let surface = uncut_surface(&first, plane);
+    let context = ChipContext { plane, surface, uncut_chip_thickness: thickness, tool_velocity };
+    let last = run.snapshots.len() - 1;
+    let mut found = Found::default();
+    let mut geometry = Geometry::default();
+    for (number, info) in run.snapshots.index().iter().enumerate() {
+        if number != last && info.time < window.start_time {
+            continue;
+        }
+        let snapshot = run.snapshots.get(number)?;
+        let cloud = Cloud::new(&snapshot, plane);
+        found.chips.extend(chip::measure(&snapshot, &cloud, &context));
+        found.contacts.extend(contact::measure(&snapshot, plane).filter(|c| c.total() > 0.0));
+        geometry.snapshots += 1;
+        if number == last {
+            geometry.loose_particles = cloud.loose;
+            geometry.surface = machined_surface(run, &snapshot, &cloud, &context);
+        }
+    }
+    geometry.chip = found.chip(thickness, run.facts.cutting_speed());
+    geometry.contact = found.contact();
+    Ok(geometry)
+}
+
+/// Height of the surface before the cut: of a hundred strips the median of the highest particle,
+/// plus half a spacing.
+fn uncut_surface(snapshot: &Snapshot, plane: CutPlane) -> f64 {
+    let cloud = Cloud::new(snapshot, plane);
+    let along: Vec<f64> = cloud.points.iter().map(|p| p[0]).collect();
+    let (low, high) = (quantile(&along, 0.0), quantile(&along, 1.0));
+    let width = ((high - low) / 100.0).max(2.0 * cloud.spacing);
+    let mut tops = vec![f64::NEG_INFINITY; ((high - low) / width) as usize + 1];
+    for point in &cloud.points {
+        let strip = (((point[0] - low) / width) as usize).min(tops.len() - 1);
+        tops[strip] = tops[strip].max(point[1]);
+    }
+    tops.retain(|top| top.is_finite());
+    median(&tops) + 0.5 * cloud.spacing
+}
+
+fn machined_surface(
+    run: &Run,
+    snapshot: &Snapshot,
+    cloud: &Cloud,
+    context: &ChipContext,
+) -> Option<MachinedSurface> {
+    let lowest = snapshot
+        .tool
+        .iter()
+        .map(|corner| context.plane.project(corner))
+        .min_by(|a, b| a[1].total_cmp(&b[1]))?;
+    let travel = run.samples.channel(ChannelId::Travel).last().copied().unwrap_or(0.0);
+    let first = cloud.points.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
+    let surface = SurfaceContext {
+        nominal: context.surface - context.uncut_chip_thickness,
+        tip: lowest[0],
+        edge_radius: run.facts.edge_radius.unwrap_or(0.0),
+        from: first.max(lowest[0] - travel),
+    };
+    surface::measure(cloud, &surface)
+}
+
+/// What the snapshots gave.
+#[derive(Default)]
+struct Found {
+    chips: Vec<ChipShape>,
+    contacts: Vec<ContactShape>,
+}
+
+impl Found {
+    fn chip(&self, uncut_chip_thickness: f64, cutting_speed: f64) -> Option<Chip> {
+        let of = |pick: fn(&ChipShape) -> f64| self.chips.iter().map(pick).collect::<Vec<f64>>();
+        let thickness = of(|chip| chip.thickness);
+        if thickness.is_empty() {
+            return None;
+        }
+        let speed = mean(&of(|chip| chip.speed));
+        Some(Chip {
+            thickness: mean(&thickness),
+            thickness_deviation: deviation(&thickness),
+            quartiles: [mean(&of(|chip| chip.thin)), mean(&of(|chip| chip.thick))],
+            compression_ratio: mean(&thickness) / uncut_chip_thickness,
+            speed_ratio: if speed > 0.0 { cutting_speed / speed } else { f64::NAN },
+            snapshots: thickness.len(),
+        })
+    }
+
+    fn contact(&self) -> Option<Contact> {
+        let of =
+            |pick: fn(&ContactShape) -> f64| self.contacts.iter().map(pick).collect::<Vec<f64>>();
+        (!self.contacts.is_empty()).then(|| Contact {
+            rake: mean(&of(|contact| contact.rake)),
+            flank: mean(&of(|contact| contact.flank)),
+            deviation: deviation(&of(ContactShape::total)),
+        })
+    }
+}
+
+/// Standard deviation; 0 for fewer than two values.
+fn deviation(values: &[f64]) -> f64 {
+    if values.len() < 2 {
+        return 0.0;
+    }
+    let centre = mean(values);
+    let sum: f64 = values.iter().map(|v| (v - centre).powi(2)).sum();
+    (sum / (values.len() - 1) as f64).sqrt()
+}

@@ -1,0 +1,275 @@
+//! From the record of a run to the numbers an engineer asks for.
+
+use crate::balances::{self, EnergyBalance, HeatBalance, MomentumBalances};
+use crate::geometry::{self, Geometry};
+use crate::steady::{
+    MeanInterval, Series, SteadyOptions, SteadyState, autocorrelation_time, detect, mean_interval,
+};
+use crate::warnings::{self, Warning};
+use sphcut_record::{Facts, Outcome, Performance, Run, RunError, Samples};
+use sphcut_sph::ChannelId;
+
+/// What a run says about the process.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProcessResult {
+    /// What counts as steady.
+    pub criterion: SteadyOptions,
+    /// Verdict on the cutting force.
+    pub steady: SteadyState,
+    /// Verdict on the feed force, by the same criterion.
+    pub feed_steady: SteadyState,
+    /// Over which part of the run means are taken.
+    pub window: Window,
+    /// Mean forces of the tool on the workpiece.
+    pub forces: Forces,
+    /// Chip, contact and machined surface from the snapshots.
+    pub geometry: Geometry,
+    /// Temperatures.
+    pub temperature: Temperatures,
+    /// Smallest and largest values over the run.
+    pub extremes: Extremes,
+    /// Energy at the end of the run; `None` for a run without samples.
+    pub energy: Option<EnergyBalance>,
+    /// Momentum over the window.
+    pub momentum: Option<MomentumBalances>,
+    /// Heat at the end of the run.
+    pub heat: Option<HeatBalance>,
+    /// How finely the cut is resolved.
+    pub resolution: Resolution,
+    /// What it took to compute.
+    pub performance: Performance,
+    /// What to keep in mind before the numbers are used, the most serious first.
+    pub warnings: Vec<Warning>,
+}
+
+/// The part of the run over which means are taken: the steady window, or at most the later half
+/// of the run where no steady state is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// Index of the first sample.
+    pub first_sample: usize,
+    /// Travel in m at its start.
+    pub start: f64,
+    /// Travel in m at its end, which is that of the run.
+    pub end: f64,
+    /// Time in s at its start.
+    pub start_time: f64,
+    /// Drift of the cutting force over the steady window, from the slope of its batch means, per
+    /// metre of width of cut in N/m.
+    pub drift_per_width: f64,
+}
+
+/// A force in N, with the half width of its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Force {
+    /// Mean over the window in N.
+    pub mean: f64,
+    /// Half width of the 95 % interval in N; infinite where too few samples were taken.
+    pub ci95: f64,
+    /// The mean per metre of width of cut in N/m.
+    pub mean_per_width: f64,
+    /// The half width per metre of width of cut in N/m.
+    pub ci95_per_width: f64,
+}
+
+/// Mean forces of the tool on the workpiece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Forces {
+    /// F_c.
+    pub cutting: Force,
+    /// F_f.
+    pub feed: Force,
+    /// F_p; zero in a plane run.
+    pub passive: Force,
+}
+
+/// Temperatures in K.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Temperatures {
+    /// Highest of any particle over the run.
+    pub max: f64,
+    /// Lowest of any particle over the run.
+    pub min: f64,
+    /// Mean over the window of the mean temperature in contact, weighted with the contact force;
+    /// `None` without contact.
+    pub interface: Option<MeanInterval>,
+    /// Highest mean temperature in contact of any interval; 0 without contact.
+    pub interface_max: f64,
+}
+
+/// Smallest and largest values over the run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extremes {
+    /// Largest equivalent plastic strain.
+    pub max_plastic_strain: f64,
+    /// Smallest density over initial density.
+    pub min_density_ratio: f64,
+    /// Largest density over initial density.
+    pub max_density_ratio: f64,
+    /// Smallest number of neighbours of any particle over the run.
+    pub min_neighbours: f64,
+}
+
+/// How finely the cut is resolved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    /// dx in m.
+    pub particle_spacing: f64,
+    /// h / dx.
+    pub across_chip_thickness: Option<f64>,
+    /// r_n / dx.
+    pub across_edge_radius: Option<f64>,
+}
+
+/// Evaluates a run by the criterion of its scenario (`[stop.steady]`), or by
+/// [`SteadyOptions::for_chip_thickness`] where it has none.
+///
+/// # Errors
+/// A snapshot of the record that cannot be read.
+pub fn evaluate(run: &Run) -> Result<ProcessResult, RunError> {
+    evaluate_with(run, &criterion_of(run))
+}
+
+/// Evaluates a run by a criterion of one's own.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResult, RunError> {
+    let samples = &run.samples;
+    let verdict = |id: ChannelId| {
+        let series =
+            Series { travel: samples.channel(ChannelId::Travel), force: samples.channel(id) };
+        detect(series, criterion)
+    };
+    let steady = verdict(ChannelId::CuttingForce);
+    let window = window(samples, &steady, &run.facts);
+    let mut result = ProcessResult {
+        criterion: *criterion,
+        feed_steady: verdict(ChannelId::FeedForce),
+        forces: forces(samples, &window, &run.facts),
+        geometry: geometry::measure(run, &window)?,
+        temperature: temperatures(samples, &window),
+        extremes: extremes(samples),
+        energy: balances::energy(samples, &run.facts),
+        momentum: balances::momentum(samples, window.first_sample),
+        heat: balances::heat(samples),
+        resolution: resolution(&run.facts),
+        performance: run.performance,
+        warnings: Vec::new(),
+        steady,
+        window,
+    };
+    result.warnings = warnings::collect(run, &result);
+    Ok(result)
+}
+
+impl ProcessResult {
+    /// Whether the run is that of a cut: only then do forces, chip and steady state mean anything.
+    #[must_use]
+    pub fn is_cut(run: &Run) -> bool {
+        run.facts.uncut_chip_thickness.is_some() && run.facts.tool_velocity.is_some()
+    }
+
+    /// Whether the run ended as intended.
+    #[must_use]
+    pub fn is_complete(run: &Run) -> bool {
+        matches!(run.outcome, Outcome::Finished | Outcome::Steady)
+    }
+}
+
+/// The criterion the scenario states, or the default.
+fn criterion_of(run: &Run) -> SteadyOptions {
+    let stated = |key: &str| {
+        run.provenance
+            .settings
+            .iter()
+            .find(|setting| setting.section == "stop.steady" && setting.key == key)
+            .and_then(|setting| setting.value.parse::<f64>().ok())
+    };
+    // Without a chip there is no length to compare with: the whole travel then has to be steady.
+    let default = SteadyOptions::for_chip_thickness(run.facts.uncut_chip_thickness.unwrap_or(0.0));
+    SteadyOptions {
+        relative_half_width: stated("relative_half_width").unwrap_or(default.relative_half_width),
+        minimum_travel: stated("minimum_travel").unwrap_or(default.minimum_travel),
+    }
+}
+
+fn window(samples: &Samples, steady: &SteadyState, facts: &Facts) -> Window {
+    let first_sample = steady.first_sample.min(samples.len() / 2);
+    // A sample is the mean over the interval that begins with the sample before.
+    let before = |id: ChannelId| {
+        first_sample.checked_sub(1).and_then(|k| samples.channel(id).get(k)).copied().unwrap_or(0.0)
+    };
+    Window {
+        first_sample,
+        start: before(ChannelId::Travel),
+        end: samples.channel(ChannelId::Travel).last().copied().unwrap_or(0.0),
+        start_time: before(ChannelId::Time),
+        drift_per_width: steady.drift * facts.force_factor() / facts.width_of_cut,
+    }
+}
+
+fn forces(samples: &Samples, window: &Window, facts: &Facts) -> Forces {
+    let factor = facts.force_factor();
+    let force = |id: ChannelId| {
+        let interval = interval_of(samples.channel(id), window);
+        Force {
+            mean: interval.mean * factor,
+            ci95: interval.half_width * factor,
+            mean_per_width: interval.mean * factor / facts.width_of_cut,
+            ci95_per_width: interval.half_width * factor / facts.width_of_cut,
+        }
+    };
+    Forces {
+        cutting: force(ChannelId::CuttingForce),
+        feed: force(ChannelId::FeedForce),
+        passive: force(ChannelId::PassiveForce),
+    }
+}
+
+fn interval_of(channel: &[f64], window: &Window) -> MeanInterval {
+    // The rise of the force at the first contact is no correlation of the cut.
+    let record = channel.get(window.first_sample / 2..).unwrap_or_default();
+    mean_interval(&channel[window.first_sample..], Some(autocorrelation_time(record)))
+}
+
+fn temperatures(samples: &Samples, window: &Window) -> Temperatures {
+    let interface = samples.channel(ChannelId::InterfaceTemperature);
+    // The channel is 0 without contact.
+    let touching: Vec<f64> =
+        interface[window.first_sample..].iter().copied().filter(|t| *t > 0.0).collect();
+    Temperatures {
+        max: largest(samples.channel(ChannelId::MaxTemperature)),
+        min: smallest(samples.channel(ChannelId::MinTemperature)),
+        interface: (!touching.is_empty()).then(|| mean_interval(&touching, None)),
+        interface_max: largest(interface),
+    }
+}
+
+fn extremes(samples: &Samples) -> Extremes {
+    Extremes {
+        max_plastic_strain: largest(samples.channel(ChannelId::MaxPlasticStrain)),
+        min_density_ratio: smallest(samples.channel(ChannelId::MinDensityRatio)),
+        max_density_ratio: largest(samples.channel(ChannelId::MaxDensityRatio)),
+        min_neighbours: smallest(samples.channel(ChannelId::MinNeighbours)),
+    }
+}
+
+fn resolution(facts: &Facts) -> Resolution {
+    let across = |length: Option<f64>| length.map(|length| length / facts.particle_spacing);
+    Resolution {
+        particle_spacing: facts.particle_spacing,
+        across_chip_thickness: across(facts.uncut_chip_thickness),
+        across_edge_radius: across(facts.edge_radius),
+    }
+}
+
+/// Largest value; 0 for none.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().reduce(f64::max).unwrap_or(0.0)
+}
+
+/// Smallest value; 0 for none.
+fn smallest(values: &[f64]) -> f64 {
+    values.iter().copied().reduce(f64::min).unwrap_or(0.0)
+}

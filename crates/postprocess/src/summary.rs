@@ -1,0 +1,353 @@
+//! `summary.json`: the result in a stable schema, for scripts. Described in
+//! `docs/summary_json.md`; a test keeps the two together.
+
+use crate::balances::{EnergyBalance, MomentumBalance, TermKind};
+use crate::process::{Force, ProcessResult};
+use crate::warnings::Warning;
+use serde::Serialize;
+
+/// Version of the schema: the first number changes when a key changes its meaning or goes, the
+/// second when keys are added.
+pub const SCHEMA_VERSION: &str = "1.0";
+
+/// The content of `summary.json`. A number that is not known is null.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    schema_version: &'static str,
+    forces: ForcesEntry,
+    steady: SteadyEntry,
+    temperature: TemperatureEntry,
+    chip: ChipEntry,
+    contact: ContactEntry,
+    machined_surface: SurfaceEntry,
+    balances: BalancesEntry,
+    extremes: ExtremesEntry,
+    resolution: ResolutionEntry,
+    performance: PerformanceEntry,
+    warnings: Vec<WarningEntry>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ForcesEntry {
+    cutting: ForceEntry,
+    feed: ForceEntry,
+    passive: ForceEntry,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ForceEntry {
+    mean_n: f64,
+    ci95_n: f64,
+    mean_n_per_mm: f64,
+    ci95_n_per_mm: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct SteadyEntry {
+    reached: bool,
+    reason: String,
+    feed_reached: bool,
+    window_mm: [f64; 2],
+    correlation_length_mm: f64,
+    drift_n_per_mm: f64,
+    relative_half_width: f64,
+    minimum_travel_mm: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct TemperatureEntry {
+    max_k: f64,
+    min_k: f64,
+    interface_mean_k: Option<f64>,
+    interface_ci95_k: Option<f64>,
+    interface_max_k: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ChipEntry {
+    thickness_mm: Option<f64>,
+    thickness_deviation_mm: Option<f64>,
+    thickness_quartiles_mm: Option<[f64; 2]>,
+    compression_ratio: Option<f64>,
+    compression_ratio_by_speed: Option<f64>,
+    snapshots: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ContactEntry {
+    length_mm: Option<f64>,
+    rake_mm: Option<f64>,
+    flank_mm: Option<f64>,
+    deviation_mm: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct SurfaceEntry {
+    depth_error_mm: Option<f64>,
+    jump_mm: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct BalancesEntry {
+    energy_closure: Option<f64>,
+    numerical_dissipation: Option<f64>,
+    kinetic_share: Option<f64>,
+    momentum_closure: Option<f64>,
+    heat_closure: Option<f64>,
+    tool_work_j_per_mm: Option<f64>,
+    energy_terms: Vec<TermEntry>,
+    momentum: Option<MomentumEntry>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct TermEntry {
+    name: &'static str,
+    kind: &'static str,
+    share: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct MomentumEntry {
+    cutting: ImpulseEntry,
+    feed: ImpulseEntry,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ImpulseEntry {
+    contact: f64,
+    reaction: f64,
+    change: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ExtremesEntry {
+    max_plastic_strain: f64,
+    min_density_ratio: f64,
+    max_density_ratio: f64,
+    min_neighbours: f64,
+    loose_particles: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ResolutionEntry {
+    particle_spacing_mm: f64,
+    particles_across_chip_thickness: Option<f64>,
+    particles_across_edge_radius: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct PerformanceEntry {
+    particles: usize,
+    steps: u64,
+    threads: usize,
+    wall_seconds: f64,
+    cpu_seconds: Option<f64>,
+    updates_per_second: f64,
+    updates_per_cpu_second: Option<f64>,
+    peak_memory_bytes: Option<u64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct WarningEntry {
+    code: &'static str,
+    message: String,
+}
+
+/// The text of `summary.json`.
+#[must_use]
+pub fn summary_json(result: &ProcessResult) -> String {
+    let mut text = serde_json::to_string_pretty(&Summary::of(result))
+        .expect("plain numbers and texts always have a JSON form");
+    text.push('\n');
+    text
+}
+
+const MM_PER_M: f64 = 1e3;
+const N_PER_MM: f64 = 1e-3;
+
+impl Summary {
+    /// The summary of a result.
+    #[must_use]
+    pub fn of(result: &ProcessResult) -> Self {
+        Self {
+            schema_version: SCHEMA_VERSION,
+            forces: ForcesEntry {
+                cutting: ForceEntry::of(&result.forces.cutting),
+                feed: ForceEntry::of(&result.forces.feed),
+                passive: ForceEntry::of(&result.forces.passive),
+            },
+            steady: SteadyEntry::of(result),
+            temperature: TemperatureEntry::of(result),
+            chip: ChipEntry::of(result),
+            contact: ContactEntry::of(result),
+            machined_surface: SurfaceEntry::of(result),
+            balances: BalancesEntry::of(result),
+            extremes: ExtremesEntry::of(result),
+            resolution: ResolutionEntry::of(result),
+            performance: PerformanceEntry::of(result),
+            warnings: result.warnings.iter().map(WarningEntry::of).collect(),
+        }
+    }
+}
+
+impl ForceEntry {
+    fn of(force: &Force) -> Self {
+        Self {
+            mean_n: force.mean,
+            ci95_n: force.ci95,
+            mean_n_per_mm: force.mean_per_width * N_PER_MM,
+            ci95_n_per_mm: force.ci95_per_width * N_PER_MM,
+        }
+    }
+}
+
+impl SteadyEntry {
+    fn of(result: &ProcessResult) -> Self {
+        Self {
+            reached: result.steady.reached,
+            reason: result.steady.reason.to_string(),
+            feed_reached: result.feed_steady.reached,
+            window_mm: [result.window.start * MM_PER_M, result.window.end * MM_PER_M],
+            correlation_length_mm: result.steady.correlation_length * MM_PER_M,
+            drift_n_per_mm: result.window.drift_per_width * N_PER_MM,
+            relative_half_width: result.criterion.relative_half_width,
+            minimum_travel_mm: result.criterion.minimum_travel * MM_PER_M,
+        }
+    }
+}
+
+impl TemperatureEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let temperature = &result.temperature;
+        Self {
+            max_k: temperature.max,
+            min_k: temperature.min,
+            interface_mean_k: temperature.interface.map(|interval| interval.mean),
+            interface_ci95_k: temperature.interface.map(|interval| interval.half_width),
+            interface_max_k: temperature.interface_max,
+        }
+    }
+}
+
+impl ChipEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let chip = result.geometry.chip;
+        Self {
+            thickness_mm: chip.map(|c| c.thickness * MM_PER_M),
+            thickness_deviation_mm: chip.map(|c| c.thickness_deviation * MM_PER_M),
+            thickness_quartiles_mm: chip.map(|c| c.quartiles.map(|q| q * MM_PER_M)),
+            compression_ratio: chip.map(|c| c.compression_ratio),
+            compression_ratio_by_speed: chip.map(|c| c.speed_ratio),
+            snapshots: chip.map_or(0, |c| c.snapshots),
+        }
+    }
+}
+
+impl ContactEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let contact = result.geometry.contact;
+        Self {
+            length_mm: contact.map(|c| c.length() * MM_PER_M),
+            rake_mm: contact.map(|c| c.rake * MM_PER_M),
+            flank_mm: contact.map(|c| c.flank * MM_PER_M),
+            deviation_mm: contact.map(|c| c.deviation * MM_PER_M),
+        }
+    }
+}
+
+impl SurfaceEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let surface = result.geometry.surface;
+        Self {
+            depth_error_mm: surface.map(|s| s.depth_error * MM_PER_M),
+            jump_mm: surface.map(|s| s.jump * MM_PER_M),
+        }
+    }
+}
+
+impl BalancesEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let energy = result.energy.as_ref();
+        let terms = |energy: &EnergyBalance| energy.terms.iter().map(TermEntry::of).collect();
+        Self {
+            energy_closure: energy.map(|e| e.closure),
+            numerical_dissipation: energy.map(|e| e.numerical_dissipation),
+            kinetic_share: energy.map(|e| e.kinetic_share),
+            momentum_closure: result.momentum.and_then(|m| m.closure()),
+            heat_closure: result.heat.and_then(|h| h.closure()),
+            tool_work_j_per_mm: energy.map(|e| e.tool_work_per_width * N_PER_MM),
+            energy_terms: energy.map(terms).unwrap_or_default(),
+            momentum: result.momentum.map(|m| MomentumEntry {
+                cutting: ImpulseEntry::of(&m.cutting),
+                feed: ImpulseEntry::of(&m.feed),
+            }),
+        }
+    }
+}
+
+impl TermEntry {
+    fn of(term: &crate::balances::EnergyTerm) -> Self {
+        let kind = match term.kind {
+            TermKind::Physical => "physical",
+            TermKind::Numerical => "numerical",
+            TermKind::Closure => "closure",
+        };
+        Self { name: term.name(), kind, share: term.share }
+    }
+}
+
+impl ImpulseEntry {
+    fn of(balance: &MomentumBalance) -> Self {
+        Self {
+            contact: balance.contact_impulse,
+            reaction: balance.reaction_impulse,
+            change: balance.momentum_change,
+        }
+    }
+}
+
+impl ExtremesEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let extremes = &result.extremes;
+        Self {
+            max_plastic_strain: extremes.max_plastic_strain,
+            min_density_ratio: extremes.min_density_ratio,
+            max_density_ratio: extremes.max_density_ratio,
+            min_neighbours: extremes.min_neighbours,
+            loose_particles: result.geometry.loose_particles,
+        }
+    }
+}
+
+impl ResolutionEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let resolution = &result.resolution;
+        Self {
+            particle_spacing_mm: resolution.particle_spacing * MM_PER_M,
+            particles_across_chip_thickness: resolution.across_chip_thickness,
+            particles_across_edge_radius: resolution.across_edge_radius,
+        }
+    }
+}
+
+impl PerformanceEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let performance = &result.performance;
+        Self {
+            particles: performance.particles,
+            steps: performance.steps,
+            threads: performance.threads,
+            wall_seconds: performance.wall_seconds,
+            cpu_seconds: performance.cpu_seconds,
+            updates_per_second: performance.updates_per_second(),
+            updates_per_cpu_second: performance.updates_per_cpu_second(),
+            peak_memory_bytes: performance.peak_memory_bytes,
+        }
+    }
+}
+
+impl WarningEntry {
+    fn of(warning: &Warning) -> Self {
+        Self { code: warning.code(), message: warning.to_string() }
+    }
+}

@@ -1,0 +1,162 @@
+//! A drawn run with known answers, from the record to `summary.json`.
+
+use serde_json::Value;
+use sphcut_postprocess::synthetic::{AMBIENT, SyntheticCut};
+use sphcut_postprocess::{ProcessResult, Warning, evaluate, summary_json};
+use sphcut_record::{Outcome, Run, Setting};
+use sphcut_sph::ChannelId;
+
+fn drawn() -> SyntheticCut {
+    SyntheticCut { loose_particles: 0, ..SyntheticCut::default() }
+}
+
+fn run() -> Run {
+    drawn().run(2.0e-3, 21)
+}
+
+fn codes(result: &ProcessResult) -> Vec<&'static str> {
+    result.warnings.iter().map(Warning::code).collect()
+}
+
+/// The run with one channel changed.
+fn with_channel(mut run: Run, id: ChannelId, change: impl Fn(usize, f64) -> f64) -> Run {
+    let mut columns = run.samples.columns().to_vec();
+    for (k, value) in columns[id as usize].iter_mut().enumerate() {
+        *value = change(k, *value);
+    }
+    run.samples = sphcut_record::Samples::from_columns(columns).unwrap();
+    run
+}
+
+#[test]
+fn the_drawn_cut_is_found_in_its_record() {
+    let run = run();
+    let result = evaluate(&run).unwrap();
+    assert!(result.steady.reached, "{}", result.steady.reason);
+    let force = result.forces.cutting;
+    // 200 N/mm, 3 mm wide.
+    assert!((force.mean_per_width - 200e3).abs() < 2.0 * force.ci95_per_width, "{force:?}");
+    assert!((force.mean / force.mean_per_width - 3e-3).abs() < 1e-12);
+    assert!(force.ci95_per_width < 0.03 * 200e3);
+    let chip = result.geometry.chip.unwrap();
+    assert!((chip.compression_ratio - 2.2).abs() < 0.05, "{chip:?}");
+    assert!((chip.speed_ratio - 2.2).abs() < 0.01, "{chip:?}");
+    assert!(chip.snapshots > 10 && chip.thickness_deviation < 1e-6, "{chip:?}");
+    let contact = result.geometry.contact.unwrap();
+    assert!((contact.length() - 0.12e-3).abs() < 10e-6, "{contact:?}");
+    let surface = result.geometry.surface.unwrap();
+    assert!(surface.depth_error.abs() < 2e-6 && surface.jump < 2e-6, "{surface:?}");
+    assert!((result.temperature.max - AMBIENT - 907.0).abs() < 5.0);
+    // 5 + 0.5 + 1.2 + 0.2 %.
+    assert!((result.energy.unwrap().numerical_dissipation - 0.069).abs() < 1e-9);
+    assert!(result.momentum.unwrap().closure().unwrap() < 1e-9);
+    assert_eq!(result.warnings, []);
+}
+
+#[test]
+fn turning_the_cut_changes_nothing() {
+    let turned = SyntheticCut { orientation: 37_f64.to_radians(), ..drawn() };
+    let (straight, turned) =
+        (evaluate(&run()).unwrap(), evaluate(&turned.run(2.0e-3, 21)).unwrap());
+    let (a, b) = (straight.geometry.chip.unwrap(), turned.geometry.chip.unwrap());
+    // Neighbours at just 1.6 spacings may fall to either side by rounding.
+    assert!((a.thickness / b.thickness - 1.0).abs() < 0.01, "{a:?} {b:?}");
+    let (a, b) = (straight.geometry.contact.unwrap(), turned.geometry.contact.unwrap());
+    assert!((a.length() - b.length()).abs() < 1e-9, "{a:?} {b:?}");
+    let (a, b) = (straight.geometry.surface.unwrap(), turned.geometry.surface.unwrap());
+    assert!((a.depth_error - b.depth_error).abs() < 1e-6, "{a:?} {b:?}");
+}
+
+#[test]
+fn each_warning_has_its_cause() {
+    let code = |run: Run| codes(&evaluate(&run).unwrap());
+    let drift = with_channel(run(), ChannelId::CuttingForce, |k, f| f * (1.0 + 2e-4 * k as f64));
+    assert!(code(drift).contains(&"not_steady"));
+    let drift = with_channel(run(), ChannelId::FeedForce, |k, f| f * (1.0 + 2e-4 * k as f64));
+    assert_eq!(code(drift)[0], "feed_not_steady");
+    let hourglass = with_channel(run(), ChannelId::HourglassWork, |_, w| 2.0 * w);
+    assert_eq!(code(hourglass), ["numerical_share"]);
+    let error = with_channel(run(), ChannelId::EnergyError, |_, w| -11.0 * w);
+    assert_eq!(code(error), ["energy_closure"]);
+    let reaction = with_channel(run(), ChannelId::ReactionCutting, |_, f| 0.99 * f);
+    assert_eq!(code(reaction), ["momentum_closure"]);
+    let kinetic = with_channel(run(), ChannelId::KineticEnergy, |_, w| 6.0 * w);
+    assert_eq!(code(kinetic), ["kinetic_share"]);
+    let lost = with_channel(run(), ChannelId::MinNeighbours, |k, n| if k == 7 { 0.0 } else { n });
+    assert_eq!(code(lost), ["lost_particle"]);
+    let coarse = SyntheticCut { particle_spacing: 25e-6, ..drawn() };
+    let warnings = evaluate(&coarse.run(2.0e-3, 0)).unwrap().warnings;
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    let loose = SyntheticCut { loose_particles: 5, ..drawn() };
+    assert_eq!(code(loose.run(2.0e-3, 3)), ["loose_particles"]);
+    let mut interrupted = run();
+    interrupted.outcome = Outcome::Interrupted;
+    interrupted.facts.end_time *= 2.0;
+    let result = evaluate(&interrupted).unwrap();
+    assert_eq!(result.warnings[0].to_string(), "The run was interrupted after 50.0 % of its time.");
+}
+
+#[test]
+fn the_criterion_of_the_scenario_counts() {
+    let mut run = run();
+    for (key, value) in [("relative_half_width", "0.001"), ("minimum_travel", "0.0015")] {
+        run.provenance.settings.push(Setting {
+            section: "stop.steady".to_owned(),
+            key: key.to_owned(),
+            value: value.to_owned(),
+            ..Setting::default()
+        });
+    }
+    let result = evaluate(&run).unwrap();
+    assert_eq!(result.criterion.minimum_travel, 1.5e-3);
+    assert!(!result.steady.reached);
+}
+
+#[test]
+fn a_run_without_samples_or_tool_is_evaluated_too() {
+    let mut run = drawn().run(0.0, 0);
+    run.facts.tool_velocity = None;
+    let result = evaluate(&run).unwrap();
+    assert_eq!(result.energy, None);
+    assert_eq!(result.geometry.chip, None);
+    let value: Value = serde_json::from_str(&summary_json(&result)).unwrap();
+    assert!(value["balances"]["energy_closure"].is_null());
+    assert!(value["forces"]["cutting"]["ci95_n"].is_null());
+}
+
+/// Every path of a JSON value, array indices left out.
+fn paths(value: &Value, prefix: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, value)| {
+            let path = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+            paths(value, &path, found);
+        }),
+        Value::Array(items) if items.first().is_some_and(Value::is_object) => {
+            paths(&items[0], &format!("{prefix}[]"), found);
+        }
+        _ => found.push(prefix.to_owned()),
+    }
+}
+
+#[test]
+fn the_summary_and_its_description_name_the_same_keys() {
+    let mut run = run();
+    run.provenance.warnings.push("said before".to_owned());
+    let value: Value = serde_json::from_str(&summary_json(&evaluate(&run).unwrap())).unwrap();
+    let mut keys = Vec::new();
+    paths(&value, "", &mut keys);
+    keys.sort();
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(folder.join("../../docs/summary_json.md")).unwrap();
+    let mut described: Vec<String> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split('`').next().map(str::to_owned))
+        .collect();
+    described.sort();
+    assert_eq!(keys, described);
+    // What scripts rely on.
+    assert_eq!(value["schema_version"], "1.0");
+    let force = value["forces"]["cutting"]["mean_n_per_mm"].as_f64().unwrap();
+    assert!((force - 200.0).abs() < 3.0, "{force}");
+    assert_eq!(value["warnings"][0]["code"], "scenario");
+}
