@@ -1,8 +1,10 @@
 //! Bodies, supports and a wall: scenarios with a known answer.
 
+use crate::findings::Findings;
 use crate::material::Shelf;
 use crate::problem::Mistake;
-use crate::reader::{self, Findings, Record};
+use crate::reader;
+use crate::record::Record;
 use crate::sections::{self, SHAPE_KEYS};
 use crate::shared;
 use sphcut_physics::{Values, friction};
@@ -44,8 +46,8 @@ pub(crate) fn bodies(
     (bodies.len() == count).then_some((bodies, materials))
 }
 
-/// Most bodies and most supports of a scenario.
-const MOST_TABLES: usize = 500;
+/// Most bodies and most supports of a scenario; the solver numbers supports with a byte.
+const MOST_TABLES: usize = 250;
 
 fn check_table_count(
     findings: &mut Findings,
@@ -287,6 +289,30 @@ fn report_unknown_field(
     };
     let span = table.get("field").map_or(owner.heading.clone(), toml::Spanned::span);
     findings.problem(&owner.source, span, mistake);
+}
+
+/// A body thinner than half a spacing would hold no particle.
+pub(crate) fn check_thickness(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    bodies: &[Body],
+    spacing: f64,
+    dimension: usize,
+) {
+    for (body, (_, place)) in bodies.iter().zip(root.tables("body")) {
+        let thickness = crate::warnings::thickness(&body.shape, dimension);
+        if thickness < spacing {
+            let mistake = Mistake::Contradiction {
+                message: format!(
+                    "body `{}` is {} mm thick, less than the particle spacing",
+                    reader::shortened(&body.name),
+                    crate::units::significant(thickness * 1e3)
+                ),
+                help: "choose a smaller particle_spacing".to_owned(),
+            };
+            findings.problem(&root.source, place, mistake);
+        }
+    }
 }
 
 /// Particles of all bodies, from their volumes.

@@ -1,11 +1,13 @@
 //! The orthogonal cut: [workpiece], [tool], [process], [boundaries].
 
 use crate::files::{LARGEST_OUTLINE, Surroundings};
+use crate::findings::Findings;
 use crate::material::Shelf;
 use crate::outline;
 use crate::placement::{Handedness, Placement};
 use crate::problem::Mistake;
-use crate::reader::{self, Findings, Record};
+use crate::reader;
+use crate::record::Record;
 use crate::shared::{self, Resolution};
 use crate::tool_geometry::{EdgeGeometry, shift_to_gap};
 use crate::{sections, warnings};
@@ -51,8 +53,23 @@ enum Hold {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Side {
     name: &'static str,
+    normal: Axis,
     hold: Hold,
     temperature: Option<f64>,
+}
+
+/// The direction across a side, as an index of components.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Axis {
+    X = 0,
+    Y = 1,
+}
+
+impl Side {
+    /// Whether anything is prescribed.
+    fn acts(self) -> bool {
+        self.hold != Hold::Free || self.temperature.is_some()
+    }
 }
 
 /// The end of a cut.
@@ -217,15 +234,18 @@ fn read_outline(
 /// `[boundaries]`: the held sides and the number of rows that belong to them.
 pub(crate) fn boundaries(findings: &mut Findings, root: &Record<'_>) -> Option<(Vec<Side>, f64)> {
     shared::optional_section(findings, root, &sections::boundaries(), 2, |_, record| {
-        let side = |name, temperature| {
+        let side = |name, normal, temperature| {
             let hold = match record.text(name)? {
                 "fixed" => Hold::Fixed,
                 "sliding" => Hold::Sliding,
                 _ => Hold::Free,
             };
-            Some(Side { name, hold, temperature: record.number(temperature) })
+            Some(Side { name, normal, hold, temperature: record.number(temperature) })
         };
-        let sides = [side("bottom", "bottom_temperature")?, side("back", "back_temperature")?];
+        let sides = [
+            side("bottom", Axis::Y, "bottom_temperature")?,
+            side("back", Axis::X, "back_temperature")?,
+        ];
         // At most 20 rows: exact.
         let layers = record.count("layers")? as f64;
         Some((sides.to_vec(), layers))
@@ -318,7 +338,7 @@ impl Cut {
             velocity: VelocityField::Uniform([0.0; 3]),
             temperature: self.workpiece.temperature,
         }];
-        setup.supports = self.sides.iter().filter_map(|side| self.support(*side)).collect();
+        setup.supports = self.supports();
         setup.tool = Some(self.placed_tool(setup.contact.get("start_gap")));
         setup.frame = placement.frame();
         setup.width_of_cut = self.process.width_of_cut;
@@ -326,28 +346,46 @@ impl Cut {
         setup.sampling_interval = self.end.sampling_travel / self.process.cutting_speed;
     }
 
-    fn support(&self, side: Side) -> Option<Support> {
-        if side.hold == Hold::Free && side.temperature.is_none() {
-            return None;
-        }
+    /// The held sides. A particle belongs to the last support that contains it, so the corner of
+    /// two held sides comes last and holds what either of them holds.
+    fn supports(&self) -> Vec<Support> {
         let depth = self.layers * self.resolution.particle_spacing;
         let (length, height) = (self.workpiece.length, self.workpiece.height);
-        let (min, max, normal) = match side.name {
-            "bottom" => ([0.0, -height], [length, depth - height], 1),
-            _ => ([length - depth, -height], [length, 0.0], 0),
-        };
-        let mut velocity = [None; 3];
-        match side.hold {
-            Hold::Fixed => velocity = [Some(0.0); 3],
-            Hold::Sliding => velocity[normal] = Some(0.0),
-            Hold::Free => {}
+        let held: Vec<Side> = self.sides.iter().copied().filter(|side| side.acts()).collect();
+        let mut supports: Vec<Support> = held
+            .iter()
+            .map(|side| match side.normal {
+                Axis::X => {
+                    self.support(side.name, [length - depth, -height], [length, 0.0], &[*side])
+                }
+                Axis::Y => {
+                    self.support(side.name, [0.0, -height], [length, depth - height], &[*side])
+                }
+            })
+            .collect();
+        if held.len() == 2 {
+            let (min, max) = ([length - depth, -height], [length, depth - height]);
+            supports.push(self.support("corner", min, max, &held));
         }
-        Some(Support {
-            name: side.name.to_owned(),
+        supports
+    }
+
+    /// The rectangle from `min` to `max` with everything that `sides` prescribe.
+    fn support(&self, name: &str, min: [f64; 2], max: [f64; 2], sides: &[Side]) -> Support {
+        let mut velocity = [None; 3];
+        for side in sides {
+            match side.hold {
+                Hold::Fixed => velocity = [Some(0.0); 3],
+                Hold::Sliding => velocity[side.normal as usize] = Some(0.0),
+                Hold::Free => {}
+            }
+        }
+        Support {
+            name: name.to_owned(),
             region: self.process.placement.rectangle(min, max),
             velocity,
-            temperature: side.temperature,
-        })
+            temperature: sides.iter().find_map(|side| side.temperature),
+        }
     }
 
     fn placed_tool(&self, start_gap: f64) -> Tool {
@@ -375,6 +413,7 @@ impl Cut {
             travel: self.end.travel,
             length: self.workpiece.length,
             height: self.workpiece.height,
+            tool_top: self.tool.polygon.iter().map(|point| point[1]).fold(0.0, f64::max),
         })
     }
 }

@@ -7,13 +7,16 @@
 
 mod bodies;
 mod cut;
+mod field_reader;
 mod files;
+mod findings;
 mod library;
 mod material;
 mod outline;
 mod placement;
 mod problem;
 mod reader;
+mod record;
 mod reference;
 mod scenario;
 mod schema;
@@ -26,15 +29,16 @@ mod units;
 mod warnings;
 
 pub use files::OutsideFiles;
+pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem};
-pub use reader::{Origin, ResolvedEntry};
+
 pub use reference::reference;
 pub use scenario::{Output, Scenario, Steady, Stop, load, parse};
 pub use schema::{schema, taplo};
 pub use units::UnitError;
 
+use findings::Findings;
 use problem::Source;
-use reader::Findings;
 use std::ops::Range;
 use std::sync::Arc;
 

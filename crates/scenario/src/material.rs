@@ -2,8 +2,10 @@
 //! with single values overridden.
 
 use crate::files::{LARGEST_TEXT, Surroundings};
+use crate::findings::Findings;
 use crate::problem::{Mistake, Source};
-use crate::reader::{self, Defaults, Findings, Record};
+use crate::reader::{self, Defaults};
+use crate::record::Record;
 use crate::section::Presence;
 use crate::{library, sections, spelling};
 use sphcut_physics::elasticity::ElasticModuli;

@@ -2,11 +2,13 @@
 
 use crate::cut::{self, Cut, CutEnd};
 use crate::files::{self, LARGEST_TEXT, Surroundings};
+use crate::findings::{Findings, ResolvedEntry};
 use crate::material::Shelf;
 use crate::problem::{Mistake, Problem, Source};
-use crate::reader::{self, Findings, Record, ResolvedEntry};
+use crate::reader;
+use crate::record::Record;
 use crate::shared::{self, Resolution, switch};
-use crate::{LoadOptions, bodies, sections};
+use crate::{LoadOptions, bodies, sections, warnings};
 use sphcut_physics::Quantity;
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Dimension, Switch};
@@ -248,6 +250,8 @@ fn read_bodies(
     let ((bodies, materials), resolution, stop, output) = (bodies?, resolution?, stop?, output?);
     let particles = bodies::particle_count(&bodies, resolution.particle_spacing, dimension);
     shared::check_particle_count(findings, root, particles)?;
+    bodies::check_thickness(findings, root, &bodies, resolution.particle_spacing, dimension);
+    let thin = warnings::bodies(&bodies, resolution.particle_spacing, dimension);
     let dimension = if dimension == 3 { Dimension::Three } else { Dimension::Two };
     let mut setup = common.setup(dimension, resolution, stop.extent)?;
     setup.bodies = bodies;
@@ -258,14 +262,14 @@ fn read_bodies(
     let speed = setup.tool.as_ref().map_or([0.0; 3], |tool| tool.velocity);
     let travel = speed[0].hypot(speed[1]).hypot(speed[2]) * stop.extent;
     let stop = Stop { time: stop.extent, travel, steady: None };
-    Some(finished(findings, root, setup, output.output, stop, Vec::new()))
+    Some(finished(findings, root, setup, output.output, stop, thin))
 }
 
 /// Options that every scenario has.
 struct Common {
     heat: Option<sphcut_sph::setup::Heat>,
     numerics: Option<(sphcut_physics::Values, Switch)>,
-    contact: Option<sphcut_physics::Values>,
+    contact: Option<(sphcut_physics::Values, Switch)>,
 }
 
 impl Common {
@@ -288,11 +292,13 @@ impl Common {
     fn setup(self, dimension: Dimension, resolution: Resolution, time: f64) -> Option<Setup> {
         let empty = Setup::empty(dimension, resolution.particle_spacing, time);
         let (numerics, mechanics) = self.numerics?;
+        let (contact, bonded) = self.contact?;
         Some(Setup {
             heat: self.heat?,
             numerics,
             mechanics,
-            contact: self.contact?,
+            contact,
+            bonded,
             discretisation: resolution.discretisation,
             seed: resolution.seed,
             ..empty
@@ -419,8 +425,9 @@ fn finished(
     setup: Setup,
     output: Output,
     stop: Stop,
-    warnings: Vec<String>,
+    mut told: Vec<String>,
 ) -> Scenario {
+    told.extend(warnings::temperatures(&setup));
     let shown = Path::new(&root.source.name);
     let name = shown.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into());
     Scenario {
@@ -432,7 +439,7 @@ fn finished(
         output,
         stop,
         description: std::mem::take(&mut findings.description),
-        warnings,
+        warnings: told,
     }
 }
 

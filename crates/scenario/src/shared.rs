@@ -1,7 +1,9 @@
 //! Sections that cuts and bodies have in common.
 
+use crate::findings::Findings;
 use crate::problem::Mistake;
-use crate::reader::{self, Findings, Record};
+use crate::reader;
+use crate::record::Record;
 use crate::section::Section;
 use crate::sections::{self, LATTICES};
 use sphcut_physics::friction::{self, FrictionEntry};
@@ -69,10 +71,10 @@ pub(crate) fn numerics(findings: &mut Findings, root: &Record<'_>) -> Option<(Va
     })
 }
 
-/// `[contact]`.
-pub(crate) fn contact(findings: &mut Findings, root: &Record<'_>) -> Option<Values> {
+/// `[contact]`: the values, and whether bodies that touch are bonded.
+pub(crate) fn contact(findings: &mut Findings, root: &Record<'_>) -> Option<(Values, Switch)> {
     optional_section(findings, root, &sections::contact(), 2, |_, record| {
-        values(record, options::CONTACT)
+        Some((values(record, options::CONTACT)?, switch(record.switch("bonded")?)))
     })
 }
 

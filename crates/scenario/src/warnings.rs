@@ -1,6 +1,8 @@
 //! What a scenario may do but its author should know.
 
 use crate::units::significant;
+use sphcut_sph::Setup;
+use sphcut_sph::setup::{Body, Shape};
 
 /// Fewest particles across a length that is to be resolved.
 const RESOLVED: f64 = 5.0;
@@ -20,6 +22,13 @@ pub(crate) struct CutFigures {
     pub(crate) travel: f64,
     pub(crate) length: f64,
     pub(crate) height: f64,
+    /// Height of the tool above the uncut surface.
+    pub(crate) tool_top: f64,
+}
+
+/// Whether `value` is less than `limit` by more than the rounding of decimal numbers.
+fn falls_short(value: f64, limit: f64) -> bool {
+    value < limit * (1.0 - 1e-9)
 }
 
 /// One sentence for each thing to know.
@@ -27,36 +36,103 @@ pub(crate) fn cut(figures: &CutFigures) -> Vec<String> {
     let depth = figures.uncut_chip_thickness;
     let mut warnings = Vec::new();
     let across = depth / figures.particle_spacing;
-    // Rounding of the quotient of two decimal numbers must not turn 5 into a warning.
-    if across < RESOLVED * (1.0 - 1e-9) {
+    if falls_short(across, RESOLVED) {
         warnings.push(format!(
-            "{} particles across the uncut chip thickness: below {RESOLVED} the chip is not \
-             resolved; choose a spacing of at most {} um",
+            "particles across the uncut chip thickness: {}; below {RESOLVED} the chip is not \
+             resolved: choose a spacing of at most {} um",
             significant(across),
             significant(depth / RESOLVED * 1e6)
         ));
     }
     warnings.extend(edge_warning(figures));
-    if figures.travel < STEADY_TRAVEL * depth {
+    if falls_short(figures.travel, STEADY_TRAVEL * depth) {
         warnings.push(format!(
             "the travel is {} uncut chip thicknesses: mean forces are rarely steady before {STEADY_TRAVEL}",
             significant(figures.travel / depth)
         ));
     }
     let room = figures.length - figures.travel;
-    if room < BACK_ROOM * depth {
+    if falls_short(room, BACK_ROOM * depth) {
         warnings.push(format!(
             "the tool ends {} mm before the back side, nearer than {BACK_ROOM} uncut chip \
              thicknesses: the held side changes the forces",
             significant(room * 1e3)
         ));
     }
-    if figures.height - depth < DEPTH_BELOW * depth {
+    if falls_short(figures.height - depth, DEPTH_BELOW * depth) {
         warnings.push(format!(
             "only {} mm of material below the cut, less than {DEPTH_BELOW} uncut chip \
              thicknesses: the held bottom changes the forces",
             significant((figures.height - depth) * 1e3)
         ));
+    }
+    // Chips are thicker and so shorter than the layer they come from: the travel bounds them.
+    if falls_short(figures.tool_top, figures.travel) {
+        warnings.push(format!(
+            "the tool reaches {} mm above the uncut surface, the chip may become {} mm long: it may \
+             climb over the tool",
+            significant(figures.tool_top * 1e3),
+            significant(figures.travel * 1e3)
+        ));
+    }
+    warnings
+}
+
+/// Bodies too thin for their spacing.
+pub(crate) fn bodies(bodies: &[Body], particle_spacing: f64, dimension: usize) -> Vec<String> {
+    let thin = bodies.iter().filter_map(|body| {
+        let across = thickness(&body.shape, dimension) / particle_spacing;
+        (falls_short(across, RESOLVED)).then(|| {
+            format!(
+                "particles across `{}` where it is thinnest: {}; below {RESOLVED} it is not resolved",
+                body.name,
+                significant(across)
+            )
+        })
+    });
+    thin.collect()
+}
+
+/// Smallest extent of a shape.
+pub(crate) fn thickness(shape: &Shape, dimension: usize) -> f64 {
+    match shape {
+        Shape::Box { min, max, .. } => {
+            (0..dimension).map(|axis| max[axis] - min[axis]).fold(f64::INFINITY, f64::min)
+        }
+        Shape::Cylinder { radius, inner_radius, length, .. } => {
+            let radial = if *inner_radius > 0.0 { radius - inner_radius } else { 2.0 * radius };
+            if dimension == 3 { radial.min(*length) } else { radial }
+        }
+    }
+}
+
+/// Materials that start outside the temperatures of their law.
+pub(crate) fn temperatures(setup: &Setup) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for body in &setup.bodies {
+        let material = &setup.materials[body.material];
+        let of = |key: &str| {
+            let mut values = material.flow_stress_values.iter();
+            values.find(|value| value.0.key == key).map(|value| value.1)
+        };
+        let start = body.temperature;
+        if let Some(reference) = of("reference_temperature").filter(|limit| start < *limit) {
+            warnings.push(format!(
+                "`{}` starts at {} K, below the reference temperature of its flow stress ({} K): it \
+                 has the strength of that temperature",
+                body.name,
+                significant(start),
+                significant(reference)
+            ));
+        }
+        if let Some(melting) = of("melting_temperature").filter(|limit| start >= *limit) {
+            warnings.push(format!(
+                "`{}` starts at {} K, above its melting temperature ({} K): it has no strength",
+                body.name,
+                significant(start),
+                significant(melting)
+            ));
+        }
     }
     warnings
 }
@@ -67,9 +143,9 @@ fn edge_warning(figures: &CutFigures) -> Option<String> {
     if radius == 0.0 {
         return Some("the edge is sharp: its ploughing force is left out".to_owned());
     }
-    (across < RESOLVED * (1.0 - 1e-9)).then(|| {
+    (falls_short(across, RESOLVED)).then(|| {
         format!(
-            "{} particles across the edge radius: below {RESOLVED} the ploughing force is not \
+            "particles across the edge radius: {}; below {RESOLVED} the ploughing force is not \
              resolved",
             significant(across)
         )
@@ -87,6 +163,7 @@ mod tests {
         travel: 1.5e-3,
         length: 2.5e-3,
         height: 5e-4,
+        tool_top: 2e-3,
     };
 
     #[test]
@@ -101,11 +178,15 @@ mod tests {
             assert_eq!(found.len(), 1, "{found:?}");
             assert!(found[0].contains(part), "{found:?}");
         };
-        expect(CutFigures { uncut_chip_thickness: 8e-5, ..GOOD }, "4 particles across the uncut");
-        expect(CutFigures { edge_radius: Some(2e-5), ..GOOD }, "1 particles across the edge");
+        expect(
+            CutFigures { uncut_chip_thickness: 8e-5, ..GOOD },
+            "across the uncut chip thickness: 4;",
+        );
+        expect(CutFigures { edge_radius: Some(2e-5), ..GOOD }, "across the edge radius: 1;");
         expect(CutFigures { edge_radius: Some(0.0), ..GOOD }, "sharp");
         expect(CutFigures { travel: 5e-4, ..GOOD }, "rarely steady");
         expect(CutFigures { length: 1.6e-3, ..GOOD }, "before the back side");
+        expect(CutFigures { tool_top: 1e-3, ..GOOD }, "climb over");
         expect(CutFigures { height: 2.5e-4, ..GOOD }, "below the cut");
     }
 }

@@ -130,9 +130,10 @@ fn every_key_of_a_cut_arrives() {
     assert_relative_eq!(setup.frame.feed[0], -sine, max_relative = 1e-12);
     assert_relative_eq!(setup.frame.feed[1], cosine, max_relative = 1e-12);
     let names: Vec<&str> = setup.supports.iter().map(|support| support.name.as_str()).collect();
-    assert_eq!(names, ["bottom", "back"]);
+    assert_eq!(names, ["bottom", "back", "corner"]);
     assert_eq!(setup.supports[0].velocity, [None, Some(0.0), None]);
     assert_eq!(setup.supports[1].velocity, [None; 3]);
+    assert_eq!(setup.supports[2].velocity, [None, Some(0.0), None]);
     assert_relative_eq!(setup.supports[1].temperature.unwrap(), 293.15, max_relative = 1e-12);
     assert_eq!(scenario.stop.steady.unwrap().relative_half_width, 0.02);
     assert_eq!(scenario.output.checkpoint_seconds, 300.0);
@@ -157,6 +158,42 @@ fn bodies_supports_and_walls_arrive() {
     assert!(!good("tests/good/heat_slab.toml").setup.mechanics.is_on());
     let rings = good("tests/good/colliding_rings.toml");
     assert_eq!(rings.setup.sampling_interval, 1e-5);
-    assert!(!rings.setup.heat.conduction.is_on());
+    assert!(!rings.setup.heat.conduction.is_on() && !rings.setup.bonded.is_on());
     assert_eq!(rings.effects, [("flow_stress".to_owned(), "elastic".to_owned())]);
+}
+
+/// Sides that slide: the corner holds what either of them holds.
+#[test]
+fn the_corner_of_two_held_sides_holds_what_either_holds() {
+    let held = |bottom: &str, back: &str| {
+        let text = include_str!("../../../scenarios/quickstart.toml").replace(
+            "[resolution]",
+            &format!("[boundaries]\nbottom = \"{bottom}\"\nback = \"{back}\"\n\n[resolution]"),
+        );
+        let parsed = sphcut_scenario::parse(&text, "held.toml", None, &LoadOptions::default());
+        let supports =
+            parsed.unwrap_or_else(|problems| panic!("{}", shown(&problems))).setup.supports;
+        supports.into_iter().map(|support| support.velocity).collect::<Vec<_>>()
+    };
+    let (still, none) = (Some(0.0), None);
+    assert_eq!(
+        held("sliding", "sliding"),
+        [[none, still, none], [still, none, none], [still, still, none]]
+    );
+    assert_eq!(held("fixed", "free"), [[still; 3]]);
+    assert_eq!(held("fixed", "sliding"), [[still; 3], [still, none, none], [still; 3]]);
+    assert_eq!(held("free", "free"), Vec::<[Option<f64>; 3]>::new());
+}
+
+/// Draft resolution does not resolve the edge; nothing else is to be said about these files.
+#[test]
+fn warnings_say_what_is_not_resolved() {
+    let warnings = good("../../scenarios/quickstart.toml").warnings;
+    assert!(
+        warnings.iter().any(|warning| warning.contains("across the edge radius")),
+        "{warnings:?}"
+    );
+    assert_eq!(good("tests/good/colliding_rings.toml").warnings, Vec::<String>::new());
+    let outline = good("tests/good/cut_with_outline.toml").warnings;
+    assert!(!outline.iter().any(|warning| warning.contains("climb")), "{outline:?}");
 }

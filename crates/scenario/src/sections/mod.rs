@@ -181,8 +181,17 @@ pub(crate) fn numerics() -> Section {
 
 /// `[contact]`.
 pub(crate) fn contact() -> Section {
-    Section::new("contact", "Contact between particles and tool.", Vec::new())
-        .with_parameters(options::CONTACT)
+    Section::new(
+        "contact",
+        "Contact between particles and tool, and between bodies.",
+        vec![Field::new(
+            "bonded",
+            Kind::Switch,
+            default("true"),
+            "true: bodies that touch are one continuum; false: they meet in frictionless contact",
+        )],
+    )
+    .with_parameters(options::CONTACT)
 }
 
 /// `[output]`.

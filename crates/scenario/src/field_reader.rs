@@ -1,0 +1,237 @@
+//! Reads the value of one key: its type, its unit, its range.
+
+use crate::findings::Findings;
+use crate::problem::{Mistake, Source};
+use crate::reader::shortened;
+use crate::record::Value;
+use crate::section::{Field, Kind, range_text};
+use crate::spelling;
+use crate::units::{self, Measured, UnitError};
+use sphcut_physics::Quantity;
+use std::ops::Range;
+use std::sync::Arc;
+use toml::Spanned;
+use toml::de::DeValue;
+
+/// A text as a quantity, an integer, ... of `field`.
+pub(crate) struct FieldReader<'r> {
+    pub(crate) source: &'r Arc<Source>,
+    pub(crate) findings: &'r mut Findings,
+    pub(crate) field: &'r Field,
+    pub(crate) dimension: usize,
+}
+
+impl FieldReader<'_> {
+    /// The checked value and its text; `None` after a mistake and for tables.
+    pub(crate) fn value(&mut self, written: &Spanned<DeValue<'_>>) -> Option<(Value, String)> {
+        let span = written.span();
+        let value = written.get_ref();
+        match &self.field.kind {
+            Kind::Quantity(quantity, range) => {
+                let (measured, text) = self.quantity(value, &span, *quantity)?;
+                if !range.contains(measured.si) {
+                    let range = range_text(*range, &measured.unit);
+                    self.mistake(span, Mistake::OutOfRange { key: self.key(), text, range });
+                    return None;
+                }
+                Some((Value::Number(measured.si), text))
+            }
+            Kind::Count { min, max } => self.count(value, &span, *min, *max),
+            Kind::Choice(words) => self.choice(value, span, words),
+            Kind::Text | Kind::Path => {
+                let text = self.string(value, &span)?;
+                Some((Value::Text(text.clone()), text))
+            }
+            Kind::Switch => match value.as_bool() {
+                Some(switch) => Some((Value::Switch(switch), switch.to_string())),
+                None => self.wrong_type(&span, "true or false", value),
+            },
+            Kind::Vector(quantity) => self.vector(value, &span, *quantity, Free::Refused),
+            Kind::PartialVector(quantity) => self.vector(value, &span, *quantity, Free::Allowed),
+            Kind::Table if value.is_table() => None,
+            Kind::Table => self.wrong_type(&span, "a table", value),
+            Kind::Tables => self.tables(value, &span),
+            Kind::Material if value.is_table() => None,
+            Kind::Material => match value.as_str() {
+                Some(name) => Some((Value::Text(name.to_owned()), name.to_owned())),
+                None => self.wrong_type(&span, "the name of a material or a table", value),
+            },
+        }
+    }
+
+    fn key(&self) -> String {
+        self.field.key.to_owned()
+    }
+
+    fn mistake(&mut self, span: Range<usize>, mistake: Mistake) {
+        self.findings.problem(self.source, span, mistake);
+    }
+
+    fn wrong_type<T>(&mut self, span: &Range<usize>, expected: &str, value: &DeValue) -> Option<T> {
+        let (expected, found) = (expected.to_owned(), type_name(value).to_owned());
+        self.mistake(span.clone(), Mistake::WrongType { key: self.key(), expected, found });
+        None
+    }
+
+    fn string(&mut self, value: &DeValue, span: &Range<usize>) -> Option<String> {
+        match value.as_str() {
+            Some(text) => Some(text.to_owned()),
+            None => self.wrong_type(span, "text in quotes", value),
+        }
+    }
+
+    fn quantity(
+        &mut self,
+        value: &DeValue,
+        span: &Range<usize>,
+        quantity: Quantity,
+    ) -> Option<(Measured, String)> {
+        let text = match value {
+            DeValue::String(text) => text.to_string(),
+            DeValue::Integer(number) => number.to_string(),
+            DeValue::Float(number) => number.to_string(),
+            _ => {
+                let expected = expected_quantity(quantity);
+                return self.wrong_type(span, &expected, value);
+            }
+        };
+        match units::parse(&text, quantity) {
+            Ok(measured) => Some((measured, text)),
+            Err(error) => {
+                self.refuse_quantity(span, quantity, text, error);
+                None
+            }
+        }
+    }
+
+    fn refuse_quantity(
+        &mut self,
+        span: &Range<usize>,
+        quantity: Quantity,
+        text: String,
+        error: UnitError,
+    ) {
+        let mistake = Mistake::Quantity {
+            key: self.key(),
+            text: shortened(&text),
+            wanted: quantity.name(),
+            units: units::accepted_units(quantity).to_vec(),
+            error,
+        };
+        self.mistake(span.clone(), mistake);
+    }
+
+    fn count(
+        &mut self,
+        value: &DeValue,
+        span: &Range<usize>,
+        min: i64,
+        max: i64,
+    ) -> Option<(Value, String)> {
+        let DeValue::Integer(number) = value else {
+            return self.wrong_type(span, "a whole number", value);
+        };
+        let text = number.to_string();
+        match i64::from_str_radix(number.as_str(), number.radix()) {
+            Ok(count) if (min..=max).contains(&count) => Some((Value::Count(count), text)),
+            _ => {
+                let range = format!("from {min} to {max}");
+                let text = shortened(&text);
+                self.mistake(span.clone(), Mistake::OutOfRange { key: self.key(), text, range });
+                None
+            }
+        }
+    }
+
+    fn choice(
+        &mut self,
+        value: &DeValue,
+        span: Range<usize>,
+        words: &[&'static str],
+    ) -> Option<(Value, String)> {
+        let word = self.string(value, &span)?;
+        if words.contains(&word.as_str()) {
+            return Some((Value::Text(word.clone()), word));
+        }
+        let nearest = spelling::nearest(&word, words.iter().copied()).map(str::to_owned);
+        let allowed = words.iter().map(|word| (*word).to_owned()).collect();
+        let word = shortened(&word);
+        self.mistake(span, Mistake::NotAChoice { key: self.key(), word, nearest, allowed });
+        None
+    }
+
+    fn vector(
+        &mut self,
+        value: &DeValue,
+        span: &Range<usize>,
+        quantity: Quantity,
+        free: Free,
+    ) -> Option<(Value, String)> {
+        let expected = format!("a list of {} values in brackets", self.dimension);
+        let Some(list) = value.as_array() else {
+            return self.wrong_type(span, &expected, value);
+        };
+        if list.len() != self.dimension {
+            let found = format!("a list of {}", list.len());
+            self.mistake(span.clone(), Mistake::WrongType { key: self.key(), expected, found });
+            return None;
+        }
+        let components: Vec<Option<(Option<f64>, String)>> =
+            list.iter().map(|component| self.component(component, quantity, free)).collect();
+        let components: Vec<(Option<f64>, String)> =
+            components.into_iter().collect::<Option<_>>()?;
+        let text: Vec<&str> = components.iter().map(|component| component.1.as_str()).collect();
+        let text = format!("[{}]", text.join(", "));
+        Some((Value::Numbers(components.iter().map(|component| component.0).collect()), text))
+    }
+
+    fn component(
+        &mut self,
+        component: &Spanned<DeValue<'_>>,
+        quantity: Quantity,
+        free: Free,
+    ) -> Option<(Option<f64>, String)> {
+        let value = component.get_ref();
+        if free == Free::Allowed && value.as_str() == Some("free") {
+            return Some((None, "free".to_owned()));
+        }
+        let (measured, text) = self.quantity(value, &component.span(), quantity)?;
+        Some((Some(measured.si), text))
+    }
+
+    fn tables<T>(&mut self, value: &DeValue, span: &Range<usize>) -> Option<T> {
+        let list = value.as_array();
+        if list.is_some_and(|list| list.iter().all(|entry| entry.get_ref().is_table())) {
+            return None;
+        }
+        let expected = format!("a list of tables: [[{}]]", self.field.key);
+        self.wrong_type(span, &expected, value)
+    }
+}
+
+/// Whether a component of a vector may be left free.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Free {
+    Allowed,
+    Refused,
+}
+
+fn expected_quantity(quantity: Quantity) -> String {
+    if quantity == Quantity::Dimensionless {
+        return "a number".to_owned();
+    }
+    let unit = units::accepted_units(quantity)[0];
+    format!("{} in quotes such as \"1 {unit}\"", crate::problem::article(quantity.name()))
+}
+
+fn type_name(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "text",
+        DeValue::Integer(_) => "a whole number",
+        DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+    }
+}

@@ -1,0 +1,73 @@
+//! What reading a scenario leaves behind besides the values: mistakes and the description.
+
+use crate::problem::{Mistake, Problem, Source};
+use crate::units::{self, Unit};
+use sphcut_physics::Quantity;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Where a value comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// Written in the file.
+    Given,
+    /// The default of the key.
+    Default,
+    /// Follows from other keys.
+    Derived,
+}
+
+/// One resolved key, for `sphcut check`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResolvedEntry {
+    /// Section, e.g. `tool.friction`; empty for the top of the file.
+    pub section: String,
+    /// Key.
+    pub key: String,
+    /// The value as the user wrote it, or as the default is written.
+    pub text: String,
+    /// The value in SI, or the word.
+    pub value: String,
+    /// SI unit; empty for words and pure numbers.
+    pub unit: &'static str,
+    /// Where the value comes from.
+    pub origin: Origin,
+}
+
+/// What reading a scenario leaves behind besides the values.
+#[derive(Debug, Default)]
+pub(crate) struct Findings {
+    pub(crate) problems: Vec<Problem>,
+    pub(crate) description: Vec<ResolvedEntry>,
+}
+
+/// More mistakes than anyone reads; bounds time and memory on hostile texts.
+const MOST_PROBLEMS: usize = 200;
+
+impl Findings {
+    pub(crate) fn problem(&mut self, source: &Arc<Source>, span: Range<usize>, mistake: Mistake) {
+        match self.problems.len() {
+            0..MOST_PROBLEMS => self.problems.push(Problem::new(source, span, mistake)),
+            MOST_PROBLEMS => {
+                let message = format!("more than {MOST_PROBLEMS} mistakes: the rest is not told");
+                let help = "correct these first".to_owned();
+                let mistake = Mistake::TooLarge { message, help };
+                self.problems.push(Problem::new(source, span, mistake));
+            }
+            _ => {}
+        }
+    }
+
+    /// Notes a value that follows from others.
+    pub(crate) fn derived(&mut self, section: &str, key: &str, quantity: Quantity, si: f64) {
+        let value = units::significant(si);
+        self.description.push(ResolvedEntry {
+            section: section.to_owned(),
+            key: key.to_owned(),
+            text: Unit::si(quantity).express(si),
+            value,
+            unit: quantity.si_unit(),
+            origin: Origin::Derived,
+        });
+    }
+}
