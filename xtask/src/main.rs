@@ -1,6 +1,8 @@
-//! Chores of the repository: `cargo xtask tidy | bench`.
+//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench`.
 
 mod bench;
+mod docs;
+mod inspect;
 mod source;
 mod tidy;
 
@@ -21,6 +23,19 @@ struct Arguments {
 enum Chore {
     /// Check the invariants of docs/architecture.md and the rules of the code.
     Tidy,
+    /// Renew the documents written from the tables of the code.
+    Docs {
+        /// Change nothing; fail if a document is out of date.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Renew scenarios/scenario.schema.json and .taplo.toml.
+    Schema,
+    /// Check that a finished run is complete and its balances close.
+    Inspect {
+        /// Folder of the run.
+        folder: PathBuf,
+    },
     /// Measure the solver's speed and append it to docs/performance.md.
     Bench,
 }
@@ -28,6 +43,10 @@ enum Chore {
 fn main() -> ExitCode {
     let result = match Arguments::parse().chore {
         Chore::Tidy => tidy::run(&root()),
+        Chore::Docs { check: true } => docs::docs(&root(), docs::Mode::Check),
+        Chore::Docs { check: false } => docs::docs(&root(), docs::Mode::Renew),
+        Chore::Schema => docs::schema(&root()),
+        Chore::Inspect { folder } => inspect::inspect(&folder),
         Chore::Bench => bench::run(&root()),
     };
     match result {

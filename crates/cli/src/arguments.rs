@@ -40,6 +40,9 @@ pub enum Command {
     /// Show what a scenario would do: setup in your units and in SI, cost, warnings.
     #[command(after_help = CHECK_HELP)]
     Check(CheckArguments),
+    /// Print the JSON schema of scenario files for completion and checks in an editor.
+    #[command(after_help = SCHEMA_HELP)]
+    Schema(SchemaArguments),
     /// List materials, laws and options with equations, parameters, ranges and sources.
     #[command(after_help = CATALOGUE_HELP)]
     Catalogue {
@@ -78,6 +81,12 @@ of threads.";
 
 const CHECK_HELP: &str = "\
 `check` runs a few dozen steps to measure the speed of this machine; --no-measure skips that.";
+
+const SCHEMA_HELP: &str = "\
+Examples:
+  sphcut schema > scenario.schema.json    the schema alone
+  sphcut schema --write                   scenario.schema.json and .taplo.toml in this folder:
+                                          editors with Taplo complete and check scenarios/*.toml";
 
 const CATALOGUE_HELP: &str = "\
 Examples:
@@ -139,6 +148,17 @@ pub struct CheckArguments {
     /// Do not measure the speed; no expected duration then.
     #[arg(long)]
     pub no_measure: bool,
+}
+
+/// Arguments of `schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArguments {
+    /// Write `scenario.schema.json` and `.taplo.toml` into a folder instead of printing.
+    #[arg(long, value_name = "DIR", num_args = 0..=1, default_missing_value = ".")]
+    pub write: Option<PathBuf>,
+    /// Replace existing files.
+    #[arg(long, requires = "write")]
+    pub force: bool,
 }
 
 #[cfg(test)]

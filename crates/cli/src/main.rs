@@ -10,6 +10,7 @@ mod loading;
 mod outcome;
 mod progress;
 mod run;
+mod schema;
 mod text;
 
 use arguments::{Arguments, Command};
@@ -34,6 +35,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Export { run, to, force } => export::export(&run, to.as_deref(), force),
+        Command::Schema(arguments) => schema::schema(&arguments),
         Command::Catalogue { name } => catalogue::print(name.as_deref()),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -89,3 +89,17 @@ fn export_writes_the_snapshots_again() {
     shop.write("foreign/run.h5", "this is a letter");
     shop.sphcut(&["export", "foreign"]).expect_code(4).expect_err("foreign/run.h5");
 }
+
+#[test]
+fn the_schema_is_printed_or_written_once() {
+    let shop = Workshop::new("commands_schema");
+    let printed = shop.sphcut(&["schema"]).expect_code(0).out;
+    let schema: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    assert!(schema.pointer("/properties/process/properties/cutting_speed").is_some());
+    shop.sphcut(&["schema", "--write"]).expect_code(0);
+    assert_eq!(shop.read("scenario.schema.json"), printed);
+    assert!(shop.read(".taplo.toml").contains("scenario.schema.json"));
+    shop.sphcut(&["schema", "--write"]).expect_code(2).expect_err("--force");
+    shop.sphcut(&["schema", "--write", ".", "--force"]).expect_code(0);
+    shop.sphcut(&["schema", "--write", "nowhere"]).expect_code(4).expect_err("nowhere");
+}
