@@ -16,7 +16,6 @@
 //! keeps both momenta. `docs/theory.md` derives all of it.
 
 use crate::account::{Account, Tally};
-use crate::body_contact::BodyPairs;
 use crate::contact::{ContactInput, ToolContact, reduced};
 use crate::error::{Diverged, SetupError};
 use crate::material_point::MaterialPoint;
@@ -82,6 +81,7 @@ pub(crate) struct Numerics {
     pub(crate) yield_fraction: f64,
     pub(crate) mass_scaling: f64,
     pub(crate) density_diffusion: f64,
+    pub(crate) bonding_distance: f64,
 }
 
 /// The particles and all that moves them.
@@ -93,6 +93,8 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) material: Vec<u8>,
     pub(crate) hold: Vec<u8>,
     pub(crate) position: Vec<Vector<D>>,
+    /// Position in the undeformed state.
+    pub(crate) origin: Vec<Vector<D>>,
     pub(crate) velocity: Vec<Vector<D>>,
     pub(crate) reference: Vec<Vector<D>>,
     /// Volume in the undeformed state in m^3 (m^2).
@@ -105,10 +107,12 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) reference_volume: Vec<f64>,
     pub(crate) list: NeighbourList,
     pub(crate) tallies: Vec<Tally>,
-    /// Pairs of unbonded bodies; `None` where all bodies are bonded.
-    pub(crate) body_pairs: Option<BodyPairs>,
-    /// Penalty stiffness between bodies in N/m (N/m^2 in 2D).
-    pub(crate) body_stiffness: f64,
+    /// Pairs that may touch without belonging together.
+    pub(crate) strangers: Vec<(u32, u32)>,
+    /// Penalty stiffness between them in N/m (N/m^2 in 2D).
+    pub(crate) stranger_stiffness: f64,
+    /// Whether different bodies are one continuum.
+    pub(crate) bonded: bool,
     // The whole.
     pub(crate) materials: Vec<MaterialData>,
     pub(crate) holds: Vec<Hold<D>>,
@@ -179,7 +183,7 @@ impl<const D: usize> Engine<D> {
         engine.account.initial_heat = engine.heat_content();
         engine.sweep_gradients(0.0);
         engine.sweep_forces();
-        engine.push_bodies_apart();
+        engine.push_strangers_apart();
         engine.touch_tool();
         Ok(engine)
     }
@@ -191,6 +195,7 @@ impl<const D: usize> Engine<D> {
             yield_fraction: setup.numerics.get("hourglass_yield_fraction"),
             mass_scaling: setup.numerics.get("mass_scaling"),
             density_diffusion: setup.numerics.get("density_diffusion"),
+            bonding_distance: setup.numerics.get("bonding_distance"),
         };
         let length = setup.numerics.get("smoothing_ratio") * setup.particle_spacing;
         let materials = material_data(setup, length);
@@ -211,6 +216,7 @@ impl<const D: usize> Engine<D> {
             material: Vec::new(),
             hold: Vec::new(),
             position: Vec::new(),
+            origin: Vec::new(),
             velocity: Vec::new(),
             reference: Vec::new(),
             volume: Vec::new(),
@@ -221,10 +227,11 @@ impl<const D: usize> Engine<D> {
             reference_volume: Vec::new(),
             list: NeighbourList::default(),
             tallies: Vec::new(),
-            body_pairs: (!setup.bonded.is_on()).then(BodyPairs::default),
-            body_stiffness: contact_stiffness
+            strangers: Vec::new(),
+            stranger_stiffness: contact_stiffness
                 * stiffest
                 * setup.particle_spacing.powi(D as i32 - 2),
+            bonded: setup.bonded.is_on(),
             materials,
             holds: Hold::all(setup),
             tool,
@@ -261,6 +268,7 @@ impl<const D: usize> Engine<D> {
             laplacian: 0.0,
         };
         self.reference = self.position.clone();
+        self.origin = self.position.clone();
         self.force = vec![[0.0; D]; count];
         self.frame = vec![frame; count];
         self.exchange = vec![Exchange { flux: zero(), spring: [0.0; D], damping: 0.0 }; count];
@@ -283,7 +291,7 @@ impl<const D: usize> Engine<D> {
         self.sweep_gradients(dt);
         self.close_tallies()?;
         self.sweep_forces();
-        self.push_bodies_apart();
+        self.push_strangers_apart();
         self.touch_tool();
         self.book_contact(0.5 * dt);
         self.kick(0.5 * dt);
@@ -293,7 +301,7 @@ impl<const D: usize> Engine<D> {
             self.refresh();
             self.sweep_gradients(0.0);
             self.sweep_forces();
-            self.push_bodies_apart();
+            self.push_strangers_apart();
             self.add_contact_forces();
         }
         Ok(())
@@ -304,7 +312,7 @@ impl<const D: usize> Engine<D> {
         let each = size_of::<u64>()
             + size_of::<u32>()
             + 2
-            + 4 * size_of::<Vector<D>>()
+            + 5 * size_of::<Vector<D>>()
             + 2 * size_of::<f64>()
             + size_of::<MaterialPoint<D>>()
             + size_of::<Frame<D>>()

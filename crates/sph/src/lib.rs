@@ -4,7 +4,6 @@
 //! does no I/O: what happens is told as plain data ([`observation`]).
 
 mod account;
-mod body_contact;
 mod contact;
 mod density_diffusion;
 mod engine;
@@ -20,6 +19,7 @@ pub mod options;
 mod refresh;
 pub mod setup;
 mod simulation;
+mod strangers;
 mod supports;
 mod sweeps;
 mod tensor;

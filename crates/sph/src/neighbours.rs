@@ -5,6 +5,7 @@
 //! its own ordered list, so that results do not depend on the thread count.
 
 use crate::kernel::KernelChoice;
+use crate::strangers::Kinship;
 use crate::tensor::{Vector, dot, minus};
 use rayon::prelude::*;
 
@@ -151,58 +152,106 @@ pub(crate) struct Smoothing {
     pub(crate) length: f64,
 }
 
-/// Builds the list for particles already stored in cell order; with `body`, pairs of different
-/// bodies are left out.
+/// Builds the list for particles already stored in cell order, strangers left out.
 pub(crate) fn build_list<const D: usize>(
     list: &mut NeighbourList,
     cells: &Cells<D>,
     positions: &[Vector<D>],
     volumes: &[f64],
-    body: Option<&[u32]>,
+    kinship: Kinship<D>,
     smoothing: Smoothing,
 ) {
     let support = 2.0 * smoothing.length;
-    let support_square = support * support;
-    let chunks: Vec<(Vec<u32>, Vec<u32>, Vec<f64>)> = positions
-        .par_chunks(CHUNK)
-        .enumerate()
-        .map(|(chunk, own)| {
-            let mut counts = Vec::with_capacity(own.len());
-            let mut index = Vec::with_capacity(own.len() * 32);
-            let mut weight = Vec::with_capacity(own.len() * 32);
-            for (offset, position) in own.iter().enumerate() {
-                let i = chunk * CHUNK + offset;
-                let before = index.len();
-                cells.around(position, |range| {
-                    for j in range {
-                        let separation = minus(&positions[j], position);
-                        let square = dot(&separation, &separation);
-                        let joined = body.is_none_or(|body| body[j] == body[i]);
-                        if square < support_square && j != i && joined {
-                            index.push(j as u32);
-                            weight.push(
-                                volumes[j]
-                                    * smoothing.kernel.weight(square.sqrt(), smoothing.length, D),
-                            );
-                        }
-                    }
-                });
-                counts.push((index.len() - before) as u32);
+    // Calls `found(j, r^2)` for each neighbour of `i`, always in the same order.
+    let search = |i: usize, found: &mut dyn FnMut(usize, f64)| {
+        cells.around(&positions[i], |range| {
+            for j in range {
+                let separation = minus(&positions[j], &positions[i]);
+                let square = dot(&separation, &separation);
+                if square < support * support && j != i && kinship.joins(i, j) {
+                    found(j, square);
+                }
             }
-            (counts, index, weight)
-        })
-        .collect();
+        });
+    };
+    // Counting first and filling in place afterwards needs no second copy of the list.
     list.start.clear();
-    list.index.clear();
-    list.weight.clear();
-    list.start.push(0);
-    let mut end = 0;
-    for (counts, index, weight) in &chunks {
-        for count in counts {
-            end += count;
-            list.start.push(end);
+    list.start.resize(positions.len() + 1, 0);
+    list.start[1..].par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, counts)| {
+        for (offset, count) in counts.iter_mut().enumerate() {
+            search(chunk * CHUNK + offset, &mut |_, _| *count += 1);
         }
-        list.index.extend_from_slice(index);
-        list.weight.extend_from_slice(weight);
+    });
+    for i in 1..list.start.len() {
+        list.start[i] += list.start[i - 1];
     }
+    let total = list.start[positions.len()] as usize;
+    resize_sparingly(&mut list.index, total, 0);
+    resize_sparingly(&mut list.weight, total, 0.0);
+    let rows = rows_of_chunks(&list.start, &mut list.index, &mut list.weight);
+    rows.into_par_iter().enumerate().for_each(|(chunk, (indices, weights))| {
+        let first = chunk * CHUNK;
+        let mut places = indices.iter_mut().zip(weights.iter_mut());
+        for i in first..(first + CHUNK).min(positions.len()) {
+            search(i, &mut |j, square| {
+                let (index, weight) = places.next().expect("as many as were counted");
+                *index = j as u32;
+                *weight = volumes[j] * smoothing.kernel.weight(square.sqrt(), smoothing.length, D);
+            });
+        }
+    });
+}
+
+/// Pairs closer than `reach` that do not belong together, each from both sides, in the order of
+/// the first; `reach` must not exceed the cell size.
+pub(crate) fn find_strangers<const D: usize>(
+    cells: &Cells<D>,
+    positions: &[Vector<D>],
+    kinship: Kinship<D>,
+    reach: f64,
+) -> Vec<(u32, u32)> {
+    let of_chunk = |(chunk, own): (usize, &[Vector<D>])| {
+        let mut found = Vec::new();
+        for (offset, position) in own.iter().enumerate() {
+            let i = chunk * CHUNK + offset;
+            cells.around(position, |range| {
+                for j in range {
+                    let separation = minus(&positions[j], position);
+                    let near = dot(&separation, &separation) < reach * reach;
+                    if near && j != i && !kinship.joins(i, j) {
+                        found.push((i as u32, j as u32));
+                    }
+                }
+            });
+        }
+        found
+    };
+    let chunks: Vec<_> = positions.par_chunks(CHUNK).enumerate().map(of_chunk).collect();
+    chunks.concat()
+}
+
+/// Resizes without the doubling of `Vec`: a list grows by a few per cent at most.
+fn resize_sparingly<T: Clone>(values: &mut Vec<T>, length: usize, filler: T) {
+    if values.capacity() < length {
+        values.reserve_exact(length + length / 16 - values.len());
+    }
+    values.resize(length, filler);
+}
+
+/// Splits the list into the parts that belong to the chunks of particles.
+fn rows_of_chunks<'a>(
+    start: &[u32],
+    mut index: &'a mut [u32],
+    mut weight: &'a mut [f64],
+) -> Vec<(&'a mut [u32], &'a mut [f64])> {
+    let count = start.len() - 1;
+    let mut parts = Vec::with_capacity(count.div_ceil(CHUNK));
+    for first in (0..count).step_by(CHUNK) {
+        let length = (start[(first + CHUNK).min(count)] - start[first]) as usize;
+        let (head, tail) = index.split_at_mut(length);
+        let (weight_head, weight_tail) = weight.split_at_mut(length);
+        parts.push((head, weight_head));
+        (index, weight) = (tail, weight_tail);
+    }
+    parts
 }

@@ -88,7 +88,7 @@ impl<const D: usize> Engine<D> {
     fn sample_energies(&self, set: &mut impl FnMut(ChannelId, f64)) {
         let account = &self.account;
         let (kinetic, elastic) = (self.kinetic_energy(), self.elastic_energy());
-        let contact = account.contact + self.body_contact_energy();
+        let contact = account.contact + self.stranger_energy();
         let numerical = account.hourglass
             + account.viscosity
             + account.density_diffusion
@@ -208,6 +208,7 @@ impl<const D: usize> Engine<D> {
         let mut state = CheckpointState::default();
         let mut real = |name: &str, values: Vec<f64>| state.reals.push((name.to_owned(), values));
         real("position", flat(&self.position));
+        real("origin", flat(&self.origin));
         real("velocity", flat(&self.velocity));
         real("reference", flat(&self.reference));
         real("force", flat(&self.force));
@@ -251,6 +252,7 @@ impl<const D: usize> Engine<D> {
         let mut engine = fresh;
         let reader = Reader { state, count };
         engine.position = reader.vectors("position")?;
+        engine.origin = reader.vectors("origin")?;
         engine.velocity = reader.vectors("velocity")?;
         engine.reference = reader.vectors("reference")?;
         engine.force = reader.vectors("force")?;

@@ -91,6 +91,15 @@ pub const NUMERICS: &[Parameter] = &[
         "docs/numerics.md",
     ),
     number(
+        "bonding_distance",
+        "R_b",
+        Range::closed(4.0, 1e9),
+        20.0,
+        "undeformed distance in particle spacings beyond which two particles never bond: a chip that \
+         curls onto the workpiece touches it without welding",
+        "relative shear of neighbours stays below 20 except in the stagnation zone",
+    ),
+    number(
         "linear_viscosity",
         "alpha_v",
         Range::closed(0.0, 4.0),

@@ -1,7 +1,8 @@
 //! Renewal of the reference configuration: storage order, neighbours, corrections, time step.
 
 use crate::engine::{Engine, Frame};
-use crate::neighbours::{CHUNK, Cells, NeighbourList, build_list};
+use crate::neighbours::{CHUNK, Cells, NeighbourList, build_list, find_strangers};
+use crate::strangers::Kinship;
 use crate::tensor::{
     Vector, apply, determinant, dot, identity, inverse_nonsingular, minus, plus_scaled, trace, zero,
 };
@@ -11,8 +12,8 @@ use rayon::prelude::*;
 const REFRESH_SPREAD: f64 = 0.25;
 /// Particles within this many spacings of the surface are watched for contact until the next refresh.
 const CONTACT_MARGIN: f64 = 1.0;
-/// The same for particles of two unbonded bodies, beyond the spacing at which they touch.
-const BODY_MARGIN: f64 = 0.8;
+/// The same for strangers, beyond the spacing at which they touch.
+const STRANGER_MARGIN: f64 = 0.8;
 /// A moment matrix flatter than this (determinant over that of the isotropic one of the same
 /// trace) has no inverse worth using: such a particle has neighbours on a line only, sees no
 /// velocity gradient and bears no stress until it meets others.
@@ -64,12 +65,22 @@ impl<const D: usize> Engine<D> {
             self.reference_volume[i] = self.volume[i] * self.frame[i].volume_ratio;
         }
         let mut list = std::mem::take(&mut self.list);
-        let body = self.body_pairs.is_some().then_some(self.body.as_slice());
-        build_list(&mut list, cells, &self.reference, &self.reference_volume, body, self.smoothing);
-        if let Some(pairs) = &mut self.body_pairs {
-            let reach = (1.0 + BODY_MARGIN) * self.spacing;
-            pairs.build(cells, &self.reference, &self.body, reach);
-        }
+        let kinship = Kinship {
+            body: &self.body,
+            origin: &self.origin,
+            bonded: self.bonded,
+            reach_square: (self.numerics.bonding_distance * self.spacing).powi(2),
+        };
+        build_list(
+            &mut list,
+            cells,
+            &self.reference,
+            &self.reference_volume,
+            kinship,
+            self.smoothing,
+        );
+        let reach = (1.0 + STRANGER_MARGIN) * self.spacing;
+        self.strangers = find_strangers(cells, &self.reference, kinship, reach);
         self.list = list;
         let limits = self.correct_operators();
         self.set_time_step(&limits);
@@ -90,6 +101,7 @@ impl<const D: usize> Engine<D> {
         permute(&mut self.material, order);
         permute(&mut self.hold, order);
         permute(&mut self.position, order);
+        permute(&mut self.origin, order);
         permute(&mut self.velocity, order);
         permute(&mut self.volume, order);
         permute(&mut self.point, order);
@@ -145,7 +157,7 @@ impl<const D: usize> Engine<D> {
             };
             let contact =
                 CONTACT_SAFETY * self.spacing / data.wave_speed / self.contact_stiffness.sqrt();
-            let touches = self.tool.is_some() || self.body_pairs.is_some();
+            let touches = self.tool.is_some() || !self.strangers.is_empty() || !self.bonded;
             let contact = if touches { contact } else { f64::INFINITY };
             mechanical = mechanical.min(wave).min(damping).min(contact);
             if self.conducts && data.conductivity > 0.0 {

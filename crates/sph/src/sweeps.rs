@@ -253,3 +253,108 @@ fn context(data: &MaterialData, dt: f64) -> UpdateContext<'_> {
         quadratic_viscosity: data.quadratic_viscosity,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setup::{
+        Body, Dimension, Discretisation, Lattice, Material, Setup, Shape, VelocityField,
+    };
+    use crate::tensor::identity;
+    use sphcut_physics::Values;
+    use sphcut_physics::elasticity::ElasticModuli;
+    use sphcut_physics::flow_stress;
+
+    /// A disordered block of rubber.
+    fn block(dimension: Dimension) -> Setup {
+        let mut setup = Setup::empty(dimension, 0.1, 1.0);
+        let law = flow_stress::find("elastic").unwrap();
+        setup.materials.push(Material {
+            name: "rubber".to_owned(),
+            density: 1000.0,
+            moduli: ElasticModuli::from_young(1e7, 0.4),
+            specific_heat: 1.0,
+            thermal_conductivity: 0.0,
+            flow_stress: law,
+            flow_stress_values: Values::defaults(law.parameters),
+        });
+        setup.bodies.push(Body {
+            name: "block".to_owned(),
+            material: 0,
+            shape: Shape::Box {
+                min: [0.0; 3],
+                max: [1.0, 0.8, 0.6],
+                rotation: 0.0,
+                mirrored: false,
+            },
+            velocity: VelocityField::Uniform([0.0; 3]),
+            temperature: 300.0,
+        });
+        setup.discretisation =
+            Discretisation { lattice: Lattice::Disordered, ..Discretisation::default() };
+        setup.seed = 7;
+        setup
+    }
+
+    fn gradient_is_exact<const D: usize>(dimension: Dimension) {
+        let mut engine = Engine::<D>::new(&block(dimension)).unwrap();
+        let field: Matrix<D> = std::array::from_fn(|row| {
+            std::array::from_fn(|column| 0.3 * row as f64 - 0.7 * column as f64 + 0.2)
+        });
+        for i in 0..engine.velocity.len() {
+            engine.velocity[i] = apply(&field, &engine.position[i]);
+        }
+        for i in 0..engine.velocity.len() {
+            let sums = gather_velocity(&engine.list, &engine.reference, &engine.velocity, i);
+            let rate = product(&sums.moment, &engine.frame[i].correction);
+            for row in 0..D {
+                for column in 0..D {
+                    // Rounding of about 100 terms of order one.
+                    assert!((rate[row][column] - field[row][column]).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_linear_field_on_a_disordered_set_has_its_exact_gradient() {
+        gradient_is_exact::<2>(Dimension::Two);
+        gradient_is_exact::<3>(Dimension::Three);
+    }
+
+    /// Whatever stresses, velocities and offsets: internal forces have no resultant, and, while
+    /// the stress is symmetric, no moment.
+    fn forces_balance<const D: usize>(dimension: Dimension) {
+        let mut engine = Engine::<D>::new(&block(dimension)).unwrap();
+        for i in 0..engine.velocity.len() {
+            let wave = |k: usize| (3.1 * i as f64 + 1.7 * k as f64).sin();
+            for row in 0..D {
+                engine.velocity[i][row] = wave(row);
+                engine.point[i].offset[row] = 1e-3 * wave(row + 7);
+                for column in 0..D {
+                    engine.point[i].deviator[row][column] = 1e5 * wave(row * column + 3);
+                }
+            }
+            engine.point[i].volume_ratio = 1.0 + 0.01 * wave(11);
+            engine.point[i].deformation = identity();
+        }
+        engine.sweep_gradients(0.0);
+        engine.sweep_forces();
+        let scale: f64 = engine.force.iter().map(|f| dot(f, f).sqrt()).sum();
+        let mut resultant = [0.0; D];
+        let mut moment = 0.0;
+        for (force, position) in engine.force.iter().zip(&engine.position) {
+            resultant = plus_scaled(&resultant, 1.0, force);
+            moment += position[0] * force[1] - position[1] * force[0];
+        }
+        // Rounding only: 1e-16 times the number of terms.
+        assert!(dot(&resultant, &resultant).sqrt() < 1e-12 * scale);
+        assert!(moment.abs() < 1e-12 * scale, "{moment} {scale}");
+    }
+
+    #[test]
+    fn internal_forces_keep_both_momenta() {
+        forces_balance::<2>(Dimension::Two);
+        forces_balance::<3>(Dimension::Three);
+    }
+}
