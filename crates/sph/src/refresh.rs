@@ -22,7 +22,11 @@ const FLATTEST_MOMENT: f64 = 0.02;
 const DAMPING_SAFETY: f64 = 0.8;
 /// The same for the oscillation of a particle on the contact penalty, in terms of (m/k)^(1/2).
 const CONTACT_SAFETY: f64 = 0.5;
-/// Share of the explicit limit of conduction that a conduction step may use.
+/// Upper limit of the Laplacian's correction: 1 inside, 2 at a surface, 4 in a corner. A particle
+/// that hangs on to a few others far away must not amplify their differences.
+const LARGEST_LAPLACIAN_CORRECTION: f64 = 4.0;
+/// Share of the explicit limit of conduction that a conduction step may use. A pair weighs at most
+/// 2 x 4 instead of 2, so a quarter keeps every new temperature between its neighbours'.
 const CONDUCTION_SAFETY: f64 = 0.25;
 /// The time step never falls below this share of its value on the undisturbed lattice.
 const SMALLEST_TIME_STEP: f64 = 0.1;
@@ -208,7 +212,7 @@ fn correct<const D: usize>(
     frame.moment = first;
     frame.lean = apply(&frame.correction, &first);
     frame.weight = total;
-    frame.laplacian = if mean > 0.0 { 1.0 / mean } else { 0.0 };
+    frame.laplacian = if mean > 0.0 { (1.0 / mean).min(LARGEST_LAPLACIAN_CORRECTION) } else { 0.0 };
     let gradient: f64 = index
         .iter()
         .zip(weight)
