@@ -289,3 +289,82 @@ pub(crate) fn steady() -> Section {
         ],
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units;
+    use sphcut_physics::{flow_stress as flow_stress_laws, friction as friction_laws};
+
+    fn all() -> Vec<Section> {
+        let mut sections = vec![
+            root(),
+            workpiece(),
+            tool(),
+            process(),
+            boundaries(),
+            resolution(),
+            heat(),
+            numerics(),
+            contact(),
+            output(),
+            stop(),
+            steady(),
+            body(),
+            support(),
+            wall(),
+            material("material"),
+        ];
+        sections.extend(VELOCITY_FIELDS.iter().map(|field| velocity(field)));
+        sections.extend(flow_stress_laws::LAWS.iter().map(|law| flow_stress("flow", Some(law))));
+        sections.extend(friction_laws::LAWS.iter().map(|law| friction("friction", Some(law))));
+        sections
+    }
+
+    #[test]
+    fn the_default_of_every_key_is_read_and_in_range() {
+        for section in all() {
+            for field in &section.fields {
+                let Presence::Default(text) = &field.presence else { continue };
+                let good = match &field.kind {
+                    Kind::Quantity(quantity, range) => {
+                        range.contains(units::parse(text, *quantity).unwrap().si)
+                    }
+                    Kind::Count { min, max } => (*min..=*max).contains(&text.parse().unwrap()),
+                    Kind::Choice(words) => words.contains(&text.as_ref()),
+                    Kind::Switch => text == "true" || text == "false",
+                    other => panic!("[{}] {}: a default for {other:?}", section.name, field.key),
+                };
+                assert!(good, "[{}] {} = {text}", section.name, field.key);
+            }
+        }
+    }
+
+    #[test]
+    fn every_key_is_explained_once_and_in_snake_case() {
+        for section in all() {
+            assert!(!section.meaning.is_empty(), "{}", section.name);
+            for (index, field) in section.fields.iter().enumerate() {
+                assert!(!field.meaning.is_empty(), "[{}] {}", section.name, field.key);
+                assert!(field.key.chars().all(|c| c.is_ascii_lowercase() || c == '_'));
+                let again = section.fields[..index].iter().any(|other| other.key == field.key);
+                assert!(!again, "[{}] {} twice", section.name, field.key);
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_message_proposes_can_be_written() {
+        for section in all() {
+            for field in section.fields {
+                let line = field.example_line();
+                let whole_section = line.starts_with('[');
+                assert!(
+                    whole_section || toml::de::DeTable::parse(&line).is_ok(),
+                    "[{}] proposes {line}",
+                    section.name
+                );
+            }
+        }
+    }
+}

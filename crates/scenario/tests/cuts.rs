@@ -1,0 +1,112 @@
+//! Properties of any cut: whatever the tool and however the set-up lies, the solver accepts it.
+
+use approx::assert_relative_eq;
+use proptest::prelude::*;
+use sphcut_scenario::{LoadOptions, Scenario, parse};
+use sphcut_sph::setup::ToolSurface;
+use sphcut_sph::{Setup, Simulation};
+
+const QUICK: &str = include_str!("../../../scenarios/quickstart.toml");
+
+/// A cut with the uncut chip thickness 0.1 mm, which fixes the spacing of a draft to 20 um.
+fn cut(tool: [f64; 3], gap: f64, placement: &str) -> Scenario {
+    let [rake, clearance, radius] = tool;
+    let text = QUICK
+        .replace("rake_angle = \"5 deg\"", &format!("rake_angle = \"{rake} deg\""))
+        .replace("clearance_angle = \"7 deg\"", &format!("clearance_angle = \"{clearance} deg\""))
+        .replace("edge_radius = \"20 um\"", &format!("edge_radius = \"{radius} um\""))
+        .replace("[numerics]", &format!("[contact]\nstart_gap = {gap}\n\n[numerics]"))
+        .replace("width_of_cut", &format!("{placement}\nwidth_of_cut"));
+    parse(&text, "cut.toml", None, &LoadOptions::default())
+        .unwrap_or_else(|problems| panic!("{}\n{text}", problems[0]))
+}
+
+fn polygon(setup: &Setup) -> &[[f64; 2]] {
+    match &setup.tool.as_ref().unwrap().surface {
+        ToolSurface::Polygon(points) => points,
+        other => panic!("{other:?}"),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn the_solver_accepts_any_tool_at_its_gap(
+        rake in -45.0_f64..45.0,
+        clearance in 0.0_f64..20.0,
+        radius in 0.0_f64..100.0,
+        gap in 0.0_f64..3.0,
+        orientation in -180.0_f64..180.0,
+        mirrored in any::<bool>(),
+    ) {
+        let placement = format!("orientation = \"{orientation} deg\"\nmirrored = {mirrored}");
+        let scenario = cut([rake, clearance, radius], gap, &placement);
+        let simulation = Simulation::new(scenario.setup);
+        prop_assert!(simulation.is_ok(), "{:?}", simulation.err());
+    }
+}
+
+#[test]
+fn turning_and_mirroring_move_every_part_alike() {
+    let local = cut([5.0, 7.0, 20.0], 0.6, "");
+    let placed = cut([5.0, 7.0, 20.0], 0.6, "orientation = \"37 deg\"\nmirrored = true");
+    let (sine, cosine) = 37_f64.to_radians().sin_cos();
+    let place = |[x, y]: [f64; 2]| [cosine * x + sine * y, sine * x - cosine * y];
+    let (before, after) = (polygon(&local.setup), polygon(&placed.setup));
+    // Mirroring turns the order of the corners.
+    for (point, expected) in after.iter().rev().zip(before.iter().map(|point| place(*point))) {
+        assert_relative_eq!(point[0], expected[0], epsilon = 1e-15);
+        assert_relative_eq!(point[1], expected[1], epsilon = 1e-15);
+    }
+    let velocity = placed.setup.tool.as_ref().unwrap().velocity;
+    assert_relative_eq!(velocity[0], 2.5 * cosine, max_relative = 1e-12);
+    assert_relative_eq!(velocity[1], 2.5 * sine, max_relative = 1e-12);
+    assert_eq!(local.setup.end_time, placed.setup.end_time);
+    // The particles: same number, each at the placed position of its partner.
+    let start = |setup: &Setup| Simulation::new(setup.clone()).unwrap().snapshot().position;
+    let (local, placed) = (start(&local.setup), start(&placed.setup));
+    assert_eq!(local.len(), placed.len());
+    for (here, there) in local.iter().zip(&placed) {
+        let expected = place([here[0], here[1]]);
+        assert_relative_eq!(there[0], expected[0], epsilon = 1e-15);
+        assert_relative_eq!(there[1], expected[1], epsilon = 1e-15);
+    }
+}
+
+#[test]
+fn presets_are_relative_to_the_uncut_chip_thickness() {
+    for (preset, across) in [("draft", 5.0), ("standard", 10.0), ("fine", 14.0)] {
+        let text = QUICK.replace("\"draft\"", &format!("\"{preset}\""));
+        let setup = parse(&text, "cut.toml", None, &LoadOptions::default()).unwrap().setup;
+        assert_relative_eq!(setup.particle_spacing, 1e-4 / across, max_relative = 1e-12);
+    }
+}
+
+/// What `sphcut check` shows: the text of the user and the SI value, defaults marked as such.
+#[test]
+fn the_description_has_text_and_si_value_of_every_key() {
+    use sphcut_scenario::Origin;
+    let scenario = parse(QUICK, "cut.toml", None, &LoadOptions::default()).unwrap();
+    let entry = |section: &str, key: &str| {
+        let found: Vec<_> = scenario
+            .description
+            .iter()
+            .filter(|entry| entry.section == section && entry.key == key)
+            .collect();
+        assert_eq!(found.len(), 1, "[{section}] {key}: {found:?}");
+        found[0].clone()
+    };
+    let speed = entry("process", "cutting_speed");
+    assert_eq!(
+        (speed.text.as_str(), speed.value.as_str(), speed.unit),
+        ("150 m/min", "2.5", "m/s")
+    );
+    assert_eq!(speed.origin, Origin::Given);
+    assert_eq!(entry("process", "orientation").origin, Origin::Default);
+    let spacing = entry("resolution", "particle_spacing");
+    assert_eq!((spacing.value.as_str(), spacing.origin), ("2e-5", Origin::Derived));
+    let yield_stress = entry("material aisi1045_table5.flow_stress", "initial_yield");
+    assert_eq!((yield_stress.text.as_str(), yield_stress.value.as_str()), ("331 MPa", "3.31e8"));
+    assert_eq!(entry("tool.friction", "shear_friction_factor").origin, Origin::Default);
+}
