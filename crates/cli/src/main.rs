@@ -3,12 +3,14 @@
 mod arguments;
 mod catalogue;
 mod check;
+mod digest;
 mod export;
 mod failure;
 mod interrupt;
 mod loading;
 mod outcome;
 mod progress;
+mod results;
 mod run;
 mod schema;
 mod text;

@@ -1,9 +1,12 @@
 //! What is said before and after a run.
 
+use crate::digest::digest;
 use crate::failure::{ExitCode, Failure};
-use crate::progress::{Style, emit, seconds_to_duration};
+use crate::progress::{Style, emit};
+
 use crate::text;
-use serde_json::json;
+use serde_json::{Value, json};
+use sphcut_postprocess::{ProcessResult, summary_json};
 use sphcut_record::driver::RunOptions;
 use sphcut_record::{Run, RunError};
 use sphcut_scenario::Scenario;
@@ -88,17 +91,25 @@ pub fn interrupted(run: &Run, style: Style) {
 }
 
 /// Says what came out and where it is.
-pub fn finished(run: &Run, folder: &Path, style: Style) {
-    let performance = &run.performance;
+pub fn finished(run: &Run, result: &ProcessResult, folder: &Path, style: Style) {
+    let summary = summary_json(result);
     match style {
-        Style::Json => emit(&json!({ "event": "done", "out": folder.display().to_string() })),
-        Style::Human => println!(
-            "{} particles, {} steps in {} ({})",
-            text::grouped(performance.particles as u64),
-            text::grouped(performance.steps),
-            text::duration(seconds_to_duration(performance.wall_seconds)),
-            text::updates(performance.updates_per_second()),
-        ),
+        Style::Json => emit(&json!({
+            "event": "done",
+            "out": folder.display().to_string(),
+            // The text comes from a serialiser: it is JSON.
+            "summary": serde_json::from_str::<Value>(&summary).unwrap_or_default(),
+        })),
+        Style::Human => {
+            println!("{}", digest(run, result).trim_end());
+        }
         Style::Quiet => {}
+    }
+    if style != Style::Json {
+        // Those of the scenario were told at the start.
+        let told = |warning: &String| run.provenance.warnings.contains(warning);
+        for warning in result.warnings.iter().map(ToString::to_string).filter(|w| !told(w)) {
+            eprintln!("warning: {warning}");
+        }
     }
 }

@@ -3,7 +3,7 @@
 use crate::arguments::RunArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{Display, Forces, Status, Style, Travel};
-use crate::{interrupt, loading, outcome};
+use crate::{interrupt, loading, outcome, results};
 use sphcut_postprocess::steady::{Series, SteadyOptions, detect};
 use sphcut_record::driver::{self, Control, Moment, Progress, RunOptions, Start};
 use sphcut_record::{Outcome, Run};
@@ -36,7 +36,8 @@ fn follow(arguments: &RunArguments, style: Style) -> Result<ExitCode, Failure> {
         outcome::interrupted(&run, style);
         return Ok(ExitCode::Interrupted);
     }
-    outcome::finished(&run, &options.out_dir, style);
+    let result = results::write(&run, &options.out_dir)?;
+    outcome::finished(&run, &result, &options.out_dir, style);
     Ok(ExitCode::Done)
 }
 

@@ -17,12 +17,39 @@ fn a_run_leaves_its_files_in_the_default_folder() {
     let ended = shop.sphcut(&["run", "tiny.toml"]).expect_code(0);
     assert!(ended.err.contains("100 %"), "plain progress lines: {}", ended.err);
     assert!(ended.out.contains("384 particles"), "{}", ended.out);
-    for name in ["run.h5", "forces.csv", "snapshots.vtkhdf"] {
+    for name in ["run.h5", "forces.csv", "snapshots.vtkhdf", "summary.json"] {
         assert!(shop.path("out/tiny").join(name).exists(), "{name}");
     }
     assert!(!shop.path("out/tiny/run.partial").exists(), "nothing half done is left");
     let forces = shop.read("out/tiny/forces.csv");
     assert!(rows(&forces).len() > 300, "{} rows", rows(&forces).len());
+}
+
+#[test]
+fn the_summary_has_the_numbers_that_scripts_read() {
+    let shop = Workshop::new("run_summary");
+    shop.write("tiny.toml", TINY);
+    shop.sphcut(&["run", "tiny.toml", "--quiet"]).expect_code(0);
+    let summary: Value = serde_json::from_str(&shop.read("out/tiny/summary.json")).unwrap();
+    let numbers = [
+        "/forces/cutting/mean_n_per_mm",
+        "/forces/cutting/ci95_n_per_mm",
+        "/forces/feed/mean_n_per_mm",
+        "/steady/window_mm/0",
+        "/temperature/max_k",
+        "/contact/length_mm",
+        "/balances/energy_closure",
+        "/balances/numerical_dissipation",
+        "/balances/momentum_closure",
+        "/performance/updates_per_second",
+    ];
+    for key in numbers {
+        assert!(summary.pointer(key).is_some_and(Value::is_number), "{key}: {summary}");
+    }
+    assert_eq!(summary["performance"]["particles"], 384);
+    assert!(summary["warnings"].is_array() && summary["steady"]["reached"].is_boolean());
+    // Too short to be steady, and it says so.
+    assert_eq!(summary["steady"]["reached"], false);
 }
 
 #[test]
@@ -70,6 +97,8 @@ fn json_is_one_object_per_line() {
     assert_eq!(names.first(), Some(&"start"));
     assert_eq!(names.last(), Some(&"done"));
     assert!(names.contains(&"progress"), "{names:?}");
+    let done = events.last().expect("there are events");
+    assert!(done["summary"]["forces"]["cutting"]["mean_n_per_mm"].is_number(), "{done}");
     assert_eq!(ended.err, "");
 }
 

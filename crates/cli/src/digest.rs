@@ -1,0 +1,93 @@
+//! The result of a run in a few lines.
+
+use crate::progress::seconds_to_duration;
+use crate::text;
+use sphcut_postprocess::{Force, ProcessResult};
+use sphcut_record::{Outcome, Performance, Run};
+use std::fmt::Write as _;
+
+/// What came out: forces, temperatures, chip, balances, cost. A run without a cut has only the
+/// last two.
+pub fn digest(run: &Run, result: &ProcessResult) -> String {
+    let mut page = String::new();
+    if ProcessResult::is_cut(run) {
+        let _ = writeln!(page, "{}", window(run, result));
+        let _ = writeln!(page, "cutting force F_c  {}", force(&result.forces.cutting));
+        let _ = writeln!(page, "feed force F_f     {}", force(&result.forces.feed));
+        page.push_str(&temperature(result));
+        page.push_str(&shape(result));
+    }
+    page.push_str(&balances(result));
+    let _ = writeln!(page, "{}", cost(&run.performance));
+    page
+}
+
+/// Over which part of the run the means are taken, and why it may be trusted or not.
+fn window(run: &Run, result: &ProcessResult) -> String {
+    let (start, end) = (result.window.start * 1e3, result.window.end * 1e3);
+    let verdict = match (result.steady.reached, &run.outcome) {
+        (true, Outcome::Steady) => "steady, stopped early".to_owned(),
+        (true, _) => "steady".to_owned(),
+        (false, _) => format!("not steady ({})", result.steady.reason),
+    };
+    format!("means from {start:.3} to {end:.3} mm of travel: {verdict}")
+}
+
+/// `232.1 ± 8.0 N/mm (696 N)`.
+fn force(force: &Force) -> String {
+    let interval = if force.ci95_per_width.is_finite() {
+        format!(" ± {:.1}", force.ci95_per_width * 1e-3)
+    } else {
+        String::new()
+    };
+    format!("{:.1}{interval} N/mm ({:.0} N)", force.mean_per_width * 1e-3, force.mean)
+}
+
+fn temperature(result: &ProcessResult) -> String {
+    let interface = result
+        .temperature
+        .interface
+        .as_ref()
+        .map_or_else(String::new, |interval| format!(", {:.0} K at the tool", interval.mean));
+    format!("temperature        up to {:.0} K{interface}\n", result.temperature.max)
+}
+
+fn shape(result: &ProcessResult) -> String {
+    let mut parts = Vec::new();
+    if let Some(chip) = &result.geometry.chip {
+        let ratio = chip.compression_ratio;
+        parts.push(format!("{:.3} mm thick ({ratio:.2} h)", chip.thickness * 1e3));
+    }
+    if let Some(contact) = &result.geometry.contact {
+        parts.push(format!("{:.3} mm in contact with the tool", contact.length() * 1e3));
+    }
+    if parts.is_empty() {
+        return String::new();
+    }
+    format!("chip               {}\n", parts.join(", "))
+}
+
+fn balances(result: &ProcessResult) -> String {
+    let mut parts = Vec::new();
+    if let Some(energy) = &result.energy {
+        parts.push(format!("energy closes to {:.2} %", 100.0 * energy.closure));
+        parts.push(format!("numerical terms {:.1} %", 100.0 * energy.numerical_dissipation));
+    }
+    if let Some(closure) = result.momentum.as_ref().and_then(|momentum| momentum.closure()) {
+        parts.push(format!("momentum closes to {:.2} %", 100.0 * closure));
+    }
+    if parts.is_empty() {
+        return String::new();
+    }
+    format!("balances           {}\n", parts.join(", "))
+}
+
+fn cost(performance: &Performance) -> String {
+    format!(
+        "cost               {} particles, {} steps in {} ({})",
+        text::grouped(performance.particles as u64),
+        text::grouped(performance.steps),
+        text::duration(seconds_to_duration(performance.wall_seconds)),
+        text::updates(performance.updates_per_second()),
+    )
+}
