@@ -1,7 +1,18 @@
 //! Pictures and pages from the plain results of a run.
+//!
+//! [`write_report`] writes one self-contained `report.html`; [`render_snapshot`] draws a single
+//! picture.
 
+mod animation;
 mod canvas;
+mod chart;
+mod error;
+mod page;
 mod picture;
+mod pictures;
+mod text;
 mod ticks;
 
-pub use picture::{Field, PictureOptions, View, render_snapshot};
+pub use error::ReportError;
+pub use page::{render_report, write_report};
+pub use picture::{Field, PictureOptions, View, render_layers, render_snapshot};

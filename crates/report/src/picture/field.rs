@@ -1,5 +1,6 @@
 //! Quantities a picture can be coloured by.
 
+use crate::canvas::Rgb;
 use colorous::Gradient;
 use sphcut_sph::Snapshot;
 
@@ -77,8 +78,14 @@ impl Field {
         }
     }
 
+    /// The colour at a share of the colour bar. The darkest tenth of the map is left out: it
+    /// cannot be told from black on paper.
+    pub(crate) fn colour_at(self, share: f64) -> Rgb {
+        self.gradient().eval_continuous(0.1 + 0.9 * share.clamp(0.0, 1.0)).as_array()
+    }
+
     /// The colour map: all are perceptually uniform.
-    pub(super) fn gradient(self) -> Gradient {
+    fn gradient(self) -> Gradient {
         match self {
             Self::Temperature => colorous::INFERNO,
             Self::PlasticStrain => colorous::VIRIDIS,

@@ -1,10 +1,12 @@
 //! Pictures of the particles: discs coloured by a field, the tool, axes in mm, a colour bar.
 
 mod field;
+mod layers;
 mod raster;
 mod view;
 
 pub use field::Field;
+pub use layers::render_layers;
 pub use view::View;
 
 use crate::canvas::{Anchor, Canvas, INK, Rectangle, Rgb, Text};
@@ -54,15 +56,26 @@ pub(crate) fn draw(snapshot: &Snapshot, field: Field, options: &PictureOptions) 
     let range = options.range.unwrap_or_else(|| field.range([snapshot]));
     let values = field.values(snapshot);
 
+    let mut canvas = draw_scene(&layout, snapshot, &colours(&values, field, range), options);
+    draw_colour_bar(&mut canvas, &layout, &ColourBar { field, range, values: &values });
+    canvas
+}
+
+/// The picture without a colour bar.
+fn draw_scene(
+    layout: &Layout,
+    snapshot: &Snapshot,
+    colours: &[Rgb],
+    options: &PictureOptions,
+) -> Canvas {
     let mut canvas = Canvas::new(layout.width, layout.height);
-    let plot = draw_plot(&layout, snapshot, &colours(&values, field, range));
+    let plot = draw_plot(layout, snapshot, colours);
     for (row, source) in plot.pixels.chunks_exact(plot.width).enumerate() {
         let start = (layout.plot.y0 + row) * canvas.width + layout.plot.x0;
         canvas.pixels[start..start + plot.width].copy_from_slice(source);
     }
-    draw_axes(&mut canvas, &layout);
-    draw_colour_bar(&mut canvas, &layout, &ColourBar { field, range, values: &values });
-    draw_scale_bar(&mut canvas, &layout);
+    draw_axes(&mut canvas, layout);
+    draw_scale_bar(&mut canvas, layout);
     let caption = options.caption.clone().unwrap_or_else(|| time_text(snapshot.time));
     let middle = (layout.plot.x0 + layout.plot.x1) as f64 / 2.0;
     let at = [middle, layout.plot.y0 as f64 - 0.6 * layout.font];
@@ -111,15 +124,9 @@ fn colours(values: &[f64], field: Field, range: (f64, f64)) -> Vec<Rgb> {
         if share.is_nan() {
             return MISSING;
         }
-        colour_at(field, share)
+        field.colour_at(share)
     };
     values.iter().map(colour).collect()
-}
-
-/// The colour at a share of the colour bar. The darkest tenth of the map is left out: it cannot
-/// be told from black on paper.
-fn colour_at(field: Field, share: f64) -> Rgb {
-    field.gradient().eval_continuous(0.1 + 0.9 * share.clamp(0.0, 1.0)).as_array()
 }
 
 fn draw_plot(layout: &Layout, snapshot: &Snapshot, colours: &[Rgb]) -> Canvas {
@@ -181,7 +188,7 @@ fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &ColourBar<'_>) {
     let height = (plot.y1 - plot.y0) as f64;
     for y in plot.y0..plot.y1 {
         let share = (plot.y1 as f64 - y as f64 - 0.5) / height;
-        let colour = colour_at(bar.field, share);
+        let colour = bar.field.colour_at(share);
         canvas.fill(Rectangle { x0, y0: y, x1, y1: y + 1 }, colour);
     }
     let (low, high) = bar.range;
@@ -199,21 +206,10 @@ fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &ColourBar<'_>) {
     canvas.text(&Text { at, anchor: Anchor::End, size: *font, text: bar.field.title() }, INK);
     let largest = bar.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if largest > high + 1e-3 * (high - low) {
-        let text = format!("max. {}", three_digits(largest));
+        let text = format!("max. {}", crate::text::three_digits(largest));
         let at = [end, plot.y1 as f64 + 1.35 * font];
         canvas.text(&Text { at, anchor: Anchor::End, size: 0.9 * font, text: &text }, INK);
     }
-}
-
-/// A number with about three significant digits.
-pub(crate) fn three_digits(value: f64) -> String {
-    let magnitude = value.abs();
-    let decimals = match magnitude {
-        m if m >= 99.95 => 0,
-        m if m >= 9.995 => 1,
-        _ => 2,
-    };
-    format!("{value:.decimals$}").replacen('-', "\u{2212}", 1)
 }
 
 /// A bar of a round length in the upper right corner of the plot.

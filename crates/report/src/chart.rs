@@ -1,0 +1,359 @@
+//! Line and area charts over travel as SVG, drawn for a page: text stays text, print stays sharp.
+
+use crate::ticks::Ticks;
+use std::fmt::Write;
+
+const WIDTH: f64 = 960.0;
+const LEFT: f64 = 74.0;
+const RIGHT: f64 = 18.0;
+const TOP: f64 = 40.0;
+const BOTTOM: f64 = 46.0;
+/// Width of one letter of the legend, generously.
+const LETTER: f64 = 7.0;
+/// Most points of a line; a longer series keeps the extremes of each column.
+const MOST_POINTS: usize = 1600;
+
+/// A chart.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Chart<'a> {
+    /// For people who cannot see it.
+    pub description: String,
+    pub x_title: &'a str,
+    pub y_title: &'a str,
+    pub height: f64,
+    pub x: Vec<f64>,
+    /// Lines over `x`.
+    pub lines: Vec<Line<'a>>,
+    /// Areas over `x`, stacked: positive values upwards, negative ones downwards.
+    pub areas: Vec<Area<'a>>,
+    /// A part of the x axis to shade, with its name.
+    pub window: Option<(f64, f64, &'a str)>,
+    /// Horizontal bands: a mean and its interval.
+    pub bands: Vec<Band<'a>>,
+    /// Values the y axis must show beside the data.
+    pub y_includes: Vec<f64>,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Line<'a> {
+    pub name: &'a str,
+    pub colour: &'a str,
+    pub width: f64,
+    pub values: Vec<f64>,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Area<'a> {
+    pub name: &'a str,
+    pub colour: &'a str,
+    pub values: Vec<f64>,
+}
+
+/// A level with its interval over a part of the x axis.
+#[derive(Debug, Clone)]
+pub(crate) struct Band<'a> {
+    pub from: f64,
+    pub to: f64,
+    pub mean: f64,
+    pub half_width: f64,
+    pub colour: &'a str,
+    pub label: String,
+}
+
+/// The mapping of values to the drawing.
+struct Axes {
+    x: (f64, f64),
+    y: (f64, f64),
+    height: f64,
+}
+
+impl Axes {
+    fn x(&self, value: f64) -> f64 {
+        LEFT + (value - self.x.0) / (self.x.1 - self.x.0) * (WIDTH - LEFT - RIGHT)
+    }
+
+    fn y(&self, value: f64) -> f64 {
+        let share = (value - self.y.0) / (self.y.1 - self.y.0);
+        // Far outside values would only make the numbers long.
+        TOP + (1.0 - share.clamp(-10.0, 11.0)) * (self.height - TOP - BOTTOM)
+    }
+}
+
+impl Chart<'_> {
+    /// The chart as an SVG element; `None` without at least two points.
+    pub fn svg(&self) -> Option<String> {
+        let (first, last) = (*self.x.first()?, *self.x.last()?);
+        if self.x.len() < 2 || last.partial_cmp(&first) != Some(std::cmp::Ordering::Greater) {
+            return None;
+        }
+        let stacks = stack(&self.areas, self.x.len());
+        let axes =
+            Axes { x: (first.min(0.0), last), y: self.y_range(&stacks), height: self.height };
+        let mut svg = format!(
+            r#"<svg class="chart" viewBox="0 0 {WIDTH} {}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
+            self.height,
+            escape(&self.description)
+        );
+        self.shade(&mut svg, &axes);
+        self.grid(&mut svg, &axes);
+        self.draw_areas(&mut svg, &axes, &stacks);
+        self.draw_lines(&mut svg, &axes);
+        self.draw_bands(&mut svg, &axes);
+        self.legend(&mut svg);
+        svg.push_str("</svg>");
+        Some(svg)
+    }
+
+    fn y_range(&self, stacks: &[Stack]) -> (f64, f64) {
+        let lines = self.lines.iter().flat_map(|line| line.values.iter().copied());
+        let areas = stacks.iter().flat_map(|s| s.low.iter().chain(&s.high).copied());
+        let all = lines.chain(areas).chain(self.y_includes.iter().copied());
+        let (low, high) = all
+            .filter(|value| value.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        if low > high {
+            return (0.0, 1.0);
+        }
+        let margin = 0.05 * (high - low).max(1e-12 * high.abs()).max(f64::MIN_POSITIVE);
+        (if low == 0.0 { 0.0 } else { low - margin }, high + margin)
+    }
+
+    fn shade(&self, svg: &mut String, axes: &Axes) {
+        let Some((from, to, name)) = self.window else { return };
+        let (x0, x1) = (axes.x(from.max(axes.x.0)), axes.x(to.min(axes.x.1)));
+        put(
+            svg,
+            format_args!(
+                r##"<rect x="{x0:.1}" y="{TOP}" width="{:.1}" height="{:.1}" fill="#eef3f7"/><text class="note" x="{:.1}" y="{:.1}">{}</text>"##,
+                (x1 - x0).max(0.0),
+                self.height - TOP - BOTTOM,
+                x0 + 6.0,
+                self.height - BOTTOM - 8.0,
+                escape(name)
+            ),
+        );
+    }
+
+    fn grid(&self, svg: &mut String, axes: &Axes) {
+        let bottom = self.height - BOTTOM;
+        let ticks = Ticks::new(axes.y.0, axes.y.1, ((bottom - TOP) / 45.0) as usize);
+        for &value in &ticks.values {
+            let y = axes.y(value);
+            put(
+                svg,
+                format_args!(
+                    r#"<line class="grid" x1="{LEFT}" x2="{:.1}" y1="{y:.1}" y2="{y:.1}"/><text class="tick" x="{:.1}" y="{:.1}" text-anchor="end">{}</text>"#,
+                    WIDTH - RIGHT,
+                    LEFT - 8.0,
+                    y + 4.0,
+                    ticks.label(value)
+                ),
+            );
+        }
+        let ticks = Ticks::new(axes.x.0, axes.x.1, 10);
+        for &value in &ticks.values {
+            let x = axes.x(value);
+            put(
+                svg,
+                format_args!(
+                    r#"<line class="axis" x1="{x:.1}" x2="{x:.1}" y1="{bottom}" y2="{}"/><text class="tick" x="{x:.1}" y="{}" text-anchor="middle">{}</text>"#,
+                    bottom + 5.0,
+                    bottom + 19.0,
+                    ticks.label(value)
+                ),
+            );
+        }
+        let base = axes.y(0.0_f64.clamp(axes.y.0, axes.y.1));
+        put(
+            svg,
+            format_args!(
+                r#"<line class="axis" x1="{LEFT}" x2="{:.1}" y1="{base:.1}" y2="{base:.1}"/><text class="label" x="{:.1}" y="{}" text-anchor="middle">{}</text><text class="label" x="4" y="{}">{}</text>"#,
+                WIDTH - RIGHT,
+                (LEFT + WIDTH - RIGHT) / 2.0,
+                self.height - 6.0,
+                escape(self.x_title),
+                TOP - 24.0,
+                escape(self.y_title)
+            ),
+        );
+    }
+
+    fn draw_lines(&self, svg: &mut String, axes: &Axes) {
+        for line in &self.lines {
+            let kept = thin_out(&line.values);
+            let mut path = String::new();
+            let mut pen_down = false;
+            for k in kept {
+                let value = line.values[k];
+                if !value.is_finite() {
+                    pen_down = false;
+                    continue;
+                }
+                let command = if pen_down { 'L' } else { 'M' };
+                put(
+                    &mut path,
+                    format_args!("{command}{:.1} {:.1}", axes.x(self.x[k]), axes.y(value)),
+                );
+                pen_down = true;
+            }
+            put(
+                svg,
+                format_args!(
+                    r#"<path d="{path}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round"/>"#,
+                    line.colour, line.width
+                ),
+            );
+        }
+    }
+
+    fn draw_areas(&self, svg: &mut String, axes: &Axes, stacks: &[Stack]) {
+        let step = self.x.len().div_ceil(MOST_POINTS / 4).max(1);
+        let mut kept: Vec<usize> = (0..self.x.len()).step_by(step).collect();
+        kept.extend((!(self.x.len() - 1).is_multiple_of(step)).then_some(self.x.len() - 1));
+        for (area, stack) in self.areas.iter().zip(stacks) {
+            let point = |k: &usize, values: &[f64]| {
+                format!("{:.1} {:.1}", axes.x(self.x[*k]), axes.y(values[*k]))
+            };
+            let upper = kept.iter().map(|k| point(k, &stack.high));
+            let lower = kept.iter().rev().map(|k| point(k, &stack.low));
+            let path = upper.chain(lower).collect::<Vec<_>>().join("L");
+            put(svg, format_args!(r#"<path d="M{path}Z" fill="{}"/>"#, area.colour));
+        }
+    }
+
+    fn draw_bands(&self, svg: &mut String, axes: &Axes) {
+        for band in &self.bands {
+            let (x0, x1, y) = (axes.x(band.from), axes.x(band.to), axes.y(band.mean));
+            let half = if band.half_width.is_finite() { band.half_width } else { 0.0 };
+            let top = axes.y(band.mean + half);
+            put(
+                svg,
+                format_args!(
+                    r#"<rect x="{x0:.1}" y="{top:.1}" width="{:.1}" height="{:.1}" fill="{}" opacity="0.25"/><line x1="{x0:.1}" x2="{x1:.1}" y1="{y:.1}" y2="{y:.1}" stroke="{}" stroke-width="2"/><text class="value" x="{:.1}" y="{:.1}" text-anchor="end">{}</text>"#,
+                    x1 - x0,
+                    axes.y(band.mean - half) - top,
+                    band.colour,
+                    band.colour,
+                    x1 - 6.0,
+                    top - 6.0,
+                    escape(&band.label)
+                ),
+            );
+        }
+    }
+
+    /// Names to the right of the y title, from the right end of the chart.
+    fn legend(&self, svg: &mut String) {
+        let lines = self.lines.iter().map(|line| (line.name, line.colour));
+        let areas = self.areas.iter().map(|area| (area.name, area.colour));
+        let entries: Vec<(&str, &str)> =
+            lines.chain(areas).filter(|(n, _)| !n.is_empty()).collect();
+        let width = |name: &str| name.chars().count() as f64 * LETTER + 30.0;
+        let total: f64 = entries.iter().map(|(name, _)| width(name)).sum();
+        let mut x = (WIDTH - RIGHT - total).max(LEFT + 100.0);
+        for (name, colour) in entries {
+            put(
+                svg,
+                format_args!(
+                    r#"<rect x="{x:.1}" y="{}" width="14" height="10" rx="2" fill="{colour}"/><text class="legend" x="{:.1}" y="{}">{}</text>"#,
+                    TOP - 33.0,
+                    x + 19.0,
+                    TOP - 24.0,
+                    escape(name)
+                ),
+            );
+            x += width(name);
+        }
+    }
+}
+
+/// Lower and upper edge of one area.
+struct Stack {
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+fn stack(areas: &[Area<'_>], count: usize) -> Vec<Stack> {
+    let (mut above, mut below) = (vec![0.0; count], vec![0.0; count]);
+    areas
+        .iter()
+        .map(|area| {
+            let mut edges = Stack { low: vec![0.0; count], high: vec![0.0; count] };
+            for (k, &value) in area.values.iter().enumerate().take(count) {
+                let level = if value >= 0.0 { &mut above[k] } else { &mut below[k] };
+                let next = *level + if value.is_finite() { value } else { 0.0 };
+                edges.low[k] = level.min(next);
+                edges.high[k] = level.max(next);
+                *level = next;
+            }
+            edges
+        })
+        .collect()
+}
+
+/// Indices worth drawing: all, or the smallest and largest value of each of many columns.
+fn thin_out(values: &[f64]) -> Vec<usize> {
+    let column = (2 * values.len()).div_ceil(MOST_POINTS);
+    if column <= 2 {
+        return (0..values.len()).collect();
+    }
+    let mut kept = Vec::with_capacity(MOST_POINTS);
+    for start in (0..values.len()).step_by(column) {
+        let range = start..(start + column).min(values.len());
+        let low = range.clone().min_by(|&a, &b| values[a].total_cmp(&values[b]));
+        let high = range.max_by(|&a, &b| values[a].total_cmp(&values[b]));
+        let mut pair: Vec<usize> = low.into_iter().chain(high).collect();
+        pair.sort_unstable();
+        pair.dedup();
+        kept.extend(pair);
+    }
+    kept
+}
+
+fn put(target: &mut String, text: std::fmt::Arguments<'_>) {
+    target.write_fmt(text).expect("writing to a string cannot fail");
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_stack_away_from_zero_on_both_sides() {
+        let area = |value: f64| Area { name: "", colour: "red", values: vec![value] };
+        let stacks = stack(&[area(2.0), area(-1.0), area(3.0), area(-0.5)], 1);
+        let edges: Vec<(f64, f64)> = stacks.iter().map(|s| (s.low[0], s.high[0])).collect();
+        assert_eq!(edges, [(0.0, 2.0), (-1.0, 0.0), (2.0, 5.0), (-1.5, -1.0)]);
+    }
+
+    #[test]
+    fn thinning_keeps_the_extremes() {
+        let mut values = vec![0.0; 100_000];
+        values[54_321] = 7.0;
+        values[777] = -3.0;
+        let kept = thin_out(&values);
+        assert!(kept.len() <= MOST_POINTS + 2, "{}", kept.len());
+        assert!(kept.contains(&54_321) && kept.contains(&777));
+        assert!(kept.is_sorted());
+        assert_eq!(thin_out(&values[..10]).len(), 10);
+    }
+
+    #[test]
+    fn a_chart_needs_two_points_and_escapes_its_names() {
+        let mut chart = Chart {
+            x: vec![0.0],
+            height: 300.0,
+            lines: vec![Line { name: "a<b", colour: "red", width: 1.0, values: vec![1.0] }],
+            ..Chart::default()
+        };
+        assert_eq!(chart.svg(), None);
+        chart.x = vec![0.0, 1.0];
+        chart.lines[0].values = vec![1.0, f64::NAN];
+        let svg = chart.svg().unwrap();
+        assert!(svg.contains("a&lt;b") && !svg.contains("NaN"), "{svg}");
+    }
+}

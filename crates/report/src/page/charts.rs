@@ -1,0 +1,263 @@
+//! The charts of the page.
+
+use crate::chart::{Area, Band, Chart, Line};
+use crate::text::with_interval;
+use maud::{Markup, PreEscaped, html};
+use sphcut_postprocess::{ENERGY_TERMS, Force, ProcessResult, TermKind};
+use sphcut_record::{Facts, Run};
+use sphcut_sph::ChannelId;
+
+const BLUE: &str = "#0072b2";
+const BLUE_LIGHT: &str = "#9cc7e2";
+const RED: &str = "#d55e00";
+const RED_LIGHT: &str = "#f0b890";
+const GREEN: &str = "#009e73";
+const INK: &str = "#22262b";
+/// Samples averaged for the smooth line of a force.
+const SMOOTHING: usize = 25;
+
+/// Colour of a term of the energy balance; physical ones in calm colours, numerical ones warm.
+pub(super) fn term_colour(channel: ChannelId) -> &'static str {
+    match channel {
+        ChannelId::PlasticWork => "#4c78a8",
+        ChannelId::FrictionWork => "#72b7b2",
+        ChannelId::ElasticEnergy => "#9ecae9",
+        ChannelId::KineticEnergy => "#b8b0d8",
+        ChannelId::HourglassWork => "#e45756",
+        ChannelId::ViscosityWork => "#f58518",
+        ChannelId::DensityDiffusionWork => "#eeca3b",
+        ChannelId::ArtificialStressWork => "#b279a2",
+        ChannelId::UpdateResidue => "#ff9da6",
+        ChannelId::ContactEnergy => "#9d755d",
+        _ => "#22262b",
+    }
+}
+
+/// Forces, energy, momentum and temperature over the travel.
+pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
+    let axis = Axis::of(run);
+    html! {
+        section {
+            h2 { "History" }
+            (figure(forces(run, result, &axis).svg(), "Forces of the tool on the workpiece per \
+                width of cut: impulse averages over each sampling interval (pale) and over 25 of \
+                them. The level and its band are the mean over the window and its 95 % interval."))
+            (figure(temperature(run, &axis).svg(), "Highest temperature of any particle, and mean \
+                temperature in contact weighted with the contact force."))
+            (figure(energy(run, &axis).svg(), "Where the work went, stacked: physical terms in \
+                calm colours, numerical ones in warm colours. The line is the work supplied."))
+            (figure(momentum(run, result, &axis).svg(), "Force of the tool, and what it has to \
+                equal: support reaction with opposite sign plus rate of change of momentum, along \
+                the cutting direction; averages over 25 intervals."))
+        }
+    }
+}
+
+fn figure(svg: Option<String>, caption: &str) -> Markup {
+    html! {
+        @if let Some(svg) = svg {
+            figure { (PreEscaped(svg)) figcaption { (caption) } }
+        }
+    }
+}
+
+/// Travel in mm where there is a tool, else time in ms.
+struct Axis {
+    title: &'static str,
+    values: Vec<f64>,
+    has_travel: bool,
+}
+
+impl Axis {
+    fn of(run: &Run) -> Self {
+        let scaled = |id: ChannelId| run.samples.channel(id).iter().map(|x| x * 1e3).collect();
+        let travel = run.samples.channel(ChannelId::Travel);
+        if travel.last().is_some_and(|travel| *travel > 0.0) {
+            Self { title: "Travel in mm", values: scaled(ChannelId::Travel), has_travel: true }
+        } else {
+            Self { title: "Time in ms", values: scaled(ChannelId::Time), has_travel: false }
+        }
+    }
+
+    fn window(&self, result: &ProcessResult) -> Option<(f64, f64, &'static str)> {
+        let name = if result.steady.reached {
+            "steady window"
+        } else {
+            "window of the means (not steady)"
+        };
+        let (from, to) = (result.window.start * 1e3, result.window.end * 1e3);
+        (self.has_travel && to > from).then_some((from, to, name))
+    }
+}
+
+/// Factor from a force or energy of the channels to N/mm or J/mm.
+fn per_mm(facts: &Facts) -> f64 {
+    facts.force_factor() / facts.width_of_cut * 1e-3
+}
+
+fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
+    values.iter().map(|value| value * factor).collect()
+}
+
+/// Running mean over the samples around each.
+fn smooth(values: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    for value in values {
+        sums.push(sums[sums.len() - 1] + value);
+    }
+    (0..values.len())
+        .map(|k| {
+            let half = (SMOOTHING / 2).min(k).min(values.len() - 1 - k);
+            (sums[k + half + 1] - sums[k - half]) / (2 * half + 1) as f64
+        })
+        .collect()
+}
+
+fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
+    let factor = per_mm(&run.facts);
+    let cutting = scaled(run.samples.channel(ChannelId::CuttingForce), factor);
+    let feed = scaled(run.samples.channel(ChannelId::FeedForce), factor);
+    let line = |name, colour, width, values| Line { name, colour, width, values };
+    let mut chart = Chart {
+        x_title: axis.title,
+        y_title: "Force in N/mm",
+        height: 400.0,
+        x: axis.values.clone(),
+        window: axis.window(result),
+        y_includes: vec![0.0],
+        ..Chart::default()
+    };
+    let band = |force: &Force, colour, symbol: &str| {
+        let (mean, half_width) = (force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3);
+        let label = format!("{symbol} = {} N/mm", with_interval(mean, half_width));
+        let (from, to) = (result.window.start * 1e3, result.window.end * 1e3);
+        Band { from, to, mean, half_width, colour, label }
+    };
+    if chart.window.is_some() {
+        chart.bands =
+            vec![band(&result.forces.cutting, BLUE, "F_c"), band(&result.forces.feed, RED, "F_f")];
+    }
+    chart.description = format!(
+        "Cutting force and feed force over the travel. {}",
+        chart.bands.iter().map(|band| band.label.clone() + ". ").collect::<String>()
+    );
+    chart.lines = vec![
+        line("", BLUE_LIGHT, 1.0, cutting.clone()),
+        line("", RED_LIGHT, 1.0, feed.clone()),
+        line("Cutting force F_c", BLUE, 2.0, smooth(&cutting)),
+        line("Feed force F_f", RED, 2.0, smooth(&feed)),
+    ];
+    chart
+}
+
+fn temperature<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
+    let interface = run.samples.channel(ChannelId::InterfaceTemperature);
+    Chart {
+        description: "Highest temperature and contact temperature over the travel.".to_owned(),
+        x_title: axis.title,
+        y_title: "Temperature in K",
+        height: 300.0,
+        x: axis.values.clone(),
+        lines: vec![
+            Line {
+                name: "Highest",
+                colour: RED,
+                width: 1.5,
+                values: run.samples.channel(ChannelId::MaxTemperature).to_vec(),
+            },
+            Line {
+                name: "In contact",
+                colour: BLUE,
+                width: 1.5,
+                // The channel is 0 without contact.
+                values: interface.iter().map(|t| if *t > 0.0 { *t } else { f64::NAN }).collect(),
+            },
+        ],
+        ..Chart::default()
+    }
+}
+
+fn energy<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
+    let factor = per_mm(&run.facts);
+    let areas = ENERGY_TERMS
+        .iter()
+        .filter(|(channel, kind, _)| {
+            // Terms that do not exist in this run need no entry in the legend.
+            *kind != TermKind::Closure
+                && run.samples.channel(*channel).iter().any(|energy| *energy != 0.0)
+        })
+        .map(|(channel, _, title)| Area {
+            name: title,
+            colour: term_colour(*channel),
+            values: scaled(run.samples.channel(*channel), factor),
+        })
+        .collect();
+    let supports = run.samples.channel(ChannelId::SupportWork);
+    let work = run.samples.channel(ChannelId::ToolWork).iter().zip(supports);
+    Chart {
+        description: "Terms of the energy balance over the travel, stacked, against the work \
+                      supplied; the shares at the end are in the table of balances."
+            .to_owned(),
+        x_title: axis.title,
+        y_title: "Energy in J/mm",
+        height: 420.0,
+        x: axis.values.clone(),
+        areas,
+        lines: vec![Line {
+            name: "Work",
+            colour: INK,
+            width: 2.0,
+            values: work.map(|(tool, support)| (tool + support) * factor).collect(),
+        }],
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+fn momentum<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
+    let factor = per_mm(&run.facts);
+    let channel = |id: ChannelId| run.samples.channel(id);
+    let (time, momentum) = (channel(ChannelId::Time), channel(ChannelId::MomentumCutting));
+    let rate = |k: usize| {
+        let before = k.saturating_sub(1);
+        let span = time[k] - time[before];
+        if span > 0.0 { (momentum[k] - momentum[before]) / span } else { 0.0 }
+    };
+    let reaction = channel(ChannelId::ReactionCutting);
+    let equal: Vec<f64> = (0..time.len()).map(|k| (rate(k) - reaction[k]) * factor).collect();
+    let force = scaled(channel(ChannelId::CuttingForce), factor);
+    let difference: Vec<f64> = force.iter().zip(&equal).map(|(a, b)| a - b).collect();
+    let line =
+        |name, colour, width, values: &[f64]| Line { name, colour, width, values: smooth(values) };
+    Chart {
+        description: "Contact force and the force from supports and momentum over the travel: the \
+                      two lines should lie on each other."
+            .to_owned(),
+        x_title: axis.title,
+        y_title: "Force in N/mm",
+        height: 300.0,
+        x: axis.values.clone(),
+        window: axis.window(result),
+        lines: vec![
+            line("Contact", BLUE_LIGHT, 5.0, &force),
+            line("Supports and momentum", INK, 1.2, &equal),
+            line("Difference", GREEN, 1.5, &difference),
+        ],
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn smoothing_keeps_a_straight_line_and_its_length() {
+        let values: Vec<f64> = (0..100).map(f64::from).collect();
+        let smoothed = smooth(&values);
+        assert_eq!(smoothed.len(), 100);
+        assert!(smoothed.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-9));
+        assert!(smooth(&[]).is_empty());
+    }
+}

@@ -1,0 +1,375 @@
+//! The tables of the page.
+
+use super::charts::term_colour;
+use crate::text::{grouped, percent, three_digits, with_interval};
+use maud::{Markup, html};
+use sphcut_postprocess::{EnergyBalance, Force, MomentumBalance, ProcessResult, TermKind};
+use sphcut_record::{Run, Setting};
+
+const UM: f64 = 1e6;
+
+/// The five numbers one looks for first.
+pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
+    let force =
+        |force: &Force| with_interval(force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3);
+    let geometry = &result.geometry;
+    html! {
+        dl.figures {
+            @if ProcessResult::is_cut(run) {
+                (figure("Cutting force F_c", &force(&result.forces.cutting), "N/mm"))
+                (figure("Feed force F_f", &force(&result.forces.feed), "N/mm"))
+                @if let Some(chip) = geometry.chip {
+                    (figure("Chip thickness", &three_digits(chip.thickness * UM), "\u{b5}m"))
+                    (figure("Chip compression ratio", &three_digits(chip.compression_ratio), ""))
+                }
+                @if let Some(contact) = geometry.contact {
+                    (figure("Contact length", &three_digits(contact.length() * UM), "\u{b5}m"))
+                }
+                @if let Some(interface) = result.temperature.interface {
+                    (figure("Contact temperature", &three_digits(interface.mean), "K"))
+                }
+            }
+            (figure("Highest temperature", &three_digits(result.temperature.max), "K"))
+            @if let Some(energy) = &result.energy {
+                (figure("Numerical share of the work", &percent(energy.numerical_dissipation), ""))
+            }
+        }
+    }
+}
+
+fn figure(name: &str, value: &str, unit: &str) -> Markup {
+    html! { div { dt { (name) } dd { (value) @if !unit.is_empty() { " " small { (unit) } } } } }
+}
+
+/// A row of a table of results.
+struct Row {
+    name: &'static str,
+    value: String,
+    unit: &'static str,
+    note: String,
+}
+
+fn row(name: &'static str, value: String, unit: &'static str, note: impl Into<String>) -> Row {
+    Row { name, value, unit, note: note.into() }
+}
+
+fn table(caption: &str, rows: &[Row]) -> Markup {
+    html! {
+        div.scroll {
+            table {
+                caption { (caption) }
+                thead { tr { th { "Quantity" } th.n { "Value" } th { "Unit" } th { "Note" } } }
+                tbody {
+                    @for row in rows {
+                        tr {
+                            th scope="row" { (row.name) }
+                            td.n { (row.value) }
+                            td { (row.unit) }
+                            td { (row.note) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Forces, chip, contact, temperatures, extremes.
+pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
+    let mut rows = Vec::new();
+    if ProcessResult::is_cut(run) {
+        rows.extend(force_rows(result));
+        rows.extend(geometry_rows(result));
+    }
+    rows.extend(state_rows(result));
+    html! {
+        section {
+            h2 { "Results" }
+            (table("Intervals are 95 % and take the correlation of the force along the travel into \
+                account.", &rows))
+            @if ProcessResult::is_cut(run) { (steadiness(result)) }
+        }
+    }
+}
+
+fn force_rows(result: &ProcessResult) -> Vec<Row> {
+    let forces = &result.forces;
+    let mut rows = Vec::new();
+    for (name, per_width, force) in [
+        ("Cutting force F_c", "Cutting force per width", &forces.cutting),
+        ("Feed force F_f", "Feed force per width", &forces.feed),
+        ("Passive force F_p", "Passive force per width", &forces.passive),
+    ] {
+        if force.mean == 0.0 {
+            continue;
+        }
+        let (mean, half_width) = (force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3);
+        rows.push(row(name, with_interval(force.mean, force.ci95), "N", "for the width of cut"));
+        rows.push(row(per_width, with_interval(mean, half_width), "N/mm", ""));
+    }
+    rows
+}
+
+fn geometry_rows(result: &ProcessResult) -> Vec<Row> {
+    let geometry = &result.geometry;
+    let mut rows = Vec::new();
+    if let Some(chip) = geometry.chip {
+        let [thin, thick] = chip.quartiles.map(|q| three_digits(q * UM));
+        let note = format!(
+            "middle half of the local thickness {thin} to {thick} \u{b5}m; {} snapshots",
+            chip.snapshots
+        );
+        let thickness = with_interval(chip.thickness * UM, chip.thickness_deviation * UM);
+        rows.push(row("Chip thickness", thickness, "\u{b5}m", note));
+        let note = format!("{} from the speed of the chip", three_digits(chip.speed_ratio));
+        rows.push(row("Chip compression ratio", three_digits(chip.compression_ratio), "", note));
+    }
+    if let Some(contact) = geometry.contact {
+        let note = format!(
+            "rake side {} \u{b5}m, flank side {} \u{b5}m",
+            three_digits(contact.rake * UM),
+            three_digits(contact.flank * UM)
+        );
+        let length = with_interval(contact.length() * UM, contact.deviation * UM);
+        rows.push(row("Contact length", length, "\u{b5}m", note));
+    }
+    if let Some(surface) = geometry.surface {
+        let note = format!(
+            "steps along {} mm: {} \u{b5}m",
+            three_digits(surface.length * 1e3),
+            three_digits(surface.jump * UM)
+        );
+        let error = three_digits(surface.depth_error * UM);
+        rows.push(row("Height error of the surface", error, "\u{b5}m", note));
+    }
+    rows
+}
+
+fn state_rows(result: &ProcessResult) -> Vec<Row> {
+    let (temperature, extremes) = (&result.temperature, &result.extremes);
+    let mut rows = Vec::new();
+    if let Some(interface) = temperature.interface {
+        let value = with_interval(interface.mean, interface.half_width);
+        let note =
+            format!("highest of any interval: {} K", three_digits(temperature.interface_max));
+        rows.push(row("Contact temperature", value, "K", note));
+    }
+    rows.push(row(
+        "Temperature",
+        format!("{} to {}", three_digits(temperature.min), three_digits(temperature.max)),
+        "K",
+        "of any particle over the run",
+    ));
+    let strain = three_digits(extremes.max_plastic_strain);
+    rows.push(row("Largest plastic strain", strain, "", "of any particle over the run"));
+    rows.push(row(
+        "Density ratio",
+        format!("{:.4} to {:.4}", extremes.min_density_ratio, extremes.max_density_ratio),
+        "",
+        "of any particle over the run",
+    ));
+    rows
+}
+
+fn steadiness(result: &ProcessResult) -> Markup {
+    let state = &result.steady;
+    let window = format!(
+        "{} to {} mm",
+        three_digits(result.window.start * 1e3),
+        three_digits(result.window.end * 1e3)
+    );
+    let wanted = format!(
+        "\u{b1} {} after {} mm",
+        percent(result.criterion.relative_half_width),
+        three_digits(result.criterion.minimum_travel * 1e3)
+    );
+    let rows = [
+        row(
+            "Steady",
+            if state.reached { "yes" } else { "no" }.to_owned(),
+            "",
+            state.reason.to_string(),
+        ),
+        row("Asked for", wanted, "", "half width of the interval and least travel"),
+        row("Window of the means", window, "", ""),
+        row(
+            "Correlation length",
+            three_digits(state.correlation_length * UM),
+            "\u{b5}m",
+            "of the cutting force along the travel",
+        ),
+        row(
+            "Drift over the window",
+            three_digits(result.window.drift_per_width * 1e-3),
+            "N/mm",
+            "linear regression of ten batch means",
+        ),
+    ];
+    html! { h3 { "Steadiness" } (table("Judged by the cutting force.", &rows)) }
+}
+
+/// Energy, momentum and heat.
+pub(super) fn balances(run: &Run, result: &ProcessResult) -> Markup {
+    html! {
+        section {
+            h2 { "Balances" }
+            @if let Some(energy) = &result.energy { (energy_table(run, energy)) }
+            @if let Some(momentum) = &result.momentum {
+                h3 { "Momentum over the window" }
+                div.scroll { table {
+                    caption {
+                        "Impulse of the tool plus impulse of the supports has to equal the change \
+                         of momentum"
+                        @if let Some(closure) = momentum.closure() {
+                            "; what is missing, over the impulse of the tool: " (percent(closure))
+                        }
+                        "."
+                    }
+                    thead { tr {
+                        th { "N s" @if run.facts.dimension == 2 { " per m of width" } }
+                        th.n { "Tool" } th.n { "Supports" } th.n { "Change" } th.n { "Missing" }
+                    } }
+                    tbody {
+                        (momentum_row("Cutting direction", &momentum.cutting))
+                        (momentum_row("Feed direction", &momentum.feed))
+                    }
+                } }
+            }
+            @if let Some(heat) = result.heat {
+                h3 { "Heat" }
+                p {
+                    "Supplied: " (three_digits(heat.supplied)) " J, found in the particles: "
+                    (three_digits(heat.content)) " J"
+                    @if run.facts.dimension == 2 { " (per m of width)" }
+                    @if let Some(closure) = heat.closure() { "; difference " (percent(closure)) }
+                    "."
+                }
+            }
+        }
+    }
+}
+
+fn energy_table(run: &Run, energy: &EnergyBalance) -> Markup {
+    let per_width = run.facts.force_factor() / run.facts.width_of_cut;
+    let value = |energy: f64| three_digits(energy * per_width * 1e-3);
+    let kind = |kind: TermKind| match kind {
+        TermKind::Physical => "physical",
+        TermKind::Numerical => "numerical",
+        TermKind::Closure => "closure",
+    };
+    html! {
+        h3 { "Energy at the end of the run" }
+        div.scroll { table {
+            caption { "Shares of the work supplied. The numerical share adds absolute values." }
+            thead { tr { th { "Term" } th { "Kind" } th.n { "J/mm" } th.n { "Share" } } }
+            tbody {
+                tr {
+                    th scope="row" { "Work supplied" } td {} td.n { (value(energy.supplied)) } td.n { (percent(1.0)) }
+                }
+                @for term in &energy.terms {
+                    tr {
+                        th scope="row" {
+                            span.swatch style={ "background:" (term_colour(term.channel)) } {}
+                            (term.title)
+                        }
+                        td { (kind(term.kind)) }
+                        td.n { (value(term.energy)) }
+                        td.n { (percent(term.share)) }
+                    }
+                }
+                tr.sum {
+                    th scope="row" { "Numerical terms together" } td { "gross" } td {}
+                    td.n { (percent(energy.numerical_dissipation)) }
+                }
+                tr.sum {
+                    th scope="row" { "Not accounted for" } td { "closure" } td {}
+                    td.n { (percent(energy.closure)) }
+                }
+            }
+        } }
+    }
+}
+
+fn momentum_row(name: &str, balance: &MomentumBalance) -> Markup {
+    html! {
+        tr {
+            th scope="row" { (name) }
+            td.n { (three_digits(balance.contact_impulse)) }
+            td.n { (three_digits(balance.reaction_impulse)) }
+            td.n { (three_digits(balance.momentum_change)) }
+            td.n { (three_digits(balance.residual())) }
+        }
+    }
+}
+
+/// Resolution, resolved scenario, effects, cost.
+pub(super) fn setup(run: &Run, result: &ProcessResult) -> Markup {
+    html! {
+        section {
+            h2 { "Setup" }
+            (table("Resolution and cost.", &cost_rows(result)))
+            @if !run.provenance.effects.is_empty() {
+                h3 { "Laws and effects" }
+                table { tbody {
+                    @for (name, description) in &run.provenance.effects {
+                        tr { th scope="row" { (name) } td { (description) } }
+                    }
+                } }
+            }
+            @if !run.provenance.settings.is_empty() {
+                h3 { "Every setting" }
+                (settings_table(&run.provenance.settings))
+            }
+        }
+    }
+}
+
+fn cost_rows(result: &ProcessResult) -> Vec<Row> {
+    let (resolution, performance) = (&result.resolution, &result.performance);
+    let mut rows = vec![row(
+        "Particle spacing",
+        three_digits(resolution.particle_spacing * UM),
+        "\u{b5}m",
+        "",
+    )];
+    for (name, particles) in [
+        ("Particles across the uncut chip thickness", resolution.across_chip_thickness),
+        ("Particles across the edge radius", resolution.across_edge_radius),
+    ] {
+        rows.extend(particles.map(|n| row(name, three_digits(n), "", "at least 5")));
+    }
+    rows.push(row("Particles", grouped(performance.particles as u64), "", ""));
+    rows.push(row("Time steps", grouped(performance.steps), "", ""));
+    let threads = format!("on {} threads", performance.threads);
+    rows.push(row("Wall-clock time", three_digits(performance.wall_seconds), "s", threads));
+    let speed = grouped(performance.updates_per_second() as u64);
+    rows.push(row("Particle updates", speed, "1/s", "wall clock"));
+    if let Some(speed) = performance.updates_per_cpu_second() {
+        rows.push(row("Particle updates", grouped(speed as u64), "1/s", "processor time"));
+    }
+    if let Some(bytes) = performance.peak_memory_bytes {
+        rows.push(row("Peak memory", three_digits(bytes as f64 / 1048576.0), "MiB", ""));
+    }
+    rows
+}
+
+fn settings_table(settings: &[Setting]) -> Markup {
+    html! {
+        details {
+            summary { (settings.len()) " keys as resolved, defaults included" }
+            div.scroll { table {
+                thead { tr { th { "Section" } th { "Key" } th { "As written" } th { "SI" } } }
+                tbody {
+                    @for setting in settings {
+                        tr {
+                            td { (setting.section) }
+                            th scope="row" { (setting.key) }
+                            td { (setting.text) }
+                            td { (setting.value) " " (setting.unit) }
+                        }
+                    }
+                }
+            } }
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The pictures of a report.
+
+use crate::animation::animate;
+use crate::picture::{Field, PictureOptions, View, render_layers, render_snapshot};
+use sphcut_record::{Run, RunError};
+use sphcut_sph::Snapshot;
+
+/// Fields shown in a report.
+const FIELDS: [Field; 4] =
+    [Field::Temperature, Field::PlasticStrain, Field::VonMisesStress, Field::Speed];
+const PICTURE_WIDTH: u32 = 1100;
+const ANIMATION_WIDTH: u32 = 860;
+/// Size of the window about the cutting edge in uncut chip thicknesses.
+const WINDOW: [f64; 2] = [11.0, 7.5];
+
+/// A picture file with what it shows.
+pub(crate) struct Picture {
+    pub title: String,
+    /// For people who cannot see it.
+    pub description: String,
+    pub media_type: &'static str,
+    pub bytes: Vec<u8>,
+}
+
+/// Everything a report shows of the particles; empty for a run without snapshots.
+#[derive(Default)]
+pub(crate) struct Pictures {
+    pub animation: Option<Picture>,
+    pub fields: Vec<Picture>,
+    pub layers: Option<Picture>,
+}
+
+pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
+    let Some(last) = run.snapshots.last()? else { return Ok(Pictures::default()) };
+    let first = run.snapshots.get(0)?;
+    let view = about_edge(run, &last);
+    let options = PictureOptions { width: PICTURE_WIDTH, view, ..PictureOptions::default() };
+    let fields = FIELDS.map(|field| Picture {
+        title: field.title().to_owned(),
+        description: description(field, &last),
+        media_type: "image/png",
+        bytes: render_snapshot(&last, field, &options),
+    });
+    let layers = (run.snapshots.len() > 1).then(|| Picture {
+        title: "Layers of the uncut material".to_owned(),
+        description: "The particles coloured in bands by their depth before the cut: the bands \
+                      can be followed through the shear zone into the chip."
+            .to_owned(),
+        media_type: "image/png",
+        bytes: render_layers(&first, &last, &options),
+    });
+    Ok(Pictures { animation: animation(run, &first, &last)?, fields: fields.into(), layers })
+}
+
+fn animation(run: &Run, first: &Snapshot, last: &Snapshot) -> Result<Option<Picture>, RunError> {
+    let field = Field::Temperature;
+    let options = PictureOptions {
+        width: ANIMATION_WIDTH,
+        view: Some(View::whole(first).union(View::whole(last))),
+        range: Some(field.range([first, last])),
+        ..PictureOptions::default()
+    };
+    Ok(animate(&run.snapshots, field, &options)?.map(|bytes| Picture {
+        title: "Chip formation".to_owned(),
+        description: "Animation of the cut from the first contact to the end, coloured by \
+                      temperature."
+            .to_owned(),
+        media_type: "image/gif",
+        bytes,
+    }))
+}
+
+/// What a picture says in one sentence.
+fn description(field: Field, snapshot: &Snapshot) -> String {
+    let (low, high) = field.range([snapshot]);
+    format!(
+        "{} of the particles and the tool at the end of the run; 99.8 % of the particles lie \
+         between {} and {}.",
+        field.title(),
+        crate::text::three_digits(low),
+        crate::text::three_digits(high)
+    )
+}
+
+/// A window about the lowest point of the tool; `None` where there is no cut in the plane.
+fn about_edge(run: &Run, snapshot: &Snapshot) -> Option<View> {
+    let thickness = run.facts.uncut_chip_thickness?;
+    run.facts.tool_velocity?;
+    let (cutting, feed) = (run.facts.frame.cutting, run.facts.frame.feed);
+    let depth = |p: &[f64; 3]| p.iter().zip(feed).map(|(x, f)| x * f).sum::<f64>();
+    let edge = snapshot.tool.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
+    // The chip lies ahead of the edge and above it.
+    let centre = [0, 1].map(|k| edge[k] + thickness * (1.2 * cutting[k] - 1.6 * feed[k]));
+    Some(View::about(centre, WINDOW[0] * thickness, WINDOW[1] * thickness))
+}

@@ -1,0 +1,80 @@
+//! Numbers for people.
+
+/// A number with about three significant digits.
+pub(crate) fn three_digits(value: f64) -> String {
+    if !value.is_finite() {
+        return "\u{2013}".to_owned();
+    }
+    let magnitude = value.abs();
+    if magnitude >= 1e6 || (magnitude > 0.0 && magnitude < 1e-3) {
+        return minus(&format!("{value:.2e}"));
+    }
+    let decimals = match magnitude {
+        m if m >= 99.95 => 0,
+        m if m >= 9.995 => 1,
+        m if m >= 0.9995 || m == 0.0 => 2,
+        m if m >= 0.09995 => 3,
+        _ => 4,
+    };
+    minus(&format!("{value:.decimals$}"))
+}
+
+/// A mean with the half width of its interval: both to the second digit of the half width.
+pub(crate) fn with_interval(mean: f64, half_width: f64) -> String {
+    if !half_width.is_finite() || !mean.is_finite() {
+        return format!("{} (no interval)", three_digits(mean));
+    }
+    if half_width <= 0.0 {
+        return three_digits(mean);
+    }
+    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 6.0) as usize;
+    minus(&format!("{mean:.decimals$} \u{b1} {half_width:.decimals$}"))
+}
+
+/// A share in per cent with enough digits for small ones.
+pub(crate) fn percent(share: f64) -> String {
+    let value = share * 100.0;
+    if value != 0.0 && value.abs() < 0.01 {
+        return minus(&format!("{value:.0e} %"));
+    }
+    minus(&format!("{value:.2} %"))
+}
+
+/// A count in groups of three digits.
+pub(crate) fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Hyphens before numbers become minus signs; exponents keep theirs readable.
+fn minus(text: &str) -> String {
+    text.replace('-', "\u{2212}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_they_deserve() {
+        assert_eq!(three_digits(1234.5), "1234");
+        assert_eq!(three_digits(12.345), "12.3");
+        assert_eq!(three_digits(-0.01234), "\u{2212}0.0123");
+        assert_eq!(three_digits(f64::INFINITY), "\u{2013}");
+        assert_eq!(with_interval(203.456, 4.12), "203.5 \u{b1} 4.1");
+        assert_eq!(with_interval(203.456, 41.2), "203 \u{b1} 41");
+        assert_eq!(with_interval(0.22031, 0.0012), "0.2203 \u{b1} 0.0012");
+        assert_eq!(with_interval(5.0, f64::INFINITY), "5.00 (no interval)");
+        assert_eq!(percent(0.0691), "6.91 %");
+        assert_eq!(percent(3e-7), "3e\u{2212}5 %");
+        assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
+        assert_eq!(grouped(12), "12");
+    }
+}
