@@ -1,0 +1,103 @@
+//! What a run leaves for the observables.
+
+use crate::case::Mode;
+use crate::table::Table;
+use sphcut_sph::setup::{Dimension, Vector};
+use sphcut_sph::{ChannelId, Sample, Setup, Simulation, Snapshot};
+
+/// A finished run: its setup, its channels and its snapshots.
+#[derive(Debug, Clone)]
+pub struct Evidence {
+    /// What was run.
+    pub setup: Setup,
+    /// The channels, one sample per interval.
+    pub samples: Vec<Sample>,
+    /// The particles, at the start, at the end and evenly between.
+    pub snapshots: Vec<Snapshot>,
+    /// Number of time steps.
+    pub steps: u64,
+    /// The case's `reference.csv`; empty if there is none.
+    pub reference: Table,
+}
+
+impl Evidence {
+    /// Sets `setup` up and steps it to its end, keeping about `snapshots` snapshots.
+    ///
+    /// # Errors
+    /// A setup that cannot be built, a run that diverges.
+    pub fn collect(
+        setup: Setup,
+        mode: Mode,
+        snapshots: u32,
+        reference: Table,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Self, String> {
+        let mut evidence =
+            Self { setup, samples: Vec::new(), snapshots: Vec::new(), steps: 0, reference };
+        if mode == Mode::Setup {
+            return Ok(evidence);
+        }
+        let mut simulation =
+            Simulation::new(evidence.setup.clone()).map_err(|error| error.to_string())?;
+        evidence.snapshots.push(simulation.snapshot());
+        let interval = evidence.setup.end_time / f64::from(snapshots.max(1));
+        let mut due = interval;
+        while !simulation.is_finished() {
+            let report = simulation.step().map_err(|error| error.to_string())?;
+            evidence.steps = report.step;
+            let closed = report.sample.is_some();
+            evidence.samples.extend(report.sample);
+            if closed {
+                progress(report.time / evidence.setup.end_time);
+            }
+            if report.time >= due && !simulation.is_finished() {
+                evidence.snapshots.push(simulation.snapshot());
+                due = (report.time / interval).floor() * interval + interval;
+            }
+        }
+        evidence.snapshots.push(simulation.snapshot());
+        Ok(evidence)
+    }
+
+    /// The particles at the start.
+    pub(crate) fn first(&self) -> Result<&Snapshot, String> {
+        self.snapshots.first().ok_or_else(|| "the run was not stepped".to_owned())
+    }
+
+    /// The particles at the end.
+    pub(crate) fn last(&self) -> Result<&Snapshot, String> {
+        self.snapshots.last().ok_or_else(|| "the run was not stepped".to_owned())
+    }
+
+    /// The channels at the end.
+    pub(crate) fn last_sample(&self) -> Result<&Sample, String> {
+        self.samples.last().ok_or_else(|| "the run closed no sampling interval".to_owned())
+    }
+
+    /// One channel over time.
+    pub(crate) fn series(&self, channel: ChannelId) -> Vec<f64> {
+        self.samples.iter().map(|sample| sample.get(channel)).collect()
+    }
+
+    /// Mass of a particle of each body in kg (kg/m in 2D): density times spacing to the
+    /// dimension. Only ratios of sums over particles are formed with it.
+    pub(crate) fn particle_mass(&self, body: u32) -> f64 {
+        let material = self.setup.bodies[body as usize].material;
+        let exponent = match self.setup.dimension {
+            Dimension::Two => 2,
+            Dimension::Three => 3,
+        };
+        self.setup.materials[material].density * self.setup.particle_spacing.powi(exponent)
+    }
+
+    /// Index of the particle that is closest to `point` at the start.
+    pub(crate) fn nearest(&self, point: Vector) -> Result<usize, String> {
+        let positions = &self.first()?.position;
+        let distance = |index: &usize| {
+            (0..3).map(|axis| (positions[*index][axis] - point[axis]).powi(2)).sum::<f64>()
+        };
+        (0..positions.len())
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .ok_or_else(|| "there are no particles".to_owned())
+    }
+}

@@ -1,0 +1,119 @@
+//! The validation ledger: verdicts as a Markdown table.
+
+use crate::case::{Case, Kind, Tier};
+use crate::judge::number;
+use crate::verdict::{Finding, Outcome, Verdict};
+use std::fmt::Write;
+
+/// A line of the ledger: a case with its verdict, or without one if it was never run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// The case.
+    pub case: Case,
+    /// Its verdict, if its runs are there.
+    pub verdict: Option<Verdict>,
+}
+
+/// The whole ledger as Markdown.
+#[must_use]
+pub fn markdown(entries: &[Entry]) -> String {
+    let mut text = String::from(INTRODUCTION);
+    text.push_str("\n## Overview\n\n| case | kind | tier | outcome |\n|---|---|---|---|\n");
+    for entry in entries {
+        let case = &entry.case;
+        let (kind, tier) = (kind_name(case.kind), tier_name(case.tier));
+        let (name, title, outcome) = (&case.name, &case.title, outcome(entry));
+        let _ = writeln!(text, "| [{title}](#{name}) | {kind} | {tier} | {outcome} |");
+    }
+    for entry in entries {
+        section(&mut text, entry);
+    }
+    text
+}
+
+const INTRODUCTION: &str = "# Validation ledger
+
+Generated from the folders under `validation/` by
+`cargo run --release -p sphcut-verification --example ledger`; do not edit by hand.
+
+**Verification** compares with exact or published solutions of the same equations,
+**validation** with measurements by others, without any fitting; **regression** with our own
+frozen output. A known gap is an expectation that does not hold yet: it has to keep failing as
+stated until its mark is removed, and it never counts as passed. All values are in SI units;
+forces of plane runs are per metre of width (1 N/m = 0.001 N/mm).
+";
+
+fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Verification => "verification",
+        Kind::Validation => "validation",
+        Kind::Regression => "regression",
+    }
+}
+
+fn tier_name(tier: Tier) -> &'static str {
+    match tier {
+        Tier::Quick => "quick",
+        Tier::Standard => "standard",
+        Tier::Long => "long",
+    }
+}
+
+fn outcome(entry: &Entry) -> String {
+    match &entry.verdict {
+        None => "not run yet".to_owned(),
+        Some(Verdict { outcome: Outcome::Broken { reason }, .. }) => {
+            format!("BROKEN: {}", reason.replace('\n', " "))
+        }
+        Some(verdict) => verdict.outcome.word().to_owned(),
+    }
+}
+
+fn section(text: &mut String, entry: &Entry) {
+    let case = &entry.case;
+    let _ = writeln!(text, "\n## <a id=\"{}\"></a>{}\n", case.name, case.title);
+    let folder = format!("`validation/{}`", case.name);
+    let _ = writeln!(text, "{} ({folder}): {}.\n", case.claim.trim(), outcome(entry));
+    let Some(verdict) = &entry.verdict else { return };
+    if verdict.findings.is_empty() {
+        return;
+    }
+    text.push_str("| run | observable | value | reference | result | tolerance | holds |\n");
+    text.push_str("|---|---|---|---|---|---|---|\n");
+    for finding in &verdict.findings {
+        row(text, finding);
+    }
+    let mut reasons: Vec<String> = Vec::new();
+    for finding in &verdict.findings {
+        let gap = finding.known_gap.as_ref().map(|gap| format!(" **Known gap:** {}", gap.trim()));
+        let because = finding.because.trim();
+        let reason =
+            format!("- `{}`: {because}{}", finding.observable, gap.unwrap_or_default());
+        if !reasons.contains(&reason) {
+            reasons.push(reason);
+        }
+    }
+    let _ = writeln!(text, "\n{}", reasons.join("\n"));
+}
+
+fn row(text: &mut String, finding: &Finding) {
+    let values: Vec<String> = finding.values.iter().map(|value| number(*value)).collect();
+    let unit = if finding.unit.is_empty() { String::new() } else { format!(" {}", finding.unit) };
+    let holds = match (finding.holds, finding.known_gap.is_some()) {
+        (true, false) => "yes",
+        (false, false) => "**no**",
+        (false, true) => "known gap",
+        (true, true) => "**gap closed: remove its mark**",
+    };
+    let _ = writeln!(
+        text,
+        "| {} | {} | {}{unit} | {} | {} {} | {} | {holds} |",
+        finding.run,
+        finding.observable,
+        values.join(", "),
+        finding.reference,
+        finding.metric.name(),
+        number(finding.result),
+        number(finding.tolerance),
+    );
+}

@@ -1,0 +1,47 @@
+//! Lengths and radii of a deformed body. A particle reaches half a spacing beyond its centre.
+
+use super::{Arguments, Observable, argument};
+use crate::evidence::Evidence;
+
+/// Extent of all particles along an axis.
+pub(super) const BODY_LENGTH: Observable = Observable {
+    name: "body_length",
+    unit: "m",
+    meaning: "extent of the particles along an axis at the end, half a spacing added at each side",
+    arguments: &[argument("axis", None, "0, 1 or 2")],
+    evaluate: body_length,
+};
+
+/// Radius about the z axis at a height above the lowest particle.
+pub(super) const RADIUS_AT: Observable = Observable {
+    name: "radius_at",
+    unit: "m",
+    meaning: "largest distance from the z axis at a height above the lowest particle at the end, \
+              half a spacing added",
+    arguments: &[argument("height", Some(0.0), "height above the lowest particle in m")],
+    evaluate: radius_at,
+};
+
+fn body_length(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+    let axis = arguments.index("axis");
+    let positions = evidence.last()?.position.iter().map(|position| position[axis]);
+    let (low, high) = positions
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    Ok(high - low + evidence.setup.particle_spacing)
+}
+
+fn radius_at(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+    let (positions, spacing) = (&evidence.last()?.position, evidence.setup.particle_spacing);
+    let lowest = positions.iter().map(|position| position[2]).fold(f64::INFINITY, f64::min);
+    let height = lowest + arguments.get("height");
+    let radius = positions
+        .iter()
+        .filter(|position| (position[2] - height).abs() <= 0.75 * spacing)
+        .map(|position| position[0].hypot(position[1]))
+        .fold(f64::NEG_INFINITY, f64::max);
+    if radius.is_finite() {
+        Ok(radius + 0.5 * spacing)
+    } else {
+        Err("no particle lies at this height".to_owned())
+    }
+}

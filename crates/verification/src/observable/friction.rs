@@ -1,0 +1,102 @@
+//! Sliding and sticking on a wall.
+
+use super::energy::energy_put_in;
+use super::{Arguments, Observable, argument};
+use crate::evidence::Evidence;
+use sphcut_sph::setup::{ToolSurface, Vector};
+use sphcut_sph::{ChannelId, Sample};
+
+/// Tangential over normal impulse of the wall on the body.
+pub(super) const IMPULSE_RATIO: Observable = Observable {
+    name: "impulse_ratio",
+    unit: "",
+    meaning: "magnitude of the tangential over the normal impulse of the wall on the body, over \
+              the last part of the run",
+    arguments: &[argument("share", Some(1.0), "share of the run that counts, from its end")],
+    evaluate: |evidence, arguments| {
+        let (normal, tangential) = mean_contact_force(evidence, arguments.get("share"))?;
+        if normal > 0.0 {
+            Ok(tangential / normal)
+        } else {
+            Err(format!("the normal impulse of the wall is {normal} and not positive"))
+        }
+    },
+};
+
+/// Smallest growth of the friction dissipation in terms of its total.
+pub(super) const LEAST_FRICTION_INCREMENT: Observable = Observable {
+    name: "least_friction_increment",
+    unit: "",
+    meaning: "smallest growth of the friction dissipation over a sampling interval, in terms of \
+              its largest value",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let work = evidence.series(ChannelId::FrictionWork);
+        let largest = work.iter().map(|value| value.abs()).fold(0.0, f64::max);
+        if largest == 0.0 {
+            return Err("friction does no work".to_owned());
+        }
+        let growth = work.windows(2).map(|pair| pair[1] - pair[0]).chain(work.first().copied());
+        Ok(growth.fold(f64::INFINITY, f64::min) / largest)
+    },
+};
+
+/// Friction dissipation in terms of the energy put in.
+pub(super) const FRICTION_SHARE: Observable = Observable {
+    name: "friction_share",
+    unit: "",
+    meaning: "friction dissipation over the energy put in, at the end",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        Ok(evidence.last_sample()?.get(ChannelId::FrictionWork) / energy_put_in(evidence)?)
+    },
+};
+
+/// Mean tangential stress on a known contact length.
+pub(super) const CONTACT_SHEAR_STRESS: Observable = Observable {
+    name: "contact_shear_stress",
+    unit: "Pa",
+    meaning: "mean tangential force of the wall over the last part of the run, over the contact \
+              length (2D: force per width)",
+    arguments: &[
+        argument("share", Some(0.5), "share of the run that counts, from its end"),
+        argument("length", None, "contact length in m"),
+    ],
+    evaluate: |evidence, arguments: &Arguments| {
+        let (_, tangential) = mean_contact_force(evidence, arguments.get("share"))?;
+        Ok(tangential / arguments.get("length"))
+    },
+};
+
+/// Mean normal force (positive away from the wall) and magnitude of the mean tangential force.
+fn mean_contact_force(evidence: &Evidence, share: f64) -> Result<(f64, f64), String> {
+    let tool = evidence.setup.tool.as_ref().ok_or("there is no wall")?;
+    let ToolSurface::HalfSpace { normal, .. } = &tool.surface else {
+        return Err("the tool is not a wall".to_owned());
+    };
+    let start = (1.0 - share) * evidence.last_sample()?.get(ChannelId::Time);
+    let mut sum = [0.0; 3];
+    let mut count = 0.0;
+    for sample in evidence.samples.iter().filter(|sample| sample.get(ChannelId::Time) > start) {
+        let force = contact_force(evidence, sample);
+        for axis in 0..3 {
+            sum[axis] += force[axis];
+        }
+        count += 1.0;
+    }
+    let mean = sum.map(|component| component / count);
+    let along: f64 = (0..3).map(|axis| mean[axis] * normal[axis]).sum();
+    let square: f64 = (0..3).map(|axis| (mean[axis] - along * normal[axis]).powi(2)).sum();
+    Ok((along, square.sqrt()))
+}
+
+/// Force of the wall on the body in global axes.
+fn contact_force(evidence: &Evidence, sample: &Sample) -> Vector {
+    let frame = &evidence.setup.frame;
+    let parts = [
+        (sample.get(ChannelId::CuttingForce), frame.cutting),
+        (sample.get(ChannelId::FeedForce), frame.feed),
+        (sample.get(ChannelId::PassiveForce), frame.passive),
+    ];
+    std::array::from_fn(|axis| parts.iter().map(|(force, along)| force * along[axis]).sum())
+}

@@ -1,0 +1,71 @@
+//! Values of finished runs on disk: a long case goes on where it stopped, and the ledger is
+//! written without running everything again.
+
+use crate::error::CaseError;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder with one file per run: `<case>/<run>.toml`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Store {
+    folder: PathBuf,
+}
+
+/// What is kept of one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredRun {
+    /// Name of the run.
+    pub run: String,
+    /// Particle spacing in m.
+    pub spacing: f64,
+    /// The scenario as it was run: the values belong to this text and no other.
+    pub scenario: String,
+    /// Value of every observable, by its label.
+    pub values: BTreeMap<String, f64>,
+}
+
+impl Store {
+    /// The store in `folder`, which need not exist yet.
+    #[must_use]
+    pub fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned() }
+    }
+
+    /// The kept values of a run, if there are any.
+    ///
+    /// # Errors
+    /// A file that cannot be read or understood.
+    pub fn read(&self, case: &str, run: &str) -> Result<Option<StoredRun>, CaseError> {
+        let path = self.path(case, run);
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let text =
+            fs::read_to_string(&path).map_err(|error| CaseError::unreadable(&path, &error))?;
+        toml::from_str(&text)
+            .map(Some)
+            .map_err(|error| CaseError::invalid(&path, error.to_string()))
+    }
+
+    /// Keeps the values of a run; the file appears whole or not at all.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, case: &str, stored: &StoredRun) -> Result<(), CaseError> {
+        let path = self.path(case, &stored.run);
+        let failed = |error: std::io::Error| CaseError::unreadable(&path, &error);
+        let text = toml::to_string(stored)
+            .map_err(|error| CaseError::invalid(&path, error.to_string()))?;
+        fs::create_dir_all(self.folder.join(case)).map_err(failed)?;
+        let partial = path.with_extension("partial");
+        fs::write(&partial, text).map_err(failed)?;
+        fs::rename(&partial, &path).map_err(failed)
+    }
+
+    fn path(&self, case: &str, run: &str) -> PathBuf {
+        self.folder.join(case).join(format!("{run}.toml"))
+    }
+}

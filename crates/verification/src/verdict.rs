@@ -1,0 +1,129 @@
+//! What came out of a case, as plain data.
+
+use crate::case::{Kind, Metric, Tier};
+
+/// How a case ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// Every expectation holds and none is marked as a known gap.
+    Passed,
+    /// Everything holds but the expectations marked as known gaps, which fail as stated.
+    KnownGap,
+    /// An expectation does not hold, or one marked as a known gap holds.
+    Failed,
+    /// The case could not be run or judged.
+    Broken {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Outcome {
+    /// One word for people.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::KnownGap => "known gap",
+            Self::Failed => "FAILED",
+            Self::Broken { .. } => "BROKEN",
+        }
+    }
+
+    /// Whether the case is as its author says it is: passed, or failing exactly as stated.
+    #[must_use]
+    pub fn is_as_stated(&self) -> bool {
+        matches!(self, Self::Passed | Self::KnownGap)
+    }
+}
+
+/// One judged expectation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Name of the run, or of the runs joined with commas.
+    pub run: String,
+    /// Name of the observable with its arguments.
+    pub observable: String,
+    /// Its SI unit.
+    pub unit: String,
+    /// How it is compared.
+    pub metric: Metric,
+    /// What was computed, one value per run.
+    pub values: Vec<f64>,
+    /// The reference as text.
+    pub reference: String,
+    /// What the metric made of values and reference.
+    pub result: f64,
+    /// The limit of the result.
+    pub tolerance: f64,
+    /// Whether the expectation holds.
+    pub holds: bool,
+    /// Why it is known not to hold, if so.
+    pub known_gap: Option<String>,
+    /// Why the tolerance is what it is.
+    pub because: String,
+}
+
+/// The judgement of one case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// Name of the folder.
+    pub case: String,
+    /// Title of the case.
+    pub title: String,
+    /// What kind of evidence it is.
+    pub kind: Kind,
+    /// How long it takes.
+    pub tier: Tier,
+    /// What it claims.
+    pub claim: String,
+    /// The judged expectations.
+    pub findings: Vec<Finding>,
+    /// The judgement.
+    pub outcome: Outcome,
+}
+
+impl Verdict {
+    /// The outcome that `findings` mean.
+    pub(crate) fn outcome_of(findings: &[Finding]) -> Outcome {
+        let gap = |finding: &Finding| finding.known_gap.is_some();
+        if findings.iter().any(|finding| finding.holds == gap(finding)) {
+            Outcome::Failed
+        } else if findings.iter().any(gap) {
+            Outcome::KnownGap
+        } else {
+            Outcome::Passed
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finding(holds: bool, known_gap: Option<&str>) -> Finding {
+        Finding {
+            run: "run".into(),
+            observable: "steps".into(),
+            unit: String::new(),
+            metric: Metric::AtMost,
+            values: vec![1.0],
+            reference: "1".into(),
+            result: 1.0,
+            tolerance: 0.0,
+            holds,
+            known_gap: known_gap.map(str::to_owned),
+            because: "test".into(),
+        }
+    }
+
+    #[test]
+    fn a_known_gap_is_never_passed_and_must_keep_failing() {
+        let outcome = |findings: &[Finding]| Verdict::outcome_of(findings);
+        assert_eq!(outcome(&[finding(true, None)]), Outcome::Passed);
+        assert_eq!(outcome(&[finding(false, None)]), Outcome::Failed);
+        assert_eq!(outcome(&[finding(true, None), finding(false, Some("why"))]), Outcome::KnownGap);
+        assert_eq!(outcome(&[finding(true, Some("why"))]), Outcome::Failed);
+        assert_eq!(outcome(&[finding(false, None), finding(false, Some("why"))]), Outcome::Failed);
+    }
+}
