@@ -330,7 +330,7 @@ fn resolve(
     let observable = observable::find(&raw.observable)
         .ok_or_else(|| format!("no observable is called `{}`", raw.observable))?;
     let arguments = Arguments::resolve(observable, &raw.arguments)?;
-    let indices = match &raw.runs {
+    let indices: Vec<usize> = match &raw.runs {
         None => (0..runs.len()).collect(),
         Some(names) => names.iter().map(|name| run_index(runs, name)).collect::<Result<_, _>>()?,
     };

@@ -138,7 +138,7 @@ fn parse(
 ) -> Result<Scenario, String> {
     let base = run.scenario.parent().unwrap_or(&case.folder);
     let name = format!("{}-{}", case.name, run.name);
-    sphcut_scenario::parse(text, &name, base, options).map_err(|problems| {
+    sphcut_scenario::parse(text, &name, Some(base), options).map_err(|problems| {
         problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
     })
 }

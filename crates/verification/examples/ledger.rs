@@ -1,0 +1,97 @@
+//! Runs cases and writes the ledger:
+//! `cargo run --release -p sphcut-verification --example ledger -- [--tier quick|standard|long]
+//! [--again] [CASE...]`.
+//!
+//! Values of finished runs are kept in `target/validation`, one file per run: an interrupted long
+//! case goes on with its next run, and a run whose scenario has not changed is not repeated
+//! unless `--again` asks for it. `docs/validation.md` is written from all values that are there.
+
+use sphcut_verification::ledger::{self, Entry};
+use sphcut_verification::store::Store;
+use sphcut_verification::{Case, Outcome, RunOptions, Tier, cases, judge_stored, run_case};
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut tier = None;
+    let mut again = false;
+    let mut names = Vec::new();
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--tier" => tier = Some(tier_of(&arguments.next().unwrap_or_default())?),
+            "--again" => again = true,
+            name => names.push(name.to_owned()),
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = root.join("target/validation");
+    let store = Store::new(&folder);
+    let cases = cases(&root.join("validation"))?;
+    for case in cases.iter().filter(|case| is_wanted(case, tier, &names)) {
+        if again && folder.join(&case.name).is_dir() {
+            fs::remove_dir_all(folder.join(&case.name))?;
+        }
+        run(case, &store);
+    }
+    let entries = cases
+        .into_iter()
+        .map(|case| Ok(Entry { verdict: judge_stored(&case, &store)?, case }))
+        .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+    fs::write(root.join("docs/validation.md"), ledger::markdown(&entries))?;
+    Ok(())
+}
+
+fn tier_of(name: &str) -> Result<Tier, String> {
+    match name {
+        "quick" => Ok(Tier::Quick),
+        "standard" => Ok(Tier::Standard),
+        "long" => Ok(Tier::Long),
+        other => Err(format!("no tier is called `{other}`: quick, standard or long")),
+    }
+}
+
+/// Cases of the tier and below, or those named.
+fn is_wanted(case: &Case, tier: Option<Tier>, names: &[String]) -> bool {
+    if names.is_empty() {
+        tier.is_some_and(|tier| case.tier <= tier)
+    } else {
+        names.contains(&case.name)
+    }
+}
+
+fn run(case: &Case, store: &Store) {
+    let options = RunOptions { store: Some(store.clone()), ..RunOptions::default() };
+    let mut told = String::new();
+    let verdict = run_case(case, &options, &mut |progress| {
+        let line = format!(
+            "{} / {}: {:.0} %",
+            progress.case,
+            progress.run,
+            (10.0 * progress.fraction).floor() * 10.0
+        );
+        if line != told {
+            eprintln!("{line}");
+            told = line;
+        }
+    });
+    println!("{}: {}", case.name, verdict.outcome.word());
+    if let Outcome::Broken { reason } = &verdict.outcome {
+        println!("  {reason}");
+    }
+    for finding in &verdict.findings {
+        println!(
+            "  {} {}: {} = {:?} {} ({}): {} {:.4e}, tolerance {:.1e}",
+            if finding.holds { "holds" } else { "FAILS" },
+            finding.run,
+            finding.observable,
+            finding.values,
+            finding.unit,
+            finding.reference,
+            finding.metric.name(),
+            finding.result,
+            finding.tolerance
+        );
+    }
+}
