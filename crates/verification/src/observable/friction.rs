@@ -1,9 +1,9 @@
 //! Sliding and sticking on a wall.
 
 use super::energy::energy_put_in;
-use super::{Arguments, Observable, argument};
+use super::{Observable, argument};
 use crate::evidence::Evidence;
-use sphcut_sph::setup::{ToolSurface, Vector};
+use sphcut_sph::setup::{Dimension, ToolSurface, Vector};
 use sphcut_sph::{ChannelId, Sample};
 
 /// Tangential over normal impulse of the wall on the body.
@@ -52,28 +52,40 @@ pub(super) const FRICTION_SHARE: Observable = Observable {
     },
 };
 
-/// Mean tangential stress on a known contact length.
+/// Largest tangential stress of any touching particle.
 pub(super) const CONTACT_SHEAR_STRESS: Observable = Observable {
     name: "contact_shear_stress",
     unit: "Pa",
-    meaning: "mean tangential force of the wall over the last part of the run, over the contact \
-              length (2D: force per width)",
-    arguments: &[
-        argument("share", Some(0.5), "share of the run that counts, from its end"),
-        argument("length", None, "contact length in m"),
-    ],
-    evaluate: |evidence, arguments: &Arguments| {
-        let (_, tangential) = mean_contact_force(evidence, arguments.get("share"))?;
-        Ok(tangential / arguments.get("length"))
+    meaning: "largest tangential force of the wall on a particle in all snapshots, over its share \
+              of the surface (one spacing in 2D, its square in 3D)",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let normal = wall_normal(evidence)?;
+        let exponent = if evidence.setup.dimension == Dimension::Two { 1 } else { 2 };
+        let area = evidence.setup.particle_spacing.powi(exponent);
+        let forces = evidence.snapshots.iter().flat_map(|snapshot| &snapshot.contact_force);
+        Ok(forces.map(|force| split(force, &normal).1 / area).fold(0.0, f64::max))
     },
 };
 
+/// The normal out of the wall.
+fn wall_normal(evidence: &Evidence) -> Result<Vector, String> {
+    match evidence.setup.tool.as_ref().map(|tool| &tool.surface) {
+        Some(ToolSurface::HalfSpace { normal, .. }) => Ok(*normal),
+        _ => Err("there is no wall".to_owned()),
+    }
+}
+
+/// Component along `normal` and magnitude of the rest.
+fn split(force: &Vector, normal: &Vector) -> (f64, f64) {
+    let along: f64 = (0..3).map(|axis| force[axis] * normal[axis]).sum();
+    let square: f64 = (0..3).map(|axis| (force[axis] - along * normal[axis]).powi(2)).sum();
+    (along, square.sqrt())
+}
+
 /// Mean normal force (positive away from the wall) and magnitude of the mean tangential force.
 fn mean_contact_force(evidence: &Evidence, share: f64) -> Result<(f64, f64), String> {
-    let tool = evidence.setup.tool.as_ref().ok_or("there is no wall")?;
-    let ToolSurface::HalfSpace { normal, .. } = &tool.surface else {
-        return Err("the tool is not a wall".to_owned());
-    };
+    let normal = wall_normal(evidence)?;
     let start = (1.0 - share) * evidence.last_sample()?.get(ChannelId::Time);
     let mut sum = [0.0; 3];
     let mut count = 0.0;
@@ -85,9 +97,7 @@ fn mean_contact_force(evidence: &Evidence, share: f64) -> Result<(f64, f64), Str
         count += 1.0;
     }
     let mean = sum.map(|component| component / count);
-    let along: f64 = (0..3).map(|axis| mean[axis] * normal[axis]).sum();
-    let square: f64 = (0..3).map(|axis| (mean[axis] - along * normal[axis]).powi(2)).sum();
-    Ok((along, square.sqrt()))
+    Ok(split(&mean, &normal))
 }
 
 /// Force of the wall on the body in global axes.
