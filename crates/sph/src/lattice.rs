@@ -36,6 +36,10 @@ pub(crate) fn fill(setup: &Setup) -> Result<Vec<Seed>, SetupError> {
     }
     if setup.discretisation.lattice == Lattice::Disordered {
         disorder(&mut seeds, setup);
+        // The field is that of the place where a particle is, not of the lattice point it left.
+        for seed in &mut seeds {
+            seed.velocity = velocity_at(&setup.bodies[seed.body as usize].velocity, &seed.position);
+        }
     }
     Ok(seeds)
 }

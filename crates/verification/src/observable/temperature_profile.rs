@@ -13,7 +13,11 @@ pub(super) const CONTACT_PROFILE_ERROR: Observable = Observable {
     meaning: "root mean square deviation from the temperature of two half spaces in contact, in \
               terms of their initial difference: T = T_c + (T_side - T_c) erf(|x| / 2 sqrt(a t)), \
               T_c weighted with the effusivities sqrt(k rho cp)",
-    arguments: &[argument("interface", Some(0.0), "x of the contact in m")],
+    arguments: &[
+        argument("interface", Some(0.0), "x of the contact in m"),
+        argument("from_y", Some(f64::NEG_INFINITY), "lowest y of the particles that count in m"),
+        argument("to_y", Some(f64::INFINITY), "highest y of the particles that count in m"),
+    ],
     evaluate: contact_profile_error,
 };
 
@@ -51,9 +55,13 @@ fn contact_profile_error(evidence: &Evidence, arguments: &Arguments) -> Result<f
         let length = 2.0 * (diffusivity * last.time).sqrt();
         contact + (start[side] - contact) * error_function(x.abs() / length)
     };
-    let squares: f64 =
-        last.temperature.iter().enumerate().map(|(index, t)| (t - exact(index)).powi(2)).sum();
-    Ok((squares / last.temperature.len() as f64).sqrt() / (start[1] - start[0]).abs())
+    let rows = arguments.get("from_y")..=arguments.get("to_y");
+    let squares: Vec<f64> = (0..last.temperature.len())
+        .filter(|index| rows.contains(&last.position[*index][1]))
+        .map(|index| (last.temperature[index] - exact(index)).powi(2))
+        .collect();
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    Ok(mean.sqrt() / (start[1] - start[0]).abs())
 }
 
 fn steady_profile_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
