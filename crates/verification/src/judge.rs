@@ -73,7 +73,8 @@ fn single_finding(
         Metric::AtLeast => value >= low - tolerance,
         _ => result.abs() <= tolerance,
     };
-    let reference = if low == high { number(low) } else { format!("{}..{}", number(low), number(high)) };
+    let reference =
+        if low == high { number(low) } else { format!("{}..{}", number(low), number(high)) };
     Ok(finding(expectation, run.clone(), vec![value], reference, result, holds))
 }
 

@@ -87,8 +87,7 @@ fn section(text: &mut String, entry: &Entry) {
     for finding in &verdict.findings {
         let gap = finding.known_gap.as_ref().map(|gap| format!(" **Known gap:** {}", gap.trim()));
         let because = finding.because.trim();
-        let reason =
-            format!("- `{}`: {because}{}", finding.observable, gap.unwrap_or_default());
+        let reason = format!("- `{}`: {because}{}", finding.observable, gap.unwrap_or_default());
         if !reasons.contains(&reason) {
             reasons.push(reason);
         }

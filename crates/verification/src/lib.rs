@@ -20,9 +20,7 @@ pub mod store;
 mod table;
 mod verdict;
 
-pub use case::{
-    Case, Expectation, Kind, Metric, Mode, Reference, RunSpecification, Tier, cases,
-};
+pub use case::{Case, Expectation, Kind, Metric, Mode, Reference, RunSpecification, Tier, cases};
 pub use error::CaseError;
 pub use evidence::Evidence;
 pub use runner::{Progress, RunOptions, judge_stored, run_case};

@@ -100,8 +100,7 @@ fn run_values(
     let scenario = parse(case, run, &text, &options.load).map_err(failed)?;
     let spacing = scenario.setup.particle_spacing;
     let (snapshots, setup, mode) = (scenario.output.snapshots, scenario.setup, run.mode);
-    let mut tell =
-        |fraction| progress(&Progress { case: &case.name, run: &run.name, fraction });
+    let mut tell = |fraction| progress(&Progress { case: &case.name, run: &run.name, fraction });
     let reference = case.reference.clone();
     let evidence = match run.threads {
         None => Evidence::collect(setup, mode, snapshots, reference, &mut tell).map_err(failed)?,
@@ -138,16 +137,11 @@ fn parse(
 ) -> Result<Scenario, String> {
     let base = run.scenario.parent().unwrap_or(&case.folder);
     let name = format!("{}-{}", case.name, run.name);
-    sphcut_scenario::parse(text, &name, Some(base), options).map_err(|problems| {
-        problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
-    })
+    sphcut_scenario::parse(text, &name, Some(base), options)
+        .map_err(|problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
 }
 
-fn evaluate(
-    case: &Case,
-    run: usize,
-    evidence: &Evidence,
-) -> Result<Vec<Option<f64>>, CaseError> {
+fn evaluate(case: &Case, run: usize, evidence: &Evidence) -> Result<Vec<Option<f64>>, CaseError> {
     case.expectations
         .iter()
         .map(|expectation| {
@@ -163,9 +157,10 @@ fn evaluate(
 }
 
 fn to_store(case: &Case, run: &RunSpecification, text: String, values: &RunValues) -> StoredRun {
-    let labelled = case.expectations.iter().zip(&values.values).filter_map(|(expectation, value)| {
-        value.map(|value| (expectation.arguments.label(expectation.observable), value))
-    });
+    let labelled =
+        case.expectations.iter().zip(&values.values).filter_map(|(expectation, value)| {
+            value.map(|value| (expectation.arguments.label(expectation.observable), value))
+        });
     StoredRun {
         run: run.name.clone(),
         spacing: values.spacing,

@@ -78,9 +78,10 @@ impl Table {
     }
 
     fn column(&self, name: &str) -> Result<usize, String> {
-        self.columns.iter().position(|column| column == name).ok_or_else(|| {
-            format!("no column `{name}`; there are: {}", self.columns.join(", "))
-        })
+        self.columns
+            .iter()
+            .position(|column| column == name)
+            .ok_or_else(|| format!("no column `{name}`; there are: {}", self.columns.join(", ")))
     }
 }
 

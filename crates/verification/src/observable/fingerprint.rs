@@ -18,10 +18,13 @@ fn hash(snapshot: &Snapshot) -> u64 {
     let vectors = snapshot.position.iter().chain(&snapshot.velocity).flatten();
     let tensors = snapshot.stress.iter().flatten();
     let scalars = snapshot.plastic_strain.iter().chain(&snapshot.temperature);
-    vectors.chain(tensors).chain(scalars).flat_map(|value| value.to_bits().to_le_bytes()).fold(
-        0xcbf2_9ce4_8422_2325,
-        |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3),
-    )
+    vectors
+        .chain(tensors)
+        .chain(scalars)
+        .flat_map(|value| value.to_bits().to_le_bytes())
+        .fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+        })
 }
 
 #[cfg(test)]

@@ -75,7 +75,6 @@ fn interval(evidence: &Evidence, arguments: &Arguments, channel: ChannelId) -> R
         .collect();
     let count = means.len() as f64;
     let mean = means.iter().sum::<f64>() / count;
-    let variance =
-        means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let variance = means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
     Ok(STUDENT * (variance / count).sqrt())
 }

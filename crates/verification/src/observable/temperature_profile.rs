@@ -28,7 +28,11 @@ pub(super) const STEADY_PROFILE_ERROR: Observable = Observable {
     meaning: "root mean square deviation from the steady temperature between the first two \
               supports through the layers of the first and second body, in terms of the \
               difference of the held temperatures",
-    arguments: &[argument("interface", Some(f64::INFINITY), "x where the second layer begins in m")],
+    arguments: &[argument(
+        "interface",
+        Some(f64::INFINITY),
+        "x where the second layer begins in m",
+    )],
     evaluate: steady_profile_error,
 };
 
@@ -43,8 +47,8 @@ fn contact_profile_error(evidence: &Evidence, arguments: &Arguments) -> Result<f
     let effusivity = materials.map(|material| {
         (material.thermal_conductivity * material.density * material.specific_heat).sqrt()
     });
-    let contact = (effusivity[0] * start[0] + effusivity[1] * start[1])
-        / (effusivity[0] + effusivity[1]);
+    let contact =
+        (effusivity[0] * start[0] + effusivity[1] * start[1]) / (effusivity[0] + effusivity[1]);
     let last = evidence.last()?;
     let exact = |index: usize| {
         let x = last.position[index][0] - arguments.get("interface");
