@@ -38,10 +38,7 @@ impl FieldReader<'_> {
             }
             Kind::Count { min, max } => self.count(value, &span, *min, *max),
             Kind::Choice(words) => self.choice(value, span, words),
-            Kind::Text | Kind::Path => {
-                let text = self.string(value, &span)?;
-                Some((Value::Text(text.clone()), text))
-            }
+            Kind::Text | Kind::Path => self.text(value, &span),
             Kind::Switch => match value.as_bool() {
                 Some(switch) => Some((Value::Switch(switch), switch.to_string())),
                 None => self.wrong_type(&span, "true or false", value),
@@ -78,6 +75,18 @@ impl FieldReader<'_> {
             Some(text) => Some(text.to_owned()),
             None => self.wrong_type(span, "text in quotes", value),
         }
+    }
+
+    /// Text that may be shown in a terminal and in a report: no control characters.
+    fn text(&mut self, value: &DeValue, span: &Range<usize>) -> Option<(Value, String)> {
+        let text = self.string(value, span)?;
+        if text.chars().any(|c| c.is_control() && c != '\n' && c != '\t') {
+            let expected = "text without control characters".to_owned();
+            let found = "text with control characters".to_owned();
+            self.mistake(span.clone(), Mistake::WrongType { key: self.key(), expected, found });
+            return None;
+        }
+        Some((Value::Text(text.clone()), text))
     }
 
     fn quantity(

@@ -1,7 +1,7 @@
 //! What reading a scenario leaves behind besides the values: mistakes and the description.
 
 use crate::problem::{Mistake, Problem, Source};
-use crate::units::{self, Unit};
+use crate::units;
 use sphcut_physics::Quantity;
 use std::ops::Range;
 use std::sync::Arc;
@@ -64,7 +64,7 @@ impl Findings {
         self.description.push(ResolvedEntry {
             section: section.to_owned(),
             key: key.to_owned(),
-            text: Unit::si(quantity).express(si),
+            text: units::readable(quantity, si),
             value,
             unit: quantity.si_unit(),
             origin: Origin::Derived,

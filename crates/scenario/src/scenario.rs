@@ -428,8 +428,7 @@ fn finished(
     mut told: Vec<String>,
 ) -> Scenario {
     told.extend(warnings::temperatures(&setup));
-    let shown = Path::new(&root.source.name);
-    let name = shown.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into());
+    let name = safe_name(&root.source.name);
     Scenario {
         title: root.text("title").unwrap_or_default().to_owned(),
         name,
@@ -438,9 +437,29 @@ fn finished(
         setup,
         output,
         stop,
-        description: std::mem::take(&mut findings.description),
+        description: ordered(std::mem::take(&mut findings.description)),
         warnings: told,
     }
+}
+
+/// The description in the order of the reference page; within a section as read.
+fn ordered(mut description: Vec<ResolvedEntry>) -> Vec<ResolvedEntry> {
+    let order = sections::root();
+    let rank = |entry: &ResolvedEntry| {
+        let first = entry.section.split(['.', ' ']).next().unwrap_or_default();
+        let first = if first == "material" { "materials" } else { first };
+        order.fields.iter().position(|field| field.key == first)
+    };
+    description.sort_by_key(rank);
+    description
+}
+
+/// The file name without its ending, fit to name a directory: `...toml` must not become `..`.
+fn safe_name(path: &str) -> String {
+    let stem = Path::new(path).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
+    let clean: String =
+        stem.chars().map(|c| if c.is_control() || "/\\:".contains(c) { '_' } else { c }).collect();
+    if clean.trim_matches('.').is_empty() { "scenario".to_owned() } else { clean }
 }
 
 /// The laws and effects that act.

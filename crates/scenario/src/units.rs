@@ -436,6 +436,21 @@ impl Dimensions {
     }
 }
 
+/// A value in the accepted unit that needs the fewest leading or trailing zeros; never in inches,
+/// which nobody asked for.
+pub(crate) fn readable(quantity: Quantity, si: f64) -> String {
+    let distance = |unit: &Unit| {
+        let number = unit.size.undo(si - unit.offset).abs();
+        if number == 0.0 { 0.0 } else { (number.log10() - 1.0).abs() }
+    };
+    accepted_units(quantity)
+        .iter()
+        .filter(|unit| **unit != "in")
+        .filter_map(|unit| parse_unit(unit).ok())
+        .min_by(|first, second| distance(first).total_cmp(&distance(second)))
+        .map_or_else(|| significant(si), |unit| unit.express(si))
+}
+
 /// A number with at most six significant digits, without a tail of zeros.
 pub(crate) fn significant(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);

@@ -137,6 +137,37 @@ fn names_with_escape_sequences_do_not_reach_the_terminal() {
     }
 }
 
+#[test]
+fn escape_sequences_in_the_file_do_not_reach_the_terminal() {
+    for text in ["title = \"\u{1b}[31m\"\n", "# \u{1b}]0;x\u{7}\nx = \"1 m\"\n", "\u{9b}31m = 1\n"]
+    {
+        for problem in parse(text, "escape.toml", None, &OUTSIDE).unwrap_err() {
+            let shown = problem.to_string();
+            let control = |c: char| c.is_control() && c != '\n';
+            assert!(!shown.contains(control), "{shown:?}");
+            assert!(!problem.mistake.message().contains(control), "{problem:?}");
+        }
+    }
+}
+
+/// The name of a scenario becomes the name of a directory.
+#[test]
+fn no_file_name_leads_out_of_the_output_directory() {
+    let text = include_str!("good/colliding_rings.toml");
+    for (file, name) in [
+        ("...toml", "scenario"),
+        ("..", "scenario"),
+        ("", "scenario"),
+        ("a/../b.toml", "b"),
+        ("a\\..\\b.toml", "a_.._b"),
+        ("rings.toml", "rings"),
+        (".hidden.toml", ".hidden"),
+    ] {
+        let scenario = parse(text, file, None, &OUTSIDE).unwrap();
+        assert_eq!(scenario.name, name, "{file}");
+    }
+}
+
 /// Deep nesting, many keys, many bodies, long strings: an answer within seconds.
 #[test]
 fn unpleasant_texts_are_answered_quickly() {

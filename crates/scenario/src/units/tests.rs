@@ -75,6 +75,15 @@ fn mistakes_are_told_apart() {
 }
 
 #[test]
+fn derived_values_read_well() {
+    assert_eq!(readable(Quantity::Length, 20e-6), "20 um");
+    assert_eq!(readable(Quantity::Length, 1.5e-3), "1.5 mm");
+    assert_eq!(readable(Quantity::Time, 0.6e-3), "0.6 ms");
+    assert_eq!(readable(Quantity::Length, 0.254), "254 mm");
+    assert_eq!(readable(Quantity::Length, 0.0), "0 mm");
+}
+
+#[test]
 fn values_are_shown_in_the_unit_of_the_user() {
     let unit = parse("0 m/min", Quantity::Speed).unwrap().unit;
     assert_eq!(unit.express(2.5), "150 m/min");
