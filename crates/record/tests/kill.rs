@@ -5,15 +5,16 @@
 
 mod support;
 
-use sphcut_record::driver::{self, Control, RunOptions, Start};
+use sphcut_record::driver::{self, Control, RunOptions, Source, Start};
 use sphcut_record::{Outcome, RunError, RunFiles, recover};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
+use support::cut::small_cut;
 use support::{Fake, Folder, assert_same_bits, options, provenance};
 
+/// Names the folder of the victim; not set when the tests run in the ordinary way.
 const FOLDER: &str = "SPHCUT_KILL_TEST_FOLDER";
-const KILLS: usize = 30;
 
 fn fake() -> Fake {
     Fake {
@@ -25,26 +26,34 @@ fn fake() -> Fake {
     }
 }
 
-fn run_in(folder: &Path) -> Result<Outcome, RunError> {
+fn run_in(folder: &Path, source: &impl Source) -> Result<Outcome, RunError> {
     let options = RunOptions {
         snapshots: 12,
         checkpoint_interval: Duration::from_millis(15),
         ..options(folder, Start::Resume)
     };
-    driver::run(&fake(), &provenance(), &options, &mut |_| Control::Continue).map(|run| run.outcome)
+    driver::run(source, &provenance(), &options, &mut |_| Control::Continue).map(|run| run.outcome)
 }
 
-/// What the killed process runs; does nothing when the tests run in the ordinary way.
+/// What a killed process runs: a made-up simulation.
 #[test]
-fn victim() {
-    if let Ok(folder) = std::env::var(FOLDER) {
-        assert_eq!(run_in(Path::new(&folder)).unwrap(), Outcome::Finished);
+fn victim_made_up() {
+    if let Some(folder) = std::env::var_os(FOLDER) {
+        assert_eq!(run_in(Path::new(&folder), &fake()).unwrap(), Outcome::Finished);
     }
 }
 
-fn start_victim(folder: &Path) -> Child {
+/// What a killed process runs: a cut with the solver.
+#[test]
+fn victim_cut() {
+    if let Some(folder) = std::env::var_os(FOLDER) {
+        assert_eq!(run_in(Path::new(&folder), &small_cut()).unwrap(), Outcome::Finished);
+    }
+}
+
+fn start_victim(name: &str, folder: &Path) -> Child {
     Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "victim", "--test-threads", "1"])
+        .args(["--exact", name, "--test-threads", "1"])
         .env(FOLDER, folder)
         .stdout(Stdio::null())
         .spawn()
@@ -75,25 +84,26 @@ fn kill_after(mut victim: Child, moment: Duration) -> bool {
     !victim.wait().unwrap().success()
 }
 
-#[test]
-fn a_killed_run_ends_with_the_same_bits() {
-    let undisturbed = Folder::new("undisturbed");
-    run_in(&undisturbed.0).unwrap();
+/// Kills and resumes the test `victim` at least `kills` times, in as many runs as that takes, and
+/// compares each with an undisturbed run of `source`. No moment is later than `patience` times the
+/// number of attempts: later and later, so that a slow machine gets to the end as well.
+fn kill_and_compare(victim: &str, source: &impl Source, kills: usize, patience: Duration) {
+    let undisturbed = Folder::in_memory(&format!("undisturbed-{victim}"));
+    run_in(&undisturbed.0, source).unwrap();
     let expected = RunFiles::in_dir(&undisturbed.0);
     let mut random = Random(20_260_101);
-    let (mut kills, mut rounds) = (0, 0);
-    while kills < KILLS {
+    let (mut killed, mut rounds) = (0, 0);
+    while killed < kills {
         rounds += 1;
-        let folder = Folder::new(&format!("killed-{rounds}"));
+        let folder = Folder::in_memory(&format!("{victim}-{rounds}"));
         let files = RunFiles::in_dir(&folder.0);
         let mut saved_samples = 0;
         for attempt in 1.. {
-            // Later and later, so that a slow machine gets to the end as well.
-            let moment = Duration::from_micros(random.below(60_000 * attempt));
-            if !kill_after(start_victim(&folder.0), moment) {
+            let moment = random.below(attempt * patience.as_micros() as u64);
+            if !kill_after(start_victim(victim, &folder.0), Duration::from_micros(moment)) {
                 break;
             }
-            kills += 1;
+            killed += 1;
             if files.partial().join("origin.bin").exists() {
                 let recovered = recover(&folder.0).unwrap();
                 assert!(recovered.samples.len() >= saved_samples, "saved samples were lost");
@@ -105,5 +115,15 @@ fn a_killed_run_ends_with_the_same_bits() {
         assert!(bytes(&expected) == bytes(&files), "the force histories differ");
         assert!(!files.partial().exists());
     }
-    eprintln!("{kills} kills in {rounds} runs");
+    eprintln!("{killed} kills in {rounds} runs");
+}
+
+#[test]
+fn a_killed_run_ends_with_the_same_bits() {
+    kill_and_compare("victim_made_up", &fake(), 30, Duration::from_millis(60));
+}
+
+#[test]
+fn a_killed_cut_ends_with_the_same_bits() {
+    kill_and_compare("victim_cut", &small_cut(), 20, Duration::from_millis(300));
 }

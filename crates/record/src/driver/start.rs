@@ -121,7 +121,11 @@ fn complete<'a, S: Source>(
         return Err(RunError::Mismatch { path: record, reason });
     }
     match run.outcome {
-        Outcome::Finished | Outcome::Steady => Ok(Begin::Complete(Box::new(run))),
+        Outcome::Finished | Outcome::Steady => {
+            // A crash while it was cleared away may have left a part of the unfinished run.
+            partial::remove(files)?;
+            Ok(Begin::Complete(Box::new(run)))
+        }
         Outcome::Diverged(divergence) => Err(RunError::Diverged { divergence, record }),
         Outcome::Interrupted => Err(RunError::Damaged {
             path: files.partial(),

@@ -36,13 +36,47 @@ impl Data<'_> {
         }
     }
 
-    fn bytes(&self) -> Vec<u8> {
+    /// Length in bytes.
+    fn length(&self) -> u64 {
         match self {
-            Self::Reals(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-            Self::Integers(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-            Self::Text(text) => text.as_bytes().to_vec(),
+            Self::Reals(values) => values.len() as u64 * 8,
+            Self::Integers(values) => values.len() as u64 * 8,
+            Self::Text(text) => text.len() as u64,
         }
     }
+
+    /// Gives the bytes to `take`, block by block.
+    fn bytes(&self, mut take: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
+        match self {
+            Self::Reals(values) => blocks(values, f64::to_le_bytes, take),
+            Self::Integers(values) => blocks(values, u64::to_le_bytes, take),
+            Self::Text(text) => take(text.as_bytes()),
+        }
+    }
+
+    fn checksum(&self) -> io::Result<u32> {
+        let mut hasher = crc32fast::Hasher::new();
+        self.bytes(|block| {
+            hasher.update(block);
+            Ok(())
+        })?;
+        Ok(hasher.finalize())
+    }
+}
+
+fn blocks<T: Copy>(
+    values: &[T],
+    convert: fn(T) -> [u8; 8],
+    mut take: impl FnMut(&[u8]) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut buffer = [[0; 8]; 512];
+    for block in values.chunks(buffer.len()) {
+        for (bytes, value) in buffer.iter_mut().zip(block) {
+            *bytes = convert(*value);
+        }
+        take(buffer[..block.len()].as_flattened())?;
+    }
+    Ok(())
 }
 
 /// An archive to be written.
@@ -69,26 +103,25 @@ impl<'a> Archive<'a> {
         self.sections.push((name.into(), Data::Text(text.into())));
     }
 
-    /// Writes the archive; the data is turned into bytes section by section.
+    /// Writes the archive.
     pub(crate) fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
         let mut table = Vec::new();
         put_text(&mut table, self.kind);
         table.extend((self.sections.len() as u64).to_le_bytes());
         let mut offset = 0;
         for (name, data) in &self.sections {
-            let bytes = data.bytes();
             put_text(&mut table, name);
             table.push(data.code());
-            table.extend((bytes.len() as u64).to_le_bytes());
+            table.extend(data.length().to_le_bytes());
             table.extend(u64::to_le_bytes(offset));
-            table.extend(crc32fast::hash(&bytes).to_le_bytes());
-            offset += bytes.len() as u64;
+            table.extend(data.checksum()?.to_le_bytes());
+            offset += data.length();
         }
         writer.write_all(MAGIC)?;
         writer.write_all(&(table.len() as u64).to_le_bytes())?;
         writer.write_all(&crc32fast::hash(&table).to_le_bytes())?;
         writer.write_all(&table)?;
-        self.sections.iter().try_for_each(|(_, data)| writer.write_all(&data.bytes()))
+        self.sections.iter().try_for_each(|(_, data)| data.bytes(|block| writer.write_all(block)))
     }
 }
 
@@ -260,5 +293,80 @@ impl<'a> Cursor<'a> {
     fn text(&mut self) -> Option<String> {
         let length = usize::try_from(self.u64()?).ok()?;
         String::from_utf8(self.take(length)?.to_vec()).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const KIND: &str = "a test";
+
+    fn path(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("sphcut-archive-{name}-{}", std::process::id()))
+    }
+
+    fn bytes(reals: &[f64], integers: &[u64], text: &str) -> Vec<u8> {
+        let mut archive = Archive::new(KIND);
+        archive.reals("reals", reals);
+        archive.integers("integers", integers);
+        archive.text("text", text);
+        archive.reals("none", vec![]);
+        let mut bytes = Vec::new();
+        archive.write(&mut bytes).unwrap();
+        bytes
+    }
+
+    fn read(path: &Path) -> Result<(Vec<f64>, Vec<u64>, String), RunError> {
+        let archive = ArchiveFile::open(path, KIND)?;
+        assert!(archive.reals("none")?.is_empty());
+        Ok((archive.reals("reals")?, archive.integers("integers")?, archive.text("text")?))
+    }
+
+    #[test]
+    fn arrays_longer_than_a_block_come_back() {
+        let path = path("long");
+        let reals: Vec<f64> = (0..5000).map(f64::from).collect();
+        std::fs::write(&path, bytes(&reals, &[u64::MAX], "\u{b5}m")).unwrap();
+        let read = read(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(read, (reals, vec![u64::MAX], "\u{b5}m".to_owned()));
+    }
+
+    #[test]
+    fn another_kind_is_foreign() {
+        let path = path("kind");
+        std::fs::write(&path, bytes(&[], &[], "")).unwrap();
+        let error = ArchiveFile::open(&path, "a checkpoint").unwrap_err();
+        std::fs::remove_file(&path).unwrap();
+        assert!(error.to_string().contains("is not a checkpoint: it is a test"), "{error}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn bits_come_back(reals: Vec<f64>, integers: Vec<u64>, text: String) {
+            let path = path("bits");
+            std::fs::write(&path, bytes(&reals, &integers, &text)).unwrap();
+            let read = read(&path).unwrap();
+            std::fs::remove_file(&path).unwrap();
+            let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!((bits(&read.0), read.1, read.2), (bits(&reals), integers, text));
+        }
+
+        #[test]
+        fn every_change_is_noticed(place: prop::sample::Index, change in 1_u8.., keep: prop::sample::Index) {
+            let whole = bytes(&[1.5, -2.5], &[7], "text");
+            let path = path("change");
+            let mut changed = whole.clone();
+            changed[place.index(whole.len())] ^= change;
+            std::fs::write(&path, &changed).unwrap();
+            prop_assert!(read(&path).is_err());
+            std::fs::write(&path, &whole[..keep.index(whole.len())]).unwrap();
+            prop_assert!(read(&path).is_err());
+            std::fs::remove_file(&path).unwrap();
+        }
     }
 }

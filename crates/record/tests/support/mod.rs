@@ -3,6 +3,8 @@
 
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub mod cut;
+
 use sphcut_record::driver::{RunOptions, Source, Start, Stepper};
 use sphcut_record::{Facts, MaterialFacts, Provenance, Run, Setting};
 use sphcut_sph::setup::{CuttingFrame, Dimension};
@@ -221,7 +223,18 @@ pub struct Folder(pub PathBuf);
 
 impl Folder {
     pub fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("sphcut-{name}-{}", std::process::id()));
+        Self::within(&std::env::temp_dir(), name)
+    }
+
+    /// In memory where the platform has a place for that: for tests that write a lot and do not
+    /// care for what a disk does.
+    pub fn in_memory(name: &str) -> Self {
+        let memory = Path::new("/dev/shm");
+        if memory.is_dir() { Self::within(memory, name) } else { Self::new(name) }
+    }
+
+    fn within(parent: &Path, name: &str) -> Self {
+        let path = parent.join(format!("sphcut-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
         Self(path)
