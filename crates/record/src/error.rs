@@ -117,6 +117,14 @@ impl RunError {
         Self::Io { path: path.to_owned(), action, source, kept: String::new() }
     }
 
+    /// The same error; if a file is unusable, with the advice to start the run again.
+    pub(crate) fn advising_force(mut self) -> Self {
+        if let Self::Damaged { reason, .. } | Self::Foreign { reason, .. } = &mut self {
+            reason.push_str("; start the run again with --force");
+        }
+        self
+    }
+
     /// The same error, telling what is kept.
     pub(crate) fn keeping(mut self, what: &str) -> Self {
         if let Self::Io { kept, .. } = &mut self {

@@ -189,6 +189,7 @@ fn checkpoints_that_are_all_damaged_are_a_clear_error() {
     assert!(matches!(error, RunError::Damaged { .. }), "{error}");
     let text = error.to_string();
     assert!(text.contains("checkpoint.bin") && text.contains("cut short"), "{text}");
+    assert!(text.contains("--force"), "{text}");
 }
 
 #[test]

@@ -29,7 +29,9 @@ pub(super) fn begin<'a, S: Source>(
             files::refuse_foreign(&files)?;
             fresh(source, provenance, options, files)
         }
-        Start::Resume if partial::exists(&files) => resume(source, provenance, options, files),
+        Start::Resume if partial::exists(&files) => {
+            resume(source, provenance, options, files).map_err(RunError::advising_force)
+        }
         Start::Resume if files.record().exists() => complete(provenance, &files),
         Start::Resume => {
             refuse_existing(&files)?;
@@ -129,10 +131,8 @@ fn complete<'a, S: Source>(
         Outcome::Diverged(divergence) => Err(RunError::Diverged { divergence, record }),
         Outcome::Interrupted => Err(RunError::Damaged {
             path: files.partial(),
-            reason: format!(
-                "`{}` was interrupted, but its checkpoint is gone; start again with --force",
-                record.display()
-            ),
-        }),
+            reason: format!("`{}` was interrupted, but its checkpoint is gone", record.display()),
+        }
+        .advising_force()),
     }
 }

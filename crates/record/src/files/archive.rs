@@ -152,10 +152,8 @@ impl ArchiveFile {
     /// Opens the archive of the given `kind` and checks that it is whole.
     pub(crate) fn open(path: &Path, kind: &'static str) -> Result<Self, RunError> {
         let read = |error| RunError::io(path, "read", error);
-        let damaged = |reason: &str| RunError::Damaged {
-            path: path.to_owned(),
-            reason: format!("{reason}; this file cannot be used"),
-        };
+        let damaged =
+            |reason: &str| RunError::Damaged { path: path.to_owned(), reason: reason.to_owned() };
         let foreign =
             |reason: String| RunError::Foreign { path: path.to_owned(), expected: kind, reason };
         let mut file = File::open(path).map_err(read)?;

@@ -79,6 +79,16 @@ impl Field {
     }
 }
 
+/// Whether all quantities of the particles are there for every particle.
+pub(crate) fn is_complete(snapshot: &Snapshot) -> bool {
+    let count = |field: &Field| match field.column(snapshot) {
+        Column::Reals(values) => values.len() / field.width(),
+        Column::Longs(values) => values.len(),
+        Column::Shorts(values) => values.len(),
+    };
+    PARTICLE_FIELDS.iter().all(|field| count(field) == snapshot.id.len())
+}
+
 fn chunked<const N: usize>(values: &[f64]) -> Option<Vec<[f64; N]>> {
     let (chunks, rest) = values.as_chunks::<N>();
     rest.is_empty().then(|| chunks.to_vec())
@@ -132,6 +142,19 @@ mod tests {
         for field in all_fields() {
             assert!(description.contains(&format!("`{}`", field.name)), "{}", field.name);
         }
+    }
+
+    #[test]
+    fn a_particle_without_a_temperature_is_noticed() {
+        let mut snapshot = Snapshot { id: vec![1, 2], body: vec![0, 0], ..Snapshot::default() };
+        assert!(!is_complete(&snapshot));
+        for field in PARTICLE_FIELDS.iter().filter(|field| !field.is_integer()) {
+            field.set_reals(&mut snapshot, vec![0.0; 2 * field.width()]).unwrap();
+        }
+        snapshot.neighbours = vec![28, 28];
+        assert!(is_complete(&snapshot));
+        snapshot.temperature.pop();
+        assert!(!is_complete(&snapshot));
     }
 
     #[test]

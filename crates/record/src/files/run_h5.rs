@@ -1,6 +1,6 @@
 //! The layout of `run.h5`; `docs/run_h5.md` describes it for readers in other languages.
 
-use super::fields::{Column, Field, all_fields};
+use super::fields::{Column, Field, all_fields, is_complete};
 use super::hdf::{Array, Attribute, HdfReader, HdfWriter, Shape};
 use super::{origin, run_h5_attributes as attributes};
 use crate::{Facts, Outcome, Performance, Provenance, Run, RunError, Samples};
@@ -232,7 +232,11 @@ pub(crate) fn read_snapshot(path: &Path, number: usize) -> Result<Snapshot, RunE
     for field in all_fields() {
         read_field(&reader, &group, field, &mut snapshot)?;
     }
-    Ok(snapshot)
+    if is_complete(&snapshot) {
+        Ok(snapshot)
+    } else {
+        Err(reader.damaged(format!("the arrays of `{group}` differ in length")))
+    }
 }
 
 fn read_field(
