@@ -6,10 +6,13 @@ use std::fmt::Write;
 const WIDTH: f64 = 960.0;
 const LEFT: f64 = 74.0;
 const RIGHT: f64 = 18.0;
-const TOP: f64 = 40.0;
+/// Height of a row of the legend, which stands above the chart.
+const LEGEND_ROW: f64 = 19.0;
+/// Base line of its first row.
+const FIRST_ROW: f64 = 15.0;
 const BOTTOM: f64 = 46.0;
 /// Width of one letter of the legend, generously.
-const LETTER: f64 = 7.0;
+const LETTER: f64 = 7.4;
 /// Most points of a line; a longer series keeps the extremes of each column.
 const MOST_POINTS: usize = 1600;
 
@@ -64,7 +67,8 @@ pub(crate) struct Band<'a> {
 struct Axes {
     x: (f64, f64),
     y: (f64, f64),
-    height: f64,
+    top: f64,
+    bottom: f64,
 }
 
 impl Axes {
@@ -75,7 +79,7 @@ impl Axes {
     fn y(&self, value: f64) -> f64 {
         let share = (value - self.y.0) / (self.y.1 - self.y.0);
         // Far outside values would only make the numbers long.
-        TOP + (1.0 - share.clamp(-10.0, 11.0)) * (self.height - TOP - BOTTOM)
+        self.top + (1.0 - share.clamp(-10.0, 11.0)) * (self.bottom - self.top)
     }
 }
 
@@ -87,19 +91,25 @@ impl Chart<'_> {
             return None;
         }
         let stacks = stack(&self.areas, self.x.len());
-        let axes =
-            Axes { x: (first.min(0.0), last), y: self.y_range(&stacks), height: self.height };
+        let legend = self.legend();
+        let rows = legend.iter().map(|entry| entry.row + 1).max().unwrap_or(1);
+        let axes = Axes {
+            x: (first.min(0.0), last),
+            y: self.y_range(&stacks),
+            top: LEGEND_ROW * rows as f64 + 16.0,
+            bottom: self.height - BOTTOM,
+        };
         let mut svg = format!(
             r#"<svg class="chart" viewBox="0 0 {WIDTH} {}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
             self.height,
-            escape(&self.description)
+            plain(&self.description)
         );
         self.shade(&mut svg, &axes);
         self.grid(&mut svg, &axes);
         self.draw_areas(&mut svg, &axes, &stacks);
         self.draw_lines(&mut svg, &axes);
         self.draw_bands(&mut svg, &axes);
-        self.legend(&mut svg);
+        legend.iter().for_each(|entry| entry.draw(&mut svg));
         svg.push_str("</svg>");
         Some(svg)
     }
@@ -124,19 +134,20 @@ impl Chart<'_> {
         put(
             svg,
             format_args!(
-                r##"<rect x="{x0:.1}" y="{TOP}" width="{:.1}" height="{:.1}" fill="#eef3f7"/><text class="note" x="{:.1}" y="{:.1}">{}</text>"##,
+                r##"<rect x="{x0:.1}" y="{}" width="{:.1}" height="{:.1}" fill="#eef3f7"/><text class="note" x="{:.1}" y="{:.1}">{}</text>"##,
+                axes.top,
                 (x1 - x0).max(0.0),
-                self.height - TOP - BOTTOM,
+                axes.bottom - axes.top,
                 x0 + 6.0,
-                self.height - BOTTOM - 8.0,
+                axes.top + 15.0,
                 escape(name)
             ),
         );
     }
 
     fn grid(&self, svg: &mut String, axes: &Axes) {
-        let bottom = self.height - BOTTOM;
-        let ticks = Ticks::new(axes.y.0, axes.y.1, ((bottom - TOP) / 45.0) as usize);
+        let bottom = axes.bottom;
+        let ticks = Ticks::new(axes.y.0, axes.y.1, ((bottom - axes.top) / 45.0) as usize);
         for &value in &ticks.values {
             let y = axes.y(value);
             put(
@@ -172,7 +183,7 @@ impl Chart<'_> {
                 (LEFT + WIDTH - RIGHT) / 2.0,
                 self.height - 6.0,
                 escape(self.x_title),
-                TOP - 24.0,
+                FIRST_ROW,
                 escape(self.y_title)
             ),
         );
@@ -242,28 +253,47 @@ impl Chart<'_> {
         }
     }
 
-    /// Names to the right of the y title, from the right end of the chart.
-    fn legend(&self, svg: &mut String) {
+    /// Names to the right of the y title, in as many rows as they need.
+    fn legend(&self) -> Vec<LegendEntry<'_>> {
         let lines = self.lines.iter().map(|line| (line.name, line.colour));
         let areas = self.areas.iter().map(|area| (area.name, area.colour));
-        let entries: Vec<(&str, &str)> =
-            lines.chain(areas).filter(|(n, _)| !n.is_empty()).collect();
-        let width = |name: &str| name.chars().count() as f64 * LETTER + 30.0;
-        let total: f64 = entries.iter().map(|(name, _)| width(name)).sum();
-        let mut x = (WIDTH - RIGHT - total).max(LEFT + 100.0);
-        for (name, colour) in entries {
-            put(
-                svg,
-                format_args!(
-                    r#"<rect x="{x:.1}" y="{}" width="14" height="10" rx="2" fill="{colour}"/><text class="legend" x="{:.1}" y="{}">{}</text>"#,
-                    TOP - 33.0,
-                    x + 19.0,
-                    TOP - 24.0,
-                    escape(name)
-                ),
-            );
-            x += width(name);
+        let start = LEFT + LETTER * self.y_title.chars().count() as f64;
+        let (mut x, mut row) = (start, 0);
+        let mut entries = Vec::new();
+        for (name, colour) in lines.chain(areas).filter(|(name, _)| !name.is_empty()) {
+            let width = name.chars().count() as f64 * LETTER + 34.0;
+            if x + width > WIDTH && x > start {
+                (x, row) = (start, row + 1);
+            }
+            entries.push(LegendEntry { name, colour, x, row });
+            x += width;
         }
+        entries
+    }
+}
+
+/// One name of the legend and its place.
+struct LegendEntry<'a> {
+    name: &'a str,
+    colour: &'a str,
+    x: f64,
+    row: usize,
+}
+
+impl LegendEntry<'_> {
+    fn draw(&self, svg: &mut String) {
+        let base = FIRST_ROW + LEGEND_ROW * self.row as f64;
+        put(
+            svg,
+            format_args!(
+                r#"<rect x="{:.1}" y="{:.1}" width="14" height="10" rx="2" fill="{}"/><text class="legend" x="{:.1}" y="{base:.1}">{}</text>"#,
+                self.x,
+                base - 9.0,
+                self.colour,
+                self.x + 19.0,
+                escape(self.name)
+            ),
+        );
     }
 }
 
@@ -314,8 +344,27 @@ fn put(target: &mut String, text: std::fmt::Arguments<'_>) {
     target.write_fmt(text).expect("writing to a string cannot fail");
 }
 
+/// Text for the description of a drawing.
+fn plain(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('_', "")
+}
+
+/// Text for SVG; the letter after an underscore becomes an index.
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let mut parts = text.split('_');
+    let mut escaped = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let rest = part.chars().next().map_or(0, char::len_utf8);
+        let (index, rest) = part.split_at(rest);
+        put(
+            &mut escaped,
+            format_args!(
+                r#"<tspan dy="3" font-size="75%">{index}</tspan><tspan dy="-3">{rest}</tspan>"#
+            ),
+        );
+    }
+    escaped
 }
 
 #[cfg(test)]

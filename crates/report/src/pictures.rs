@@ -6,10 +6,15 @@ use sphcut_record::{Run, RunError};
 use sphcut_sph::Snapshot;
 
 /// Fields shown in a report.
-const FIELDS: [Field; 4] =
-    [Field::Temperature, Field::PlasticStrain, Field::VonMisesStress, Field::Speed];
-const PICTURE_WIDTH: u32 = 1100;
-const ANIMATION_WIDTH: u32 = 860;
+const FIELDS: [Field; 5] = [
+    Field::Temperature,
+    Field::PlasticStrain,
+    Field::PlasticStrainRate,
+    Field::VonMisesStress,
+    Field::Speed,
+];
+const PICTURE_WIDTH: u32 = 1000;
+const ANIMATION_WIDTH: u32 = 960;
 /// Size of the window about the cutting edge in uncut chip thicknesses.
 const WINDOW: [f64; 2] = [11.0, 7.5];
 

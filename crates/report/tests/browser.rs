@@ -75,7 +75,7 @@ fn the_page_shows_every_picture_and_has_no_errors_in_a_browser() {
     let document = String::from_utf8_lossy(&output.stdout);
     let log = String::from_utf8_lossy(&output.stderr);
     assert!(
-        document.contains("6/6 images, 4 charts, overflow false"),
+        document.contains("7/7 images, 4 charts, overflow false"),
         "{:?}\n{log}",
         document.find("data-probe").map(|at| &document[at..at + 80])
     );
@@ -125,6 +125,6 @@ fn the_page_can_be_looked_at() {
     let Some(browser) = chromium() else { return };
     let screenshot = format!("--screenshot={}", kept.join("report.png").display());
     let profile = folder("screenshot");
-    browse(browser, &profile, &report, &["--window-size=1240,5200", &screenshot]);
+    browse(browser, &profile, &report, &["--window-size=1240,7600", &screenshot]);
     assert!(kept.join("report.png").exists());
 }

@@ -38,7 +38,15 @@ pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
 }
 
 fn figure(name: &str, value: &str, unit: &str) -> Markup {
-    html! { div { dt { (name) } dd { (value) @if !unit.is_empty() { " " small { (unit) } } } } }
+    html! { div { dt { (symbol(name)) } dd { (value) @if !unit.is_empty() { " " small { (unit) } } } } }
+}
+
+/// A name whose symbol has an index after an underscore.
+fn symbol(name: &str) -> Markup {
+    match name.split_once('_') {
+        Some((letter, index)) => html! { (letter) sub { (index) } },
+        None => html! { (name) },
+    }
 }
 
 /// A row of a table of results.
@@ -56,13 +64,13 @@ fn row(name: &'static str, value: String, unit: &'static str, note: impl Into<St
 fn table(caption: &str, rows: &[Row]) -> Markup {
     html! {
         div.scroll {
-            table {
+            table.results {
                 caption { (caption) }
                 thead { tr { th { "Quantity" } th.n { "Value" } th { "Unit" } th { "Note" } } }
                 tbody {
                     @for row in rows {
                         tr {
-                            th scope="row" { (row.name) }
+                            th scope="row" { (symbol(row.name)) }
                             td.n { (row.value) }
                             td { (row.unit) }
                             td { (row.note) }
@@ -251,7 +259,7 @@ pub(super) fn balances(run: &Run, result: &ProcessResult) -> Markup {
 
 fn energy_table(run: &Run, energy: &EnergyBalance) -> Markup {
     let per_width = run.facts.force_factor() / run.facts.width_of_cut;
-    let value = |energy: f64| three_digits(energy * per_width * 1e-3);
+    let value = |energy: f64| three_digits(energy * per_width);
     let kind = |kind: TermKind| match kind {
         TermKind::Physical => "physical",
         TermKind::Numerical => "numerical",
@@ -261,12 +269,12 @@ fn energy_table(run: &Run, energy: &EnergyBalance) -> Markup {
         h3 { "Energy at the end of the run" }
         div.scroll { table {
             caption { "Shares of the work supplied. The numerical share adds absolute values." }
-            thead { tr { th { "Term" } th { "Kind" } th.n { "J/mm" } th.n { "Share" } } }
+            thead { tr { th { "Term" } th { "Kind" } th.n { "mJ/mm" } th.n { "Share" } } }
             tbody {
                 tr {
                     th scope="row" { "Work supplied" } td {} td.n { (value(energy.supplied)) } td.n { (percent(1.0)) }
                 }
-                @for term in &energy.terms {
+                @for term in energy.terms.iter().filter(|term| term.kind != TermKind::Closure) {
                     tr {
                         th scope="row" {
                             span.swatch style={ "background:" (term_colour(term.channel)) } {}

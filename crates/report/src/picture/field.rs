@@ -51,7 +51,7 @@ impl Field {
         match self {
             Self::Temperature => "Temperature in K",
             Self::PlasticStrain => "Plastic strain",
-            Self::PlasticStrainRate => "log\u{2081}\u{2080} of plastic strain rate in 1/s",
+            Self::PlasticStrainRate => "log\u{2081}\u{2080} of strain rate in 1/s",
             Self::VonMisesStress => "von Mises stress in MPa",
             Self::Pressure => "Pressure in MPa",
             Self::Speed => "Speed in m/s",
@@ -96,7 +96,8 @@ impl Field {
     }
 
     /// Lower and upper end of the colour bar that suit these snapshots together: from the
-    /// smallest value (strain, stress and speed: from zero) to the 99.8 % quantile, so that a
+    /// smallest value (strain, stress and speed: from zero;
+    /// strain rate: four decades) to the 99.8 % quantile, so that a
     /// single particle caught at the cutting edge does not spoil the picture.
     #[must_use]
     pub fn range<'a>(self, snapshots: impl IntoIterator<Item = &'a Snapshot>) -> (f64, f64) {
@@ -107,12 +108,14 @@ impl Field {
             let index = (share * all.len().saturating_sub(1) as f64).round() as usize;
             all.get(index).copied().unwrap_or(0.0)
         };
+        let high = at(0.998);
         let low = match self {
             Self::Temperature => at(0.0),
+            // Four decades.
+            Self::PlasticStrainRate => (high - 4.0).max(0.0),
             Self::Pressure => at(0.002),
             _ => 0.0,
         };
-        let high = at(0.998);
         if high > low { (low, high) } else { (low, low + self.least_span()) }
     }
 

@@ -104,7 +104,7 @@ struct Layout {
 impl Layout {
     fn new(width: u32, view: View) -> Self {
         let width = (width as usize).clamp(240, 8000);
-        let font = (width as f64 / 62.0).clamp(11.0, 40.0);
+        let font = (width as f64 / 46.0).clamp(11.0, 40.0);
         let (left, right) = ((4.2 * font) as usize, (8.2 * font) as usize);
         let (top, bottom) = ((2.2 * font) as usize, (3.6 * font) as usize);
         let plot_width = width - left - right;
@@ -225,7 +225,7 @@ fn draw_scale_bar(canvas: &mut Canvas, layout: &Layout) {
         format!("{micrometres} \u{b5}m")
     };
     let length = micrometres * 1e-6 * mapping.scale;
-    let (x1, y) = (plot.x1 as f64 - font, plot.y0 as f64 + 1.9 * font);
+    let (x1, y) = (plot.x1 as f64 - font, plot.y0 as f64 + 2.0 * font);
     let x0 = x1 - length;
     let half = crate::canvas::text_width(&text, *font).max(length) / 2.0 + 0.5 * font;
     let middle = (x0 + x1) / 2.0;
@@ -233,7 +233,7 @@ fn draw_scale_bar(canvas: &mut Canvas, layout: &Layout) {
     let area = Rectangle {
         x0: clamp(middle - half),
         x1: clamp(middle + half),
-        y0: (y - 1.9 * font).max(plot.y0 as f64) as usize,
+        y0: (y - 1.8 * font).max(plot.y0 as f64 + 1.0) as usize,
         y1: (y + 0.5 * font) as usize,
     };
     canvas.fill(area, crate::canvas::WHITE);
