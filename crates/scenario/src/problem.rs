@@ -3,6 +3,7 @@
 
 use crate::units::UnitError;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -255,18 +256,30 @@ impl Problem {
         let (message, label, help) =
             (self.mistake.message(), self.mistake.label(), self.mistake.help());
         let title = Level::ERROR.primary_title(message.as_str());
-        let text = self.source.text.as_str();
+        let text = visible(&self.source.text);
+        let file = self.file.replace(char::is_control, "\u{b7}");
         let mut group = if text.is_empty() {
-            title.element(annotate_snippets::Origin::path(self.file.as_str()))
+            title.element(annotate_snippets::Origin::path(file.as_str()))
         } else {
             let mark = AnnotationKind::Primary.span(self.span.clone());
             let mark = if label.is_empty() { mark } else { mark.label(label.as_str()) };
-            title.element(Snippet::source(text).path(self.file.as_str()).annotation(mark))
+            title.element(Snippet::source(text.as_ref()).path(file.as_str()).annotation(mark))
         };
         if !help.is_empty() {
             group = group.element(Level::HELP.message(help.as_str()));
         }
         renderer.render(&[group])
+    }
+}
+
+/// Text without the control characters U+0080 to U+009F, which some terminals obey; those below
+/// are replaced by the renderer. The stand-in has the same two bytes of UTF-8: places stay valid.
+fn visible(text: &str) -> Cow<'_, str> {
+    let obeyed = |c: char| ('\u{80}'..='\u{9f}').contains(&c);
+    if text.contains(obeyed) {
+        Cow::Owned(text.replace(obeyed, "\u{b7}"))
+    } else {
+        Cow::Borrowed(text)
     }
 }
 

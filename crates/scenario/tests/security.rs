@@ -141,8 +141,9 @@ fn names_with_escape_sequences_do_not_reach_the_terminal() {
 fn escape_sequences_in_the_file_do_not_reach_the_terminal() {
     for text in ["title = \"\u{1b}[31m\"\n", "# \u{1b}]0;x\u{7}\nx = \"1 m\"\n", "\u{9b}31m = 1\n"]
     {
-        for problem in parse(text, "escape.toml", None, &OUTSIDE).unwrap_err() {
+        for problem in parse(text, "\u{1b}[2J\u{9b}escape.toml", None, &OUTSIDE).unwrap_err() {
             let shown = problem.to_string();
+            assert!(shown.contains("escape.toml"));
             let control = |c: char| c.is_control() && c != '\n';
             assert!(!shown.contains(control), "{shown:?}");
             assert!(!problem.mistake.message().contains(control), "{problem:?}");
