@@ -15,7 +15,8 @@ const HEAD: &str = "<!-- Generated from the tables of the program; a test of sph
 A scenario is a TOML file. It is either a **cut** (`[workpiece]`, `[tool]`, `[process]`) or a set of **bodies**
 (`[[body]]`, `[[support]]`, `[wall]`). `sphcut check FILE` shows what was understood, in your units and in SI, and
 tells all mistakes of a file at once. For completion in an editor: `sphcut schema > scenario.schema.json`, and
-`#:schema scenario.schema.json` as the first line of the scenario.
+`#:schema scenario.schema.json` as the first line of the scenario. Start from `scenarios/quickstart.toml` for a cut, and
+from `crates/scenario/tests/good/` for bodies.
 
 Conventions of a cut, before `mirrored` and `orientation` act: the workpiece fills 0 <= x <= length,
 -height <= y <= 0; its uncut surface is y = 0. The lowest point of the tool runs at y = -h. The tool starts left of

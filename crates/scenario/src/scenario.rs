@@ -12,6 +12,7 @@ use crate::{LoadOptions, bodies, sections, warnings};
 use sphcut_physics::Quantity;
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Dimension, Switch};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use toml::de::DeTable;
@@ -134,12 +135,40 @@ fn read_document(
     surroundings: &Surroundings,
 ) -> Option<Scenario> {
     let (document, errors) = DeTable::parse_recoverable(&source.text);
+    let table = (document.get_ref(), crate::first_line(&source.text));
     if !errors.is_empty() {
         crate::report_syntax(findings, source, &errors);
+        // The scenario is incomplete; what counts is the mistakes in the rest of it.
+        let _ = read_sections(findings, source, table, surroundings);
+        keep_certain(&mut findings.problems);
         return None;
     }
-    let heading = crate::first_line(&source.text);
-    let table = (document.get_ref(), heading);
+    read_sections(findings, source, table, surroundings)
+}
+
+/// Beside syntax errors only mistakes in single values are certain: a broken line may be the
+/// reason for anything that is missing, unknown or contradictory.
+fn keep_certain(problems: &mut Vec<Problem>) {
+    let broken: Vec<usize> = problems
+        .iter()
+        .filter(|problem| matches!(problem.mistake, Mistake::Syntax { .. }))
+        .map(|problem| problem.line)
+        .collect();
+    problems.retain(|problem| match problem.mistake {
+        Mistake::Syntax { .. } => true,
+        Mistake::Quantity { .. } | Mistake::OutOfRange { .. } | Mistake::NotAChoice { .. } => {
+            !broken.contains(&problem.line)
+        }
+        _ => false,
+    });
+}
+
+fn read_sections(
+    findings: &mut Findings,
+    source: &Arc<Source>,
+    table: (&DeTable<'_>, Range<usize>),
+    surroundings: &Surroundings,
+) -> Option<Scenario> {
     let root = reader::read(findings, source, table, &sections::root(), 2);
     match kind(findings, &root)? {
         Kind::Cut => read_cut(findings, &root, surroundings),
@@ -207,6 +236,7 @@ fn read_cut(
         findings.problem(&root.source, root.span("dimension"), mistake);
     }
     let common = Common::read(findings, root);
+    refuse_rest(findings, root, &common);
     let mut shelf = Shelf::new(findings, root, surroundings, common.heat_acts());
     let workpiece = cut::workpiece(findings, root, &mut shelf);
     let process = cut::process(findings, root);
@@ -230,6 +260,20 @@ fn read_cut(
     cut.fill(&mut setup);
     let stop = Stop { time, travel: stop.extent, steady: stop.steady };
     Some(finished(findings, root, setup, output.output, stop, cut.warnings()))
+}
+
+/// Without mechanics there is no cut.
+fn refuse_rest(findings: &mut Findings, root: &Record<'_>, common: &Common) {
+    if common.numerics.as_ref().is_some_and(|(_, mechanics)| !mechanics.is_on()) {
+        let mistake = Mistake::Contradiction {
+            message: "mechanics = false leaves nothing to cut: the particles rest".to_owned(),
+            help: "remove `mechanics`; heat conduction alone needs [[body]]".to_owned(),
+        };
+        let place = root.table("numerics").map_or(root.heading.clone(), |(table, heading)| {
+            table.get("mechanics").map_or(heading, toml::Spanned::span)
+        });
+        findings.problem(&root.source, place, mistake);
+    }
 }
 
 fn read_bodies(
@@ -341,7 +385,7 @@ fn refuse(findings: &mut Findings, record: &Record<'_>, keys: &[&str], instead: 
 fn read_steady(
     findings: &mut Findings,
     stop: &Record<'_>,
-    table: (&DeTable<'_>, std::ops::Range<usize>),
+    table: (&DeTable<'_>, Range<usize>),
 ) -> Option<Steady> {
     let record = reader::read(findings, &stop.source, table, &sections::steady(), 2);
     let minimum_travel = record.number("minimum_travel");

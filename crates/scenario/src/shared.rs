@@ -54,7 +54,9 @@ fn values(record: &Record<'_>, table: &'static [Parameter]) -> Option<Values> {
 
 /// `[heat]`.
 pub(crate) fn heat(findings: &mut Findings, root: &Record<'_>) -> Option<Heat> {
-    optional_section(findings, root, &sections::heat(), 2, |_, record| {
+    optional_section(findings, root, &sections::heat(), 2, |findings, record| {
+        refuse_idle_share(findings, record, "taylor_quinney", "plastic_heating");
+        refuse_idle_share(findings, record, "friction_heat_share", "friction_heating");
         Some(Heat {
             plastic_heating: switch(record.switch("plastic_heating")?),
             friction_heating: switch(record.switch("friction_heating")?),
@@ -62,6 +64,17 @@ pub(crate) fn heat(findings: &mut Findings, root: &Record<'_>) -> Option<Heat> {
             values: values(record, sphcut_physics::heat::PARAMETERS)?,
         })
     })
+}
+
+/// A share of a mechanism that is switched off has no effect.
+fn refuse_idle_share(findings: &mut Findings, record: &Record<'_>, share: &str, mechanism: &str) {
+    if record.is_written(share) && record.switch(mechanism) == Some(false) {
+        let mistake = Mistake::Contradiction {
+            message: format!("`{share}` has no effect with {mechanism} = false"),
+            help: format!("remove one of `{share}` and `{mechanism}`"),
+        };
+        findings.problem(&record.source, record.span(share), mistake);
+    }
 }
 
 /// `[numerics]`: the values, and whether the particles move.

@@ -197,3 +197,68 @@ fn warnings_say_what_is_not_resolved() {
     let outline = good("tests/good/cut_with_outline.toml").warnings;
     assert!(!outline.iter().any(|warning| warning.contains("climb")), "{outline:?}");
 }
+
+/// An override replaces single values; another law starts anew.
+#[test]
+fn an_override_changes_single_values_or_the_law() {
+    let with = |lines: &str| {
+        let text = include_str!("../../../scenarios/quickstart.toml").replace(
+            "[resolution]",
+            &format!("[workpiece.override.flow_stress]\n{lines}\n[resolution]"),
+        );
+        sphcut_scenario::parse(&text, "override.toml", None, &LoadOptions::default())
+    };
+    let one = with("initial_yield = \"400 MPa\"").unwrap().setup.materials.remove(0);
+    assert_eq!(one.flow_stress.key, "johnson_cook");
+    assert_eq!(one.flow_stress_values.get("initial_yield"), 400e6);
+    assert_eq!(one.flow_stress_values.get("rate_coefficient"), 0.07);
+    let law = with("law = \"linear_hardening\"\ninitial_yield = \"400 MPa\"").unwrap();
+    let other = &law.setup.materials[0];
+    assert_eq!(other.flow_stress.key, "linear_hardening");
+    assert_eq!(other.flow_stress_values.get("hardening_modulus"), 0.0);
+    assert_eq!(other.density, 7850.0);
+    let missing = with("law = \"linear_hardening\"").unwrap_err();
+    assert_eq!(missing.len(), 1, "{}", shown(&missing));
+    assert!(missing[0].to_string().contains("`initial_yield` is missing"), "{}", missing[0]);
+}
+
+/// Figures of the laws of the shipped steels against their sources.
+#[test]
+fn shipped_materials_have_the_figures_of_their_sources() {
+    let material = |name: &str| {
+        let text =
+            include_str!("../../../scenarios/quickstart.toml").replace("aisi1045_table5", name);
+        let parsed = sphcut_scenario::parse(&text, name, None, &LoadOptions::default());
+        parsed.unwrap_or_else(|problems| panic!("{}", shown(&problems))).setup.materials.remove(0)
+    };
+    // Name, density, then A, B in MPa, n, C, m, reference rate, reference and melting temperature.
+    let johnson_cook: [(&str, f64, [f64; 8]); 7] = [
+        ("aisi1045_table5", 7850.0, [331.0, 614.0, 0.26, 0.07, 1.19, 1.0, 293.15, 1733.0]),
+        ("aisi1045_jaspers", 7850.0, [553.1, 600.8, 0.234, 0.0134, 1.0, 1.0, 293.15, 1733.0]),
+        ("en_aw_6262a_t8", 2700.0, [340.0, 257.56, 0.3908, 0.011, 1.34, 0.02, 300.0, 855.0]),
+        (
+            "ti6al4v_klippel_2026",
+            4430.0,
+            [852.1, 338.9, 0.148, 0.02754, 0.5961, 1.0, 300.0, 1836.0],
+        ),
+        ("ti6al4v_seo_2005", 4430.0, [997.9, 653.1, 0.45, 0.0198, 0.7, 1.0, 293.0, 1873.0]),
+        ("ti6al4v_johnson_1985", 4430.0, [862.0, 331.0, 0.34, 0.01, 0.8, 1.0, 300.0, 1836.0]),
+        ("ofhc_copper_johnson_cook", 8960.0, [90.0, 292.0, 0.31, 0.025, 1.09, 1.0, 298.0, 1356.0]),
+    ];
+    for (name, density, figures) in johnson_cook {
+        let material = material(name);
+        assert_eq!(material.density, density, "{name}");
+        let found: Vec<f64> = material.flow_stress_values.iter().map(|value| value.1).collect();
+        for (index, (found, figure)) in found.iter().zip(figures).enumerate() {
+            let figure = if index < 2 { figure * 1e6 } else { figure };
+            assert_relative_eq!(*found, figure, max_relative = 1e-12);
+        }
+    }
+    // Young's modulus comes back from K and G.
+    assert_relative_eq!(material("ofhc_copper_linear").moduli.young(), 117e9, max_relative = 1e-12);
+    assert_relative_eq!(
+        material("ti6al4v_sima_ozel").moduli.young(),
+        113.8e9,
+        max_relative = 1e-12
+    );
+}
