@@ -7,6 +7,7 @@
 
 mod bodies;
 mod cut;
+mod ending;
 mod field_reader;
 mod files;
 mod findings;
@@ -32,8 +33,9 @@ pub use files::OutsideFiles;
 pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem};
 
+pub use ending::{Output, Steady, Stop};
 pub use reference::reference;
-pub use scenario::{Output, Scenario, Steady, Stop, load, parse};
+pub use scenario::{Scenario, load, parse};
 pub use schema::{schema, taplo};
 pub use units::UnitError;
 
