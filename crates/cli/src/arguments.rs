@@ -1,6 +1,6 @@
 //! The command line, declared once: parser, help and shell completions come from here.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -15,6 +15,7 @@ Examples:
   sphcut check scenarios/quickstart.toml            what would run, how long it takes, what to watch
   sphcut run cut.toml --out out/fine --threads 2    choose folder and threads
   sphcut run cut.toml --resume                      go on after Ctrl-C or a power cut
+  sphcut validate --tier quick                      compare the solver with known answers
   sphcut catalogue friction                         the friction laws with equations and ranges
 
 Exit codes:
@@ -48,6 +49,14 @@ pub enum Command {
     Catalogue {
         /// A kind (`materials`, `flow_stress`, `friction`, ...) or one entry (`johnson_cook`).
         name: Option<String>,
+    },
+    /// Compare the solver with known answers and measurements.
+    #[command(after_help = VALIDATE_HELP)]
+    Validate(ValidateArguments),
+    /// Write summary and report of a run again, finished or not.
+    Report {
+        /// Folder of the run, with `run.h5` inside.
+        run: PathBuf,
     },
     /// Write the snapshots of a run as VTKHDF for ParaView.
     Export {
@@ -93,6 +102,10 @@ Examples:
   sphcut catalogue                  everything, one line each
   sphcut catalogue johnson_cook     one law: equation, parameters, ranges, source
   sphcut catalogue materials        the materials shipped in scenarios/materials";
+
+const VALIDATE_HELP: &str = "\
+Tiers: quick takes seconds and runs in the tests; standard takes minutes; long takes hours.
+A case marked as a known gap is shown as such and never counts as passed.";
 
 const COMPLETIONS_HELP: &str = "\
 Examples:
@@ -159,6 +172,36 @@ pub struct SchemaArguments {
     /// Replace existing files.
     #[arg(long, requires = "write")]
     pub force: bool,
+}
+
+/// How much of the validation is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TierChoice {
+    /// Seconds per case.
+    Quick,
+    /// Minutes per case.
+    Standard,
+    /// Hours per case.
+    Long,
+}
+
+/// Arguments of `validate`.
+#[derive(Debug, Args)]
+pub struct ValidateArguments {
+    /// Names of single cases [default: all of the tier].
+    pub cases: Vec<String>,
+    /// Largest tier to run.
+    #[arg(long, default_value = "quick")]
+    pub tier: TierChoice,
+    /// Folder with the cases.
+    #[arg(long, value_name = "DIR", default_value = "validation")]
+    pub folder: PathBuf,
+    /// Threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// List the cases without running them.
+    #[arg(long)]
+    pub list: bool,
 }
 
 #[cfg(test)]

@@ -10,10 +10,12 @@ mod interrupt;
 mod loading;
 mod outcome;
 mod progress;
+mod report;
 mod results;
 mod run;
 mod schema;
 mod text;
+mod validate;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
@@ -37,6 +39,8 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Export { run, to, force } => export::export(&run, to.as_deref(), force),
+        Command::Validate(arguments) => validate::validate(&arguments),
+        Command::Report { run } => report::report(&run),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Catalogue { name } => catalogue::print(name.as_deref()),
         Command::Completions { shell } => {

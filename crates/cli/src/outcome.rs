@@ -4,9 +4,10 @@ use crate::digest::digest;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{Style, emit};
 
+use crate::results::Results;
 use crate::text;
 use serde_json::{Value, json};
-use sphcut_postprocess::{ProcessResult, summary_json};
+use sphcut_postprocess::summary_json;
 use sphcut_record::driver::RunOptions;
 use sphcut_record::{Run, RunError};
 use sphcut_scenario::Scenario;
@@ -91,17 +92,20 @@ pub fn interrupted(run: &Run, style: Style) {
 }
 
 /// Says what came out and where it is.
-pub fn finished(run: &Run, result: &ProcessResult, folder: &Path, style: Style) {
+pub fn finished(run: &Run, results: &Results, style: Style) {
+    let result = &results.result;
     let summary = summary_json(result);
     match style {
         Style::Json => emit(&json!({
             "event": "done",
-            "out": folder.display().to_string(),
+            "out": results.page.parent().map(|folder| folder.display().to_string()),
+            "report": results.page.display().to_string(),
             // The text comes from a serialiser: it is JSON.
             "summary": serde_json::from_str::<Value>(&summary).unwrap_or_default(),
         })),
         Style::Human => {
             println!("{}", digest(run, result).trim_end());
+            println!("report             {}", results.page.display());
         }
         Style::Quiet => {}
     }

@@ -1,6 +1,6 @@
 //! What is written after a run: `summary.json` and the report.
 
-use crate::failure::Failure;
+use crate::failure::{ExitCode, Failure};
 use crate::outcome;
 use sphcut_postprocess::{ProcessResult, evaluate, summary_json};
 use sphcut_record::Run;
@@ -9,11 +9,22 @@ use std::path::{Path, PathBuf};
 /// Name of the numbers for programs.
 const SUMMARY: &str = "summary.json";
 
-/// Evaluates the runand writes its summary into `folder`.
-pub fn write(run: &Run, folder: &Path) -> Result<ProcessResult, Failure> {
+/// What a run means, and the page that shows it.
+#[derive(Debug)]
+pub struct Results {
+    /// Forces, chip, balances.
+    pub result: ProcessResult,
+    /// Path of the report.
+    pub page: PathBuf,
+}
+
+/// Evaluates the runwrites its summary and its report into `folder`.
+pub fn write(run: &Run, folder: &Path) -> Result<Results, Failure> {
     let result = evaluate(run).map_err(|error| outcome::failed(&error, folder))?;
     save(&folder.join(SUMMARY), summary_json(&result).as_bytes())?;
-    Ok(result)
+    let page = sphcut_report::write_report(run, &result, folder)
+        .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
+    Ok(Results { result, page })
 }
 
 /// Writes beside the target and renames: a full disk leaves the old file whole.

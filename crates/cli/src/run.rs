@@ -36,8 +36,8 @@ fn follow(arguments: &RunArguments, style: Style) -> Result<ExitCode, Failure> {
         outcome::interrupted(&run, style);
         return Ok(ExitCode::Interrupted);
     }
-    let result = results::write(&run, &options.out_dir)?;
-    outcome::finished(&run, &result, &options.out_dir, style);
+    let results = results::write(&run, &options.out_dir)?;
+    outcome::finished(&run, &results, style);
     Ok(ExitCode::Done)
 }
 

@@ -103,3 +103,50 @@ fn the_schema_is_printed_or_written_once() {
     shop.sphcut(&["schema", "--write", ".", "--force"]).expect_code(0);
     shop.sphcut(&["schema", "--write", "nowhere"]).expect_code(4).expect_err("nowhere");
 }
+
+#[test]
+fn a_report_can_be_written_again_also_of_a_run_that_blew_up() {
+    let shop = Workshop::new("commands_report");
+    let text =
+        TINY.replace("150 m/min", "1000 m/s").replace("mass_scaling = 1000", "mass_scaling = 1e4");
+    shop.write("tiny.toml", &text);
+    shop.sphcut(&["run", "tiny.toml", "--quiet", "--out", "wild"]).expect_code(3);
+    let ended = shop.sphcut(&["report", "wild"]).expect_code(0);
+    assert!(ended.out.contains("report.html"), "{}", ended.out);
+    assert!(shop.read("wild/report.html").contains("A tiny cut"));
+    assert!(shop.path("wild/summary.json").exists());
+    shop.sphcut(&["report", "nowhere"]).expect_code(4).expect_err("nowhere");
+}
+
+/// The top of the repository, where the cases are.
+const CASES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation");
+
+#[test]
+fn validate_lists_and_runs_cases_and_knows_their_names() {
+    let shop = Workshop::new("commands_validate");
+    let list = shop.sphcut(&["validate", "--list", "--folder", CASES]).expect_code(0).out;
+    assert!(list.contains("johnson_cook_points") && list.contains("quick"), "{list}");
+    let verdict =
+        shop.sphcut(&["validate", "johnson_cook_points", "--folder", CASES]).expect_code(0).out;
+    assert!(verdict.contains("1 case: 1 passed"), "{verdict}");
+    shop.sphcut(&["validate", "johnson", "--folder", CASES])
+        .expect_code(2)
+        .expect_err("johnson_cook_points");
+    shop.sphcut(&["validate"]).expect_code(4).expect_err("--folder");
+}
+
+#[test]
+fn a_case_that_does_not_hold_is_not_passed() {
+    let shop = Workshop::new("commands_validate_wrong");
+    let case = shop.path("cases/johnson_cook_points");
+    std::fs::create_dir_all(&case).unwrap();
+    for file in std::fs::read_dir(format!("{CASES}/johnson_cook_points")).unwrap() {
+        let file = file.unwrap();
+        let text = std::fs::read_to_string(file.path()).unwrap();
+        // Another metal than the reference was computed for.
+        let wrong = text.replace("\"aisi1045_jaspers\"", "\"ofhc_copper_johnson_cook\"");
+        std::fs::write(case.join(file.file_name()), wrong).unwrap();
+    }
+    let verdict = shop.sphcut(&["validate", "--folder", "cases"]).expect_code(1).out;
+    assert!(verdict.contains("FAIL"), "{verdict}");
+}

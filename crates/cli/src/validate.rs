@@ -1,0 +1,139 @@
+//! `sphcut validate`: the cases under `validation/`, run and judged.
+
+use crate::arguments::{TierChoice, ValidateArguments};
+use crate::failure::{ExitCode, Failure};
+use crate::{loading, text};
+use indicatif::{ProgressBar, ProgressStyle};
+use sphcut_verification::{
+    Case, Finding, Outcome, Progress, RunOptions, Tier, Verdict, cases, run_case,
+};
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+/// Runs the chosen cases and prints their verdicts.
+pub fn validate(arguments: &ValidateArguments) -> Result<ExitCode, Failure> {
+    let cases = chosen(arguments)?;
+    if arguments.list {
+        return crate::print_bytes(list(&cases).as_bytes());
+    }
+    let pool = loading::pool(loading::threads(arguments.threads))?;
+    let mut verdicts = Vec::with_capacity(cases.len());
+    for case in &cases {
+        let (verdict, duration) = pool.install(|| timed(case));
+        crate::print_bytes(page(&verdict, duration).as_bytes())?;
+        verdicts.push(verdict);
+    }
+    crate::print_bytes(total(&verdicts).as_bytes())?;
+    let as_stated = verdicts.iter().all(|verdict| verdict.outcome.is_as_stated());
+    Ok(if as_stated { ExitCode::Done } else { ExitCode::NotValidated })
+}
+
+/// The cases of the tier and below, or those named.
+fn chosen(arguments: &ValidateArguments) -> Result<Vec<Case>, Failure> {
+    let folder = arguments.folder.display();
+    if !arguments.folder.is_dir() {
+        return Err(Failure::new(ExitCode::InputOutput, format!("there is no folder `{folder}`"))
+            .advise("run this at the top of the repository, or say --folder DIR"));
+    }
+    let all = cases(&arguments.folder).map_err(|error| Failure::input(error.to_string()))?;
+    if let Some(unknown) = arguments.cases.iter().find(|name| !all.iter().any(|c| c.name == **name))
+    {
+        let names: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
+        return Err(Failure::input(format!("there is no case `{unknown}` in `{folder}`"))
+            .advise(format!("there are {}", names.join(", "))));
+    }
+    let largest = match arguments.tier {
+        TierChoice::Quick => Tier::Quick,
+        TierChoice::Standard => Tier::Standard,
+        TierChoice::Long => Tier::Long,
+    };
+    let wanted = |case: &Case| match arguments.cases.as_slice() {
+        [] => case.tier <= largest,
+        names => names.contains(&case.name),
+    };
+    Ok(all.into_iter().filter(wanted).collect())
+}
+
+fn list(cases: &[Case]) -> String {
+    let mut page = String::new();
+    for case in cases {
+        let tier = match case.tier {
+            Tier::Quick => "quick",
+            Tier::Standard => "standard",
+            Tier::Long => "long",
+        };
+        let _ = writeln!(page, "{:<28} {tier:<9} {}", case.name, case.title);
+    }
+    page
+}
+
+/// Runs one case behind a bar that only a terminal sees.
+fn timed(case: &Case) -> (Verdict, Duration) {
+    let bar = ProgressBar::new(1000);
+    let style = ProgressStyle::with_template("{bar:24} {percent:>3} %  {msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+    let start = Instant::now();
+    let verdict = run_case(case, &RunOptions::default(), &mut |progress: &Progress| {
+        bar.set_position((1000.0 * progress.fraction) as u64);
+        bar.set_message(format!("{} {}", progress.case, progress.run));
+    });
+    bar.finish_and_clear();
+    (verdict, start.elapsed())
+}
+
+/// The verdict with one line for each expectation.
+fn page(verdict: &Verdict, duration: Duration) -> String {
+    let mut page = format!(
+        "{:<9} {}: {} ({})\n",
+        verdict.outcome.word(),
+        verdict.case,
+        verdict.title,
+        text::duration(duration)
+    );
+    if let Outcome::Broken { reason } = &verdict.outcome {
+        let _ = writeln!(page, "{}", text::wrap(reason, 100, "    "));
+    }
+    verdict.findings.iter().for_each(|finding| page.push_str(&line(finding)));
+    page
+}
+
+/// `    ok  bar: final length 0.0215 m; within 0.0214 to 0.0217: 0 <= 0`.
+fn line(finding: &Finding) -> String {
+    let mark = match (finding.holds, &finding.known_gap) {
+        (true, None) => "ok",
+        (false, Some(_)) => "gap",
+        (true, Some(_)) => "NO LONGER A GAP",
+        (false, None) => "FAILS",
+    };
+    let values: Vec<String> = finding.values.iter().map(|value| format!("{value:.6e}")).collect();
+    let unit = if finding.unit.is_empty() { String::new() } else { format!(" {}", finding.unit) };
+    let mut line = format!(
+        "    {mark}  {}: {} = {}{}; {} {} gives {:.3e}, limit {:.3e}\n",
+        finding.run,
+        finding.observable,
+        values.join(", "),
+        unit,
+        finding.metric.name(),
+        finding.reference,
+        finding.result,
+        finding.tolerance,
+    );
+    if let Some(gap) = &finding.known_gap {
+        let _ = writeln!(line, "{}", text::wrap(gap, 100, "         "));
+    }
+    line
+}
+
+/// How many cases ended how.
+fn total(verdicts: &[Verdict]) -> String {
+    let count = |word: &str| verdicts.iter().filter(|v| v.outcome.word() == word).count();
+    let words = ["passed", "known gap", "FAILED", "BROKEN"];
+    let parts: Vec<String> = words
+        .iter()
+        .map(|word| (count(word), word))
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, word)| format!("{count} {word}"))
+        .collect();
+    let plural = if verdicts.len() == 1 { "" } else { "s" };
+    format!("{} case{plural}: {}\n", verdicts.len(), parts.join(", "))
+}
