@@ -25,7 +25,7 @@ mod section;
 mod sections;
 mod shared;
 mod spelling;
-pub mod tool_geometry;
+mod tool_geometry;
 mod units;
 mod warnings;
 

@@ -30,7 +30,7 @@ pub fn taplo(schema_path: &str) -> String {
     format!(
         "# Completion and checks for scenarios in editors with taplo (Even Better TOML).\n\
          [[rule]]\n\
-         include = [\"scenarios/*.toml\", \"*.scenario.toml\"]\n\
+         include = [\"scenarios/*.toml\", \"validation/*/scenario*.toml\"]\n\
          \n\
          [rule.schema]\n\
          enabled = true\n\

@@ -1,3 +1,5 @@
+//! One value by hand for every kind of unit, every kind of mistake, and any text at all.
+
 use super::*;
 use approx::assert_relative_eq;
 use proptest::prelude::*;
