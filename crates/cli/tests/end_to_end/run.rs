@@ -225,3 +225,24 @@ fn a_changed_scenario_does_not_go_on_with_an_old_run() {
     shop.tiny_with("mass_scaling = 1000", "mass_scaling = 60");
     shop.sphcut(&["run", "tiny.toml", "--resume"]).expect_code(2).expect_err("mass_scaling = 60");
 }
+
+#[test]
+fn a_run_stops_once_its_mean_is_known_well_enough() {
+    let shop = Workshop::new("run_steady");
+    // A lax criterion: the test is about stopping early, not about when a cut is steady.
+    let text = TINY
+        .replace("length = \"0.8 mm\"", "length = \"1.8 mm\"")
+        .replace("snapshots = 4", "snapshots = 4\nsampling_travel = \"1 um\"")
+        .replace(
+            "travel = \"0.2 mm\"",
+            "travel = \"1.4 mm\"\n\
+             steady = { relative_half_width = 0.2, minimum_travel = \"0.2 mm\" }",
+        );
+    shop.write("tiny.toml", &text);
+    let ended = shop.sphcut(&["run", "tiny.toml"]).expect_code(0);
+    assert!(ended.out.contains("steady, stopped early"), "{}", ended.out);
+    let travelled = rows(&shop.read("out/tiny/forces.csv")).len();
+    assert!((200..1400).contains(&travelled), "{travelled} um");
+    let summary: Value = serde_json::from_str(&shop.read("out/tiny/summary.json")).unwrap();
+    assert_eq!(summary["steady"]["reached"], true);
+}
