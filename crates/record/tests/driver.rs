@@ -179,7 +179,12 @@ fn a_diverged_run_keeps_its_record_up_to_the_last_good_state() {
     // The value is not a number, which never equals itself.
     assert_eq!(format!("{:?}", saved.outcome), format!("{:?}", Outcome::Diverged(divergence)));
     assert_eq!(saved.samples.len(), 14);
-    assert_eq!(saved.snapshots.last().unwrap().unwrap().step, 100);
+    let last = saved.snapshots.last().unwrap().unwrap();
+    assert_eq!(last.step, 100);
+    let whole = Folder::new("not-diverged");
+    let stops = Fake { diverges_in: None, steps: 100, ..fake.clone() };
+    let good = run(&stops, &options(&whole.0, Start::New)).unwrap();
+    assert_eq!(*last, *good.snapshots.last().unwrap().unwrap(), "not the last good state");
     assert_eq!(Run::load_state(&record).unwrap().unwrap().integer("clock/step"), Some(&[100][..]));
     let again = run(&fake, &options(&folder.0, Start::Resume)).unwrap_err();
     assert!(matches!(again, RunError::Diverged { .. }), "{again}");

@@ -1,6 +1,6 @@
 //! One call of [`super::run`]: the loop over the steps and what is saved when.
 
-use super::{Control, Moment, Progress, RunOptions, Stepper};
+use super::{Control, Moment, Progress, RunOptions, Source, Stepper};
 use crate::files::partial::{CheckpointView, Partial};
 use crate::files::{self, Body, RunFiles};
 use crate::{
@@ -14,13 +14,14 @@ use std::time::{Duration, Instant};
 const CALL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A run being computed and recorded.
-pub(super) struct Session<'a, S: Stepper> {
+pub(super) struct Session<'a, S: Source> {
+    pub(super) source: &'a S,
     pub(super) provenance: &'a Provenance,
     pub(super) facts: Facts,
     pub(super) options: &'a RunOptions,
     pub(super) files: RunFiles,
     pub(super) partial: Partial,
-    pub(super) stepper: S,
+    pub(super) stepper: S::Stepper,
     pub(super) samples: Samples,
     pub(super) snapshots: Vec<SnapshotInfo>,
     pub(super) meter: Meter,
@@ -65,7 +66,7 @@ impl Meter {
     }
 }
 
-impl<S: Stepper> Session<'_, S> {
+impl<S: Source> Session<'_, S> {
     /// Steps to the end and puts the record together.
     pub(super) fn run(
         mut self,
@@ -218,6 +219,9 @@ impl<S: Stepper> Session<'_, S> {
             End::Reached(outcome) => outcome.clone(),
             End::Diverged(diverged) => Outcome::Diverged(diverged.clone().into()),
         };
+        if let End::Diverged(diverged) = end {
+            self.go_back_before(diverged)?;
+        }
         if outcome == Outcome::Interrupted {
             self.save_checkpoint()?;
         } else {
@@ -235,6 +239,26 @@ impl<S: Stepper> Session<'_, S> {
         };
         files::assemble(&self.files, &self.partial, &body, &self.snapshots)?;
         Ok((outcome, performance))
+    }
+
+    /// A simulation that diverged is of no further use. Its last good state is computed once more
+    /// from the last checkpoint: the same steps give the same bits.
+    fn go_back_before(&mut self, diverged: &Diverged) -> Result<(), RunError> {
+        let checkpoint = self.partial.checkpoint(self.provenance)?;
+        let mut stepper = match &checkpoint {
+            Some(saved) => self.source.restore(&saved.state)?,
+            None => self.source.start()?,
+        };
+        while stepper.steps() + 1 < diverged.step {
+            stepper.step().map_err(|earlier| RunError::Damaged {
+                path: self.files.partial(),
+                reason: format!(
+                    "the run {diverged}, but repeated from its checkpoint it {earlier}"
+                ),
+            })?;
+        }
+        self.stepper = stepper;
+        Ok(())
     }
 
     /// The record is on disk: what the unfinished run had saved is not needed any more.

@@ -9,13 +9,13 @@ use crate::{Outcome, Performance, Provenance, Run, RunError, Samples};
 /// What there is to do.
 pub(super) enum Begin<'a, S: Source> {
     /// Steps to compute.
-    Session(Box<Session<'a, S::Stepper>>),
+    Session(Box<Session<'a, S>>),
     /// Nothing: the result is complete.
     Complete(Box<Run>),
 }
 
 pub(super) fn begin<'a, S: Source>(
-    source: &S,
+    source: &'a S,
     provenance: &'a Provenance,
     options: &'a RunOptions,
 ) -> Result<Begin<'a, S>, RunError> {
@@ -54,7 +54,7 @@ fn refuse_existing(files: &RunFiles) -> Result<(), RunError> {
 
 /// Everything that can fail without touching a file comes first.
 fn fresh<'a, S: Source>(
-    source: &S,
+    source: &'a S,
     provenance: &'a Provenance,
     options: &'a RunOptions,
     files: RunFiles,
@@ -66,6 +66,7 @@ fn fresh<'a, S: Source>(
     let partial = Partial::create(&files, provenance, &facts)?;
     let meter = Meter::start(&stepper, Performance::default());
     Ok(Begin::Session(Box::new(Session {
+        source,
         provenance,
         facts,
         options,
@@ -79,7 +80,7 @@ fn fresh<'a, S: Source>(
 }
 
 fn resume<'a, S: Source>(
-    source: &S,
+    source: &'a S,
     provenance: &'a Provenance,
     options: &'a RunOptions,
     files: RunFiles,
@@ -100,6 +101,7 @@ fn resume<'a, S: Source>(
     };
     let meter = Meter::start(&stepper, earlier);
     Ok(Begin::Session(Box::new(Session {
+        source,
         provenance,
         facts: source.facts(),
         options,

@@ -8,7 +8,7 @@ pub trait Stepper {
     /// Advances by one time step.
     ///
     /// # Errors
-    /// A quantity that blew up; the state before the step stays readable.
+    /// A quantity that blew up; the stepper is then of no further use.
     fn step(&mut self) -> Result<StepReport, Diverged>;
     /// Whether the end time is reached.
     fn is_finished(&self) -> bool;

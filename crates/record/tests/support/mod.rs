@@ -93,9 +93,12 @@ impl Source for Fake {
 impl Stepper for FakeStepper {
     fn step(&mut self) -> Result<StepReport, Diverged> {
         if self.fake.diverges_in == Some(self.step + 1) {
+            // As with the solver, the state is useless afterwards.
+            self.step += 1;
+            self.state.fill(f64::NAN);
             return Err(Diverged {
-                step: self.step + 1,
-                time: self.time(),
+                step: self.step,
+                time: self.time() - TIME_STEP,
                 particle: 17,
                 position: [1e-3, -2e-3, 0.0],
                 quantity: "temperature",
