@@ -4,8 +4,9 @@
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::{CuttingFrame, Vector};
 
-/// Particles closer than this many spacings hang together.
-const LINK: f64 = 1.6;
+/// Particles closer than this many spacings hang together: flow may stretch the rows of a lattice
+/// apart to twice their spacing.
+const LINK: f64 = 2.2;
 /// Clusters of fewer particles are loose: crumbs, not chip.
 const SMALLEST_CLUSTER: usize = 20;
 
@@ -66,7 +67,7 @@ impl Cloud {
         Self { spacing, loose: all.len() - points.len(), points, source, grid }
     }
 
-    /// Calls `visit` for each particle within `radius` of `centre`; `radius` is at most 1.6
+    /// Calls `visit` for each particle within `radius` of `centre`; `radius` is at most 2.2
     /// spacings.
     pub fn near(&self, centre: Point, radius: f64, mut visit: impl FnMut(usize)) {
         debug_assert!(radius <= LINK * self.spacing * (1.0 + 1e-12));
@@ -87,7 +88,7 @@ impl Cloud {
     /// Direction from the material outwards at a particle of the surface; `None` inside.
     /// The sum of the unit vectors from the neighbours vanishes inside and points outwards at a
     /// surface; a particle is at the surface where it is at least 0.25 of their number (a
-    /// straight edge of a lattice gives 0.4).
+    /// straight edge gives 2 / pi of a half disc of neighbours).
     pub fn outward_normal(&self, particle: usize) -> Option<Point> {
         let here = self.points[particle];
         let (mut sum, mut count) = ([0.0, 0.0], 0.0);

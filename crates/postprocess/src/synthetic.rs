@@ -29,6 +29,8 @@ pub struct SyntheticCut {
     pub height: f64,
     /// Spacing of the particles.
     pub particle_spacing: f64,
+    /// Distance between the rows of the chip over the spacing; along the rows it is the inverse.
+    pub chip_stretch: f64,
     /// Share of a spacing by which particles are displaced (deterministically).
     pub disorder: f64,
     /// Angle by which everything is turned about the origin.
@@ -49,6 +51,7 @@ impl Default for SyntheticCut {
             length: 2.5e-3,
             height: 0.5e-3,
             particle_spacing: 10e-6,
+            chip_stretch: 1.0,
             disorder: 0.15,
             orientation: 0.0,
             loose_particles: 12,
@@ -293,13 +296,14 @@ impl Field<'_> {
         let spacing = cut.particle_spacing;
         let tilt = (cut.shear_angle() - cut.rake_angle).tan();
         let length = self.travel * cut.uncut_chip_thickness / cut.chip_thickness;
-        let layers = (cut.chip_thickness / spacing).round() as usize;
+        let (across, along_row) = (spacing * cut.chip_stretch, spacing / cut.chip_stretch);
+        let layers = (cut.chip_thickness / across).round() as usize;
         for layer in 0..layers {
-            let from_rake = (layer as f64 + 0.5) * spacing;
+            let from_rake = (layer as f64 + 0.5) * across;
             let start = from_rake * tilt;
-            let count = (length / spacing).round() as usize;
+            let count = (length / along_row).round() as usize;
             for k in 0..count {
-                let along = start + (k as f64 + 0.5) * spacing;
+                let along = start + (k as f64 + 0.5) * along_row;
                 self.push(self.chip_point(along, from_rake), self.chip_state(along, from_rake));
             }
         }

@@ -167,7 +167,8 @@ impl fmt::Display for Warning {
                 percent(share)
             ),
             Self::LooseParticles { count } => {
-                write!(f, "{count} particles have parted from the material.")
+                let particles = if *count == 1 { "particle has" } else { "particles have" };
+                write!(f, "{count} {particles} parted from the material.")
             }
             Self::LostParticle => write!(f, "A particle was left without any neighbour."),
             Self::SurfaceJump { jump } => write!(
@@ -252,6 +253,11 @@ fn particles(run: &Run, result: &ProcessResult, warnings: &mut Vec<Warning>) {
         ("edge radius", resolution.across_edge_radius),
     ] {
         // Rounding must not decide between 5 and 4.999...
+        // The scenario may have said so already.
+        let known = format!("particles across the {length}");
+        if run.provenance.warnings.iter().any(|text| text.contains(&known)) {
+            continue;
+        }
         if let Some(particles) = particles.filter(|n| *n < FEWEST_PARTICLES * (1.0 - 1e-9)) {
             warnings.push(Warning::Resolution { length, particles });
         }

@@ -15,4 +15,4 @@ mod ticks;
 
 pub use error::ReportError;
 pub use page::{render_report, write_report};
-pub use picture::{Field, PictureOptions, View, render_layers, render_snapshot};
+pub use picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};

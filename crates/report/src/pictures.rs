@@ -1,7 +1,7 @@
 //! The pictures of a report.
 
 use crate::animation::animate;
-use crate::picture::{Field, PictureOptions, View, render_layers, render_snapshot};
+use crate::picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};
 use sphcut_record::{Run, RunError};
 use sphcut_sph::Snapshot;
 
@@ -16,7 +16,7 @@ const FIELDS: [Field; 5] = [
 const PICTURE_WIDTH: u32 = 1000;
 const ANIMATION_WIDTH: u32 = 960;
 /// Size of the window about the cutting edge in uncut chip thicknesses.
-const WINDOW: [f64; 2] = [11.0, 7.5];
+const WINDOW: [f64; 2] = [12.0, 8.6];
 
 /// A picture file with what it shows.
 pub(crate) struct Picture {
@@ -39,7 +39,13 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
     let Some(last) = run.snapshots.last()? else { return Ok(Pictures::default()) };
     let first = run.snapshots.get(0)?;
     let view = about_edge(run, &last);
-    let options = PictureOptions { width: PICTURE_WIDTH, view, ..PictureOptions::default() };
+    let options = PictureOptions {
+        width: PICTURE_WIDTH,
+        text_scale: 1.6,
+        view,
+        style: Style::Material,
+        ..PictureOptions::default()
+    };
     let fields = FIELDS.map(|field| Picture {
         title: field.title().to_owned(),
         description: description(field, &last),
@@ -47,12 +53,19 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
         bytes: render_snapshot(&last, field, &options),
     });
     let layers = (run.snapshots.len() > 1).then(|| Picture {
-        title: "Layers of the uncut material".to_owned(),
-        description: "The particles coloured in bands by their depth before the cut: the bands \
-                      can be followed through the shear zone into the chip."
+        title: "Particles by their place before the cut: layers of three spacings, every fourth \
+                column marked"
             .to_owned(),
+        description:
+            "Every particle as a disc, coloured in bands by its depth before the cut: the \
+                      bands can be followed through the shear zone into the chip."
+                .to_owned(),
         media_type: "image/png",
-        bytes: render_layers(&first, &last, &options),
+        bytes: render_layers(
+            &first,
+            &last,
+            &PictureOptions { style: Style::Particles, ..options.clone() },
+        ),
     });
     Ok(Pictures { animation: animation(run, &first, &last)?, fields: fields.into(), layers })
 }
@@ -63,6 +76,7 @@ fn animation(run: &Run, first: &Snapshot, last: &Snapshot) -> Result<Option<Pict
         width: ANIMATION_WIDTH,
         view: Some(View::whole(first).union(View::whole(last))),
         range: Some(field.range([first, last])),
+        style: Style::Material,
         ..PictureOptions::default()
     };
     Ok(animate(&run.snapshots, field, &options)?.map(|bytes| Picture {
@@ -95,6 +109,6 @@ fn about_edge(run: &Run, snapshot: &Snapshot) -> Option<View> {
     let depth = |p: &[f64; 3]| p.iter().zip(feed).map(|(x, f)| x * f).sum::<f64>();
     let edge = snapshot.tool.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
     // The chip lies ahead of the edge and above it.
-    let centre = [0, 1].map(|k| edge[k] + thickness * (1.2 * cutting[k] - 1.6 * feed[k]));
+    let centre = [0, 1].map(|k| edge[k] + thickness * (1.4 * cutting[k] - 2.1 * feed[k]));
     Some(View::about(centre, WINDOW[0] * thickness, WINDOW[1] * thickness))
 }

@@ -304,15 +304,15 @@ fn first_failure(
 ) -> Reason {
     let mean = window.mean.mean.abs();
     let share = |value: f64| value.abs() / mean;
-    if window.samples < MINIMUM_SAMPLES {
-        return Reason::TooFewSamples { samples: window.samples };
-    }
     // Rounding of the travel must not decide.
     if travel < options.minimum_travel * (1.0 - 1e-9) {
         return Reason::TooShort { travel, minimum: options.minimum_travel };
     }
     if 2 * window.first > window.first + window.samples {
         return Reason::RunIn { start: state.window_start };
+    }
+    if window.samples < MINIMUM_SAMPLES {
+        return Reason::TooFewSamples { samples: window.samples };
     }
     if mean == 0.0 || window.mean.half_width >= mean {
         return Reason::NoForce;

@@ -5,7 +5,8 @@ const BATCH: usize = 5;
 
 /// Index of the first sample of the steady window by MSER-5: with the record averaged over
 /// batches of five, the cut d that minimises sum_{i >= d} (Y_i - mean_d)^2 / (n - d)^2.
-/// At most the last five batches are left out of the search.
+/// The window holds at least a quarter of the record: a shorter one may lie within a single swing
+/// of a correlated force and look calm by chance.
 pub(super) fn window_start(samples: &[f64]) -> usize {
     let means: Vec<f64> =
         samples.chunks_exact(BATCH).map(|batch| batch.iter().sum::<f64>() / BATCH as f64).collect();
@@ -19,7 +20,7 @@ pub(super) fn window_start(samples: &[f64]) -> usize {
         count += 1.0;
         let rule = (squares - sum * sum / count).max(0.0) / (count * count);
         // Of equal candidates the earliest: a constant record has no run-in.
-        if count > 5.0 && rule <= best.0 {
+        if 4.0 * count >= means.len() as f64 && rule <= best.0 {
             best = (rule, index);
         }
     }

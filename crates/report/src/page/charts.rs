@@ -13,8 +13,8 @@ const RED: &str = "#d55e00";
 const RED_LIGHT: &str = "#f0b890";
 const GREEN: &str = "#009e73";
 const INK: &str = "#22262b";
-/// Samples averaged for the smooth line of a force.
-const SMOOTHING: usize = 25;
+/// Share of the record averaged for the smooth line of a force.
+const SMOOTHING: f64 = 0.02;
 
 /// Colour of a term of the energy balance; physical ones in calm colours, numerical ones warm.
 pub(super) fn term_colour(channel: ChannelId) -> &'static str {
@@ -40,15 +40,15 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
         section {
             h2 { "History" }
             (figure(forces(run, result, &axis).svg(), "Forces of the tool on the workpiece per \
-                width of cut: impulse averages over each sampling interval (pale) and over 25 of \
-                them. The level and its band are the mean over the window and its 95 % interval."))
+                width of cut: impulse averages over each sampling interval (pale) and running \
+                mean over 2 % of the record. The level and its band are the mean over the window and its 95 % interval."))
             (figure(temperature(run, &axis).svg(), "Highest temperature of any particle, and mean \
                 temperature in contact weighted with the contact force."))
             (figure(energy(run, &axis).svg(), "Where the work went, stacked: physical terms in \
                 calm colours, numerical ones in warm colours. The line is the work supplied."))
             (figure(momentum(run, result, &axis).svg(), "Force of the tool, and what it has to \
                 equal: support reaction with opposite sign plus rate of change of momentum, along \
-                the cutting direction; averages over 25 intervals."))
+                the cutting direction; running means."))
         }
     }
 }
@@ -101,14 +101,15 @@ fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
 
 /// Running mean over the samples around each.
 fn smooth(values: &[f64]) -> Vec<f64> {
+    let half = (0.5 * SMOOTHING * values.len() as f64).ceil() as usize;
     let mut sums = vec![0.0];
     for value in values {
         sums.push(sums[sums.len() - 1] + value);
     }
     (0..values.len())
         .map(|k| {
-            let from = k.saturating_sub(SMOOTHING / 2);
-            let to = (k + SMOOTHING / 2 + 1).min(values.len());
+            let from = k.saturating_sub(half);
+            let to = (k + half + 1).min(values.len());
             (sums[to] - sums[from]) / (to - from) as f64
         })
         .collect()
@@ -255,12 +256,12 @@ mod tests {
 
     #[test]
     fn smoothing_keeps_a_straight_line_and_its_length() {
-        let values: Vec<f64> = (0..100).map(f64::from).collect();
+        let values: Vec<f64> = (0..600).map(f64::from).collect();
         let smoothed = smooth(&values);
-        assert_eq!(smoothed.len(), 100);
-        assert!((12..88).all(|k| (smoothed[k] - values[k]).abs() < 1e-9));
-        // The mean of 0 to 12.
-        assert_eq!(smoothed[0], 6.0);
+        assert_eq!(smoothed.len(), 600);
+        assert!((6..594).all(|k| (smoothed[k] - values[k]).abs() < 1e-9));
+        // The mean of 0 to 6.
+        assert_eq!(smoothed[0], 3.0);
         assert!(smooth(&[]).is_empty());
     }
 }

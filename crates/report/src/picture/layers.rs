@@ -21,7 +21,7 @@ const COLUMN_ROWS: f64 = 12.0;
 #[must_use]
 pub fn render_layers(first: &Snapshot, snapshot: &Snapshot, options: &PictureOptions) -> Vec<u8> {
     let view = options.view.unwrap_or_else(|| View::whole(snapshot));
-    let layout = Layout::new(options.width, view);
+    let layout = Layout::new(options.width, options.text_scale, view);
     let start: HashMap<u64, [f64; 2]> = first
         .id
         .iter()

@@ -1,5 +1,6 @@
 //! Pictures of the particles: discs coloured by a field, the tool, axes in mm, a colour bar.
 
+mod distance;
 mod field;
 mod layers;
 mod raster;
@@ -11,13 +12,26 @@ pub use view::View;
 
 use crate::canvas::{Anchor, Canvas, INK, Rectangle, Rgb, Text};
 use crate::ticks::Ticks;
-use raster::Mapping;
+use raster::{Coloured, Mapping};
 use sphcut_sph::Snapshot;
 
 /// Fine pixels per pixel and direction.
 const OVERSAMPLING: usize = 2;
 const MISSING: Rgb = [255, 0, 255];
 const FRAME: Rgb = [150, 155, 162];
+
+/// What a picture shows of the particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Style {
+    /// A disc of 0.72 spacings for each particle, the nearest one in front: white within the chip
+    /// is a place without particles, be it a hole or rows that the flow has stretched apart.
+    #[default]
+    Particles,
+    /// The material: rows of particles up to 2.6 spacings apart belong together, surfaces lie half
+    /// a spacing outside the outermost particles. Only holes wider than that stay white. Plane
+    /// runs only; in three dimensions as [`Style::Particles`].
+    Material,
+}
 
 /// How a picture is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,21 +42,33 @@ pub struct PictureOptions {
     pub view: Option<View>,
     /// Ends of the colour bar in the unit of [`Field::title`]; `None` takes [`Field::range`].
     pub range: Option<(f64, f64)>,
+    /// Particles or material.
+    pub style: Style,
+    /// Size of the letters: 1 suits a picture shown large, 1.6 one shown at half the width of a
+    /// page.
+    pub text_scale: f64,
     /// A line of text above the picture; `None` prints the simulated time.
     pub caption: Option<String>,
 }
 
 impl Default for PictureOptions {
     fn default() -> Self {
-        Self { width: 1200, view: None, range: None, caption: None }
+        Self {
+            width: 1200,
+            view: None,
+            range: None,
+            style: Style::default(),
+            text_scale: 1.0,
+            caption: None,
+        }
     }
 }
 
 /// Draws the particles coloured by `field` with the tool, axes in mm, a scale bar and a colour
 /// bar, and returns a PNG file.
 ///
-/// Every pixel within 0.8 spacings of a particle takes the colour of the nearest one: white
-/// inside the chip is a void. Values beyond the colour bar take the colour of its end; how far
+/// Every pixel of the material takes the colour of the nearest particle; [`Style`] says what is
+/// material. Values beyond the colour bar take the colour of its end; how far
 /// they reach is printed there. A value that is not a number is magenta.
 #[must_use]
 pub fn render_snapshot(snapshot: &Snapshot, field: Field, options: &PictureOptions) -> Vec<u8> {
@@ -52,7 +78,7 @@ pub fn render_snapshot(snapshot: &Snapshot, field: Field, options: &PictureOptio
 /// The picture as pixels.
 pub(crate) fn draw(snapshot: &Snapshot, field: Field, options: &PictureOptions) -> Canvas {
     let view = options.view.unwrap_or_else(|| View::whole(snapshot));
-    let layout = Layout::new(options.width, view);
+    let layout = Layout::new(options.width, options.text_scale, view);
     let range = options.range.unwrap_or_else(|| field.range([snapshot]));
     let values = field.values(snapshot);
 
@@ -69,7 +95,7 @@ fn draw_scene(
     options: &PictureOptions,
 ) -> Canvas {
     let mut canvas = Canvas::new(layout.width, layout.height);
-    let plot = draw_plot(layout, snapshot, colours);
+    let plot = draw_plot(layout, &Coloured { snapshot, colours }, options.style);
     for (row, source) in plot.pixels.chunks_exact(plot.width).enumerate() {
         let start = (layout.plot.y0 + row) * canvas.width + layout.plot.x0;
         canvas.pixels[start..start + plot.width].copy_from_slice(source);
@@ -102,9 +128,9 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(width: u32, view: View) -> Self {
+    fn new(width: u32, text_scale: f64, view: View) -> Self {
         let width = (width as usize).clamp(240, 8000);
-        let font = (width as f64 / 46.0).clamp(11.0, 40.0);
+        let font = (text_scale * width as f64 / 60.0).clamp(9.0, 60.0);
         let (left, right) = ((4.2 * font) as usize, (8.2 * font) as usize);
         let (top, bottom) = ((2.2 * font) as usize, (3.6 * font) as usize);
         let plot_width = width - left - right;
@@ -129,14 +155,14 @@ fn colours(values: &[f64], field: Field, range: (f64, f64)) -> Vec<Rgb> {
     values.iter().map(colour).collect()
 }
 
-fn draw_plot(layout: &Layout, snapshot: &Snapshot, colours: &[Rgb]) -> Canvas {
+fn draw_plot(layout: &Layout, particles: &Coloured<'_>, style: Style) -> Canvas {
     let (width, height) = (layout.plot.x1 - layout.plot.x0, layout.plot.y1 - layout.plot.y0);
     let mut fine = Canvas::new(width * OVERSAMPLING, height * OVERSAMPLING);
     let scale = layout.mapping.scale * OVERSAMPLING as f64;
     let mapping = Mapping { view: layout.mapping.view, scale };
-    raster::draw_particles(&mut fine, &mapping, snapshot, colours);
+    raster::draw_particles(&mut fine, &mapping, particles, style);
     let line_width = layout.font / 9.0 * OVERSAMPLING as f64;
-    raster::draw_tool(&mut fine, &mapping, snapshot, line_width);
+    raster::draw_tool(&mut fine, &mapping, particles.snapshot, line_width);
     raster::reduce(&fine, OVERSAMPLING)
 }
 
@@ -160,7 +186,7 @@ fn draw_axes(canvas: &mut Canvas, layout: &Layout) {
             INK,
         );
     }
-    let wanted = ((y1 - y0) / (4.0 * font)).clamp(2.0, 8.0) as usize;
+    let wanted = ((y1 - y0) / (2.2 * font)).clamp(2.0, 8.0) as usize;
     let ticks = Ticks::new(min[1] * 1e3, max[1] * 1e3, wanted);
     for &value in &ticks.values {
         let y = y0 + mapping.pixel(min[0], value * 1e-3)[1];

@@ -1,12 +1,17 @@
 //! From particles and a polygon to pixels.
 
-use super::View;
-use crate::canvas::{Canvas, Rgb};
+use super::distance::squared_distances;
+use super::{Style, View};
+use crate::canvas::{Canvas, Rgb, WHITE};
 use sphcut_sph::Snapshot;
 
-/// Radius of a particle's disc in spacings. Discs of 0.71 just cover a square lattice; a little
-/// more allows for the disorder of a flow, so that a hole in the picture is one in the material.
-const DISC_RADIUS: f64 = 0.80;
+/// Radius of a particle's disc in spacings. Discs of 0.71 just cover a square lattice.
+const DISC_RADIUS: f64 = 0.72;
+/// Radius within which material is taken to reach from particle to particle, in spacings: flow
+/// that stretches the rows of a lattice apart to twice their spacing leaves no hole.
+const CLOSING_RADIUS: f64 = 1.3;
+/// Distance of a free surface from the particles next to it in spacings.
+const SURFACE: f64 = 0.5;
 const TOOL_FILL: Rgb = [196, 200, 205];
 const TOOL_EDGE: Rgb = [70, 76, 84];
 
@@ -24,15 +29,53 @@ impl Mapping {
     }
 }
 
-/// Colours every pixel within reach of a particle like the nearest one. In three dimensions the
-/// particles nearer to the eye (larger z) hide those behind.
+/// Particles with their colours.
+pub(super) struct Coloured<'a> {
+    pub snapshot: &'a Snapshot,
+    pub colours: &'a [Rgb],
+}
+
+/// Draws the particles in a style.
 pub(super) fn draw_particles(
     canvas: &mut Canvas,
     mapping: &Mapping,
-    snapshot: &Snapshot,
-    colours: &[Rgb],
+    particles: &Coloured<'_>,
+    style: Style,
 ) {
-    let radius = (DISC_RADIUS * snapshot.particle_spacing * mapping.scale).max(0.6);
+    let spacing = particles.snapshot.particle_spacing * mapping.scale;
+    match style {
+        Style::Material if particles.snapshot.dimension == 2 => {
+            let radius = CLOSING_RADIUS * spacing;
+            let distances = colour_nearest(canvas, mapping, particles, radius);
+            erode(canvas, &distances, radius - SURFACE * spacing);
+        }
+        Style::Material | Style::Particles => {
+            colour_nearest(canvas, mapping, particles, (DISC_RADIUS * spacing).max(0.6));
+        }
+    }
+}
+
+/// Empties the pixels that lie within `depth` of an empty one.
+fn erode(canvas: &mut Canvas, distances: &[f64], depth: f64) {
+    let empty: Vec<bool> = distances.iter().map(|distance| distance.is_infinite()).collect();
+    let inside = squared_distances(&empty, canvas.width);
+    for (pixel, squared) in canvas.pixels.iter_mut().zip(inside) {
+        if squared <= depth * depth {
+            *pixel = WHITE;
+        }
+    }
+}
+
+/// Colours every pixel within `radius` of a particle like the nearest one and returns the squared
+/// distances, infinite where there is none. In three dimensions the particles nearer to the eye
+/// (larger z) hide those behind.
+fn colour_nearest(
+    canvas: &mut Canvas,
+    mapping: &Mapping,
+    particles: &Coloured<'_>,
+    radius: f64,
+) -> Vec<f64> {
+    let Coloured { snapshot, colours } = *particles;
     let depth_per_pixel = if snapshot.dimension == 3 { radius } else { 0.0 };
     let mut nearest = vec![f64::INFINITY; canvas.width * canvas.height];
     for (position, &colour) in snapshot.position.iter().zip(colours) {
@@ -51,6 +94,7 @@ pub(super) fn draw_particles(
             }
         }
     }
+    nearest
 }
 
 /// Pixels of a row of `size` whose centres lie within `radius` of `centre`.
@@ -145,10 +189,33 @@ mod tests {
         };
         let mapping = Mapping { view: View { min: [0.0; 2], max: [5.0, 4.0] }, scale: 10.0 };
         let mut canvas = Canvas::new(50, 40);
-        draw_particles(&mut canvas, &mapping, &snapshot, &[[255, 0, 0], [0, 0, 255]]);
+        let colours = [[255, 0, 0], [0, 0, 255]];
+        let particles = Coloured { snapshot: &snapshot, colours: &colours };
+        draw_particles(&mut canvas, &mapping, &particles, Style::Particles);
         assert_eq!(canvas.pixels[20 * 50 + 24], [255, 0, 0]);
         assert_eq!(canvas.pixels[20 * 50 + 25], [0, 0, 255]);
         assert_eq!(canvas.pixels[20 * 50 + 10], [255, 255, 255]);
+    }
+
+    #[test]
+    fn stretched_rows_are_material_and_a_hole_is_a_hole() {
+        // Rows 1.9 apart, particles along them closer, and between two of them a gap of 4.
+        let mut snapshot = Snapshot { dimension: 2, particle_spacing: 1.0, ..Snapshot::default() };
+        for y in [2.0, 3.9, 7.9, 9.8] {
+            snapshot.position.extend((0..40).map(|k| [0.5 * f64::from(k), y, 0.0]));
+        }
+        let colours = vec![[255, 0, 0]; 160];
+        let mapping = Mapping { view: View { min: [0.0; 2], max: [20.0, 12.0] }, scale: 10.0 };
+        let mut canvas = Canvas::new(200, 120);
+        let particles = Coloured { snapshot: &snapshot, colours: &colours };
+        draw_particles(&mut canvas, &mapping, &particles, Style::Material);
+        let filled = |y: f64| canvas.pixels[(120 - (10.0 * y) as usize) * 200 + 100] != WHITE;
+        // Surfaces lie half a spacing from the rows, to a pixel of a tenth.
+        for (y, expected) in
+            [(1.3, false), (1.7, true), (2.9, true), (4.2, true), (4.6, false), (5.9, false)]
+        {
+            assert_eq!(filled(y), expected, "y = {y}");
+        }
     }
 
     #[test]
