@@ -53,7 +53,7 @@ fn victim_cut() {
 
 fn start_victim(name: &str, folder: &Path) -> Child {
     Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", name, "--test-threads", "1"])
+        .args(["--exact", name, "--test-threads", "1", "--nocapture"])
         .env(FOLDER, folder)
         .stdout(Stdio::null())
         .spawn()

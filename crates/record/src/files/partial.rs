@@ -28,8 +28,7 @@ const CHECKPOINT: &str = "a checkpoint";
 pub(crate) struct Partial {
     dir: PathBuf,
     journal: Journal,
-    /// Keeps other processes out; released when it is closed.
-    _lock: File,
+    _lock: Lock,
 }
 
 /// What a checkpoint holds.
@@ -197,13 +196,25 @@ fn origin_path(dir: &Path) -> PathBuf {
     dir.join("origin.bin")
 }
 
-fn lock(dir: &Path) -> Result<File, RunError> {
+/// Keeps other processes out of a folder as long as it lives.
+#[derive(Debug)]
+struct Lock(File);
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // Not left to the closing of the file: a process that another thread is just starting may
+        // hold a copy of it for a moment.
+        let _ = self.0.unlock();
+    }
+}
+
+fn lock(dir: &Path) -> Result<Lock, RunError> {
     let path = dir.join("lock");
     let file = File::create(&path).map_err(|error| RunError::io(&path, "write", error))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(RunError::InUse { path: dir.to_owned() }),
         // Some network file systems know no locks: then nobody is kept out.
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock(file)),
     }
 }
 
@@ -289,4 +300,33 @@ fn read_performance(archive: &ArchiveFile) -> Result<Performance, RunError> {
         peak_memory_bytes: Some(peak).filter(|peak| *peak > 0),
         ..Performance::default()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lock_ends_with_its_holder_though_a_copy_of_the_file_lives_on() {
+        let dir = std::env::temp_dir().join(format!("sphcut-lock-{}", std::process::id()));
+        fs::create_dir_all(&dir).unwrap();
+        let first = lock(&dir).unwrap();
+        assert!(matches!(lock(&dir), Err(RunError::InUse { .. })));
+        let copy = first.0.try_clone().unwrap();
+        drop(first);
+        let second = lock(&dir);
+        drop(copy);
+        fs::remove_dir_all(&dir).unwrap();
+        assert!(second.is_ok(), "{second:?}");
+    }
+
+    #[test]
+    fn only_our_own_names_are_ours() {
+        for name in ["lock", "snapshot-000012.bin", "snapshot-000012.bin.tmp", "checkpoint.bin"] {
+            assert!(is_ours(name), "{name}");
+        }
+        for name in ["notes.txt", "snapshot-last.bin", "snapshot-.txt", "checkpoint.bin.bak"] {
+            assert!(!is_ours(name), "{name}");
+        }
+    }
 }
