@@ -182,7 +182,12 @@ impl fmt::Display for Warning {
                 "The machined surface lies {} off its nominal height.",
                 micrometres(error)
             ),
-            Self::Scenario { message } => write!(f, "{message}"),
+            Self::Scenario { message } => {
+                let mut letters = message.trim_end_matches('.').chars();
+                let first = letters.next().map(char::to_uppercase);
+                first.into_iter().flatten().try_for_each(|letter| write!(f, "{letter}"))?;
+                write!(f, "{}.", letters.as_str())
+            }
         }
     }
 }

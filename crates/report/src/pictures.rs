@@ -16,7 +16,9 @@ const FIELDS: [Field; 5] = [
 const PICTURE_WIDTH: u32 = 1000;
 const ANIMATION_WIDTH: u32 = 960;
 /// Size of the window about the cutting edge in uncut chip thicknesses.
-const WINDOW: [f64; 2] = [12.0, 8.6];
+const WINDOW: [f64; 2] = [11.5, 7.6];
+/// Chip farther than this from the edge, in the same unit, may lie outside the window.
+const FARTHEST: f64 = 7.5;
 
 /// A picture file with what it shows.
 pub(crate) struct Picture {
@@ -31,6 +33,8 @@ pub(crate) struct Picture {
 #[derive(Default)]
 pub(crate) struct Pictures {
     pub animation: Option<Picture>,
+    /// All of the last snapshot, where the animation cannot be seen.
+    pub whole: Option<Picture>,
     pub fields: Vec<Picture>,
     pub layers: Option<Picture>,
 }
@@ -67,26 +71,33 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
             &PictureOptions { style: Style::Particles, ..options.clone() },
         ),
     });
-    Ok(Pictures { animation: animation(run, &first, &last)?, fields: fields.into(), layers })
-}
-
-fn animation(run: &Run, first: &Snapshot, last: &Snapshot) -> Result<Option<Picture>, RunError> {
-    let field = Field::Temperature;
-    let options = PictureOptions {
-        width: ANIMATION_WIDTH,
-        view: Some(View::whole(first).union(View::whole(last))),
-        range: Some(field.range([first, last])),
-        style: Style::Material,
-        ..PictureOptions::default()
+    let scene = whole(&first, &last);
+    let still = Picture {
+        title: "The whole workpiece".to_owned(),
+        description: description(Field::Temperature, &last),
+        media_type: "image/png",
+        bytes: render_snapshot(&last, Field::Temperature, &scene),
     };
-    Ok(animate(&run.snapshots, field, &options)?.map(|bytes| Picture {
-        title: "Chip formation".to_owned(),
+    let animation = animate(&run.snapshots, Field::Temperature, &scene)?.map(|bytes| Picture {
+        title: "Chip formation, coloured by temperature".to_owned(),
         description: "Animation of the cut from the first contact to the end, coloured by \
                       temperature."
             .to_owned(),
         media_type: "image/gif",
         bytes,
-    }))
+    });
+    Ok(Pictures { animation, whole: Some(still), fields: fields.into(), layers })
+}
+
+/// A view and a colour bar that suit the whole run.
+fn whole(first: &Snapshot, last: &Snapshot) -> PictureOptions {
+    PictureOptions {
+        width: ANIMATION_WIDTH,
+        view: Some(View::whole(first).union(View::whole(last))),
+        range: Some(Field::Temperature.range([first, last])),
+        style: Style::Material,
+        ..PictureOptions::default()
+    }
 }
 
 /// What a picture says in one sentence.
@@ -101,7 +112,8 @@ fn description(field: Field, snapshot: &Snapshot) -> String {
     )
 }
 
-/// A window about the lowest point of the tool; `None` where there is no cut in the plane.
+/// A window about the lowest point of the tool that holds the chip near it; `None` where there is
+/// no cut in the plane.
 fn about_edge(run: &Run, snapshot: &Snapshot) -> Option<View> {
     let thickness = run.facts.uncut_chip_thickness?;
     run.facts.tool_velocity?;
@@ -109,6 +121,17 @@ fn about_edge(run: &Run, snapshot: &Snapshot) -> Option<View> {
     let depth = |p: &[f64; 3]| p.iter().zip(feed).map(|(x, f)| x * f).sum::<f64>();
     let edge = snapshot.tool.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
     // The chip lies ahead of the edge and above it.
-    let centre = [0, 1].map(|k| edge[k] + thickness * (1.4 * cutting[k] - 2.1 * feed[k]));
-    Some(View::about(centre, WINDOW[0] * thickness, WINDOW[1] * thickness))
+    let centre = [0, 1].map(|k| edge[k] + thickness * (1.4 * cutting[k] - 1.8 * feed[k]));
+    let mut view = View::about(centre, WINDOW[0] * thickness, WINDOW[1] * thickness);
+    // What moves is chip.
+    let slow = 0.2 * run.facts.cutting_speed().abs();
+    let margin = 0.5 * thickness;
+    for (position, velocity) in snapshot.position.iter().zip(&snapshot.velocity) {
+        let distance = (position[0] - edge[0]).hypot(position[1] - edge[1]);
+        if velocity[0].hypot(velocity[1]) > slow && distance < FARTHEST * thickness {
+            let size = 2.0 * margin;
+            view = view.union(View::about([position[0], position[1]], size, size));
+        }
+    }
+    Some(view)
 }

@@ -31,11 +31,11 @@ pub(crate) fn with_interval(mean: f64, half_width: f64) -> String {
     minus(&format!("{mean:.decimals$} \u{b1} {half_width:.decimals$}"))
 }
 
-/// A share in per cent with enough digits for small ones.
+/// A share in per cent to the second decimal.
 pub(crate) fn percent(share: f64) -> String {
     let value = share * 100.0;
     if value != 0.0 && value.abs() < 0.01 {
-        return minus(&format!("{value:.0e} %"));
+        return "< 0.01 %".to_owned();
     }
     minus(&format!("{value:.2} %"))
 }
@@ -73,7 +73,7 @@ mod tests {
         assert_eq!(with_interval(0.22031, 0.0012), "0.2203 \u{b1} 0.0012");
         assert_eq!(with_interval(5.0, f64::INFINITY), "5.00 (no interval)");
         assert_eq!(percent(0.0691), "6.91 %");
-        assert_eq!(percent(3e-7), "3e\u{2212}5 %");
+        assert_eq!(percent(-3e-7), "< 0.01 %");
         assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(grouped(12), "12");
     }

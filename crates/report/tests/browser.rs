@@ -86,7 +86,7 @@ fn the_page_shows_every_picture_and_has_no_errors_in_a_browser() {
 #[test]
 fn the_page_loads_nothing_and_escapes_what_it_is_given() {
     let page = page();
-    for attribute in ["src=\"", "href=\""] {
+    for attribute in ["src=\"", "href=\"", "srcset=\""] {
         for part in page.split(attribute).skip(1) {
             assert!(part.starts_with("data:"), "{}", &part[..60.min(part.len())]);
         }

@@ -25,7 +25,10 @@ pub fn write_report(
 ) -> Result<PathBuf, ReportError> {
     let page = render_report(run, result)?;
     let path = folder.join("report.html");
-    std::fs::write(&path, page)
+    // Beside the target and renamed: a full disk leaves an older page whole.
+    let beside = folder.join("report.html.new");
+    std::fs::write(&beside, page)
+        .and_then(|()| std::fs::rename(&beside, &path))
         .map_err(|source| ReportError::Write { path: path.clone(), source })?;
     Ok(path)
 }
@@ -122,23 +125,35 @@ fn cut(pictures: &Pictures) -> Markup {
     html! {
         section {
             h2 { "The cut" }
-            @if let Some(picture) = &pictures.animation { (figure(picture)) }
+            @if let Some(animation) = &pictures.animation {
+                (figure(animation, pictures.whole.as_ref()))
+            }
             div.pair {
-                @for picture in pictures.fields.iter().chain(&pictures.layers) { (figure(picture)) }
+                @for picture in pictures.fields.iter().chain(&pictures.layers) {
+                    (figure(picture, None))
+                }
             }
         }
     }
 }
 
-fn figure(picture: &Picture) -> Markup {
-    let source =
-        format!("data:{};base64,{}", picture.media_type, BASE64_STANDARD.encode(&picture.bytes));
+/// A picture; on paper and for readers who want nothing to move, `still` takes its place.
+fn figure(picture: &Picture, still: Option<&Picture>) -> Markup {
     html! {
         figure {
-            img src=(source) alt=(picture.description);
+            picture {
+                @if let Some(still) = still {
+                    source media="print, (prefers-reduced-motion: reduce)" srcset=(uri(still));
+                }
+                img src=(uri(picture)) alt=(picture.description);
+            }
             figcaption { (picture.title) }
         }
     }
+}
+
+fn uri(picture: &Picture) -> String {
+    format!("data:{};base64,{}", picture.media_type, BASE64_STANDARD.encode(&picture.bytes))
 }
 
 fn reproduce(run: &Run) -> Markup {

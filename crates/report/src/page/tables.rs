@@ -66,7 +66,7 @@ fn table(caption: &str, rows: &[Row]) -> Markup {
         div.scroll {
             table.results {
                 caption { (caption) }
-                thead { tr { th { "Quantity" } th.n { "Value" } th { "Unit" } th { "Note" } } }
+                thead { tr { th scope="col" { "Quantity" } th.n scope="col" { "Value" } th scope="col" { "Unit" } th scope="col" { "Note" } } }
                 tbody {
                     @for row in rows {
                         tr {
@@ -305,7 +305,7 @@ fn momentum_row(name: &str, balance: &MomentumBalance) -> Markup {
             td.n { (three_digits(balance.contact_impulse)) }
             td.n { (three_digits(balance.reaction_impulse)) }
             td.n { (three_digits(balance.momentum_change)) }
-            td.n { (three_digits(balance.residual())) }
+            td.n { (percent(balance.residual().abs() / balance.contact_impulse.abs().max(f64::MIN_POSITIVE))) }
         }
     }
 }

@@ -238,35 +238,79 @@ fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &ColourBar<'_>) {
     }
 }
 
-/// A bar of a round length in the upper right corner of the plot.
+/// A bar of a round length in the corner of the plot where it hides least.
 fn draw_scale_bar(canvas: &mut Canvas, layout: &Layout) {
     let Layout { plot, font, mapping, .. } = layout;
-    let target = 0.16 * mapping.view.width() * 1e6;
-    let power = 10_f64.powf(target.max(1e-9).log10().floor());
-    let micrometres = [5.0, 2.0, 1.0].map(|f| f * power).into_iter().find(|&l| l <= target);
-    let micrometres = micrometres.unwrap_or(power);
-    let text = if micrometres >= 1000.0 {
-        format!("{} mm", micrometres / 1000.0)
-    } else {
-        format!("{micrometres} \u{b5}m")
-    };
-    let length = micrometres * 1e-6 * mapping.scale;
-    let (x1, y) = (plot.x1 as f64 - font, plot.y0 as f64 + 2.0 * font);
-    let x0 = x1 - length;
-    let half = crate::canvas::text_width(&text, *font).max(length) / 2.0 + 0.5 * font;
-    let middle = (x0 + x1) / 2.0;
-    let clamp = |x: f64| x.clamp(plot.x0 as f64, plot.x1 as f64 - 1.0) as usize;
-    let area = Rectangle {
-        x0: clamp(middle - half),
-        x1: clamp(middle + half),
-        y0: (y - 1.8 * font).max(plot.y0 as f64 + 1.0) as usize,
-        y1: (y + 0.5 * font) as usize,
-    };
+    let (text, metres) = round_length(0.16 * mapping.view.width());
+    let length = metres * mapping.scale;
+    let width = crate::canvas::text_width(&text, *font).max(length) + font;
+    let area = emptiest_corner(canvas, *plot, [width, 2.4 * font]);
     canvas.fill(area, crate::canvas::WHITE);
+    let middle = (area.x0 + area.x1) as f64 / 2.0;
+    let y = area.y1 as f64 - 0.6 * font;
+    let (x0, x1) = (middle - length / 2.0, middle + length / 2.0);
     canvas.line([x0, y], [x1, y], font / 6.0, INK);
     for x in [x0, x1] {
         canvas.line([x, y - 0.3 * font], [x, y + 0.3 * font], font / 9.0, INK);
     }
     let at = [middle, y - 0.6 * font];
     canvas.text(&Text { at, anchor: Anchor::Middle, size: *font, text: &text }, INK);
+}
+
+/// The longest of 1, 2, 5 times a power of ten that is not above `limit` in m, and its name.
+fn round_length(limit: f64) -> (String, f64) {
+    let limit = (limit * 1e6).max(1e-9);
+    let power = 10_f64.powf(limit.log10().floor());
+    let candidates = [5.0, 2.0, 1.0].map(|factor| factor * power);
+    let micrometres = candidates.into_iter().find(|&l| l <= limit).unwrap_or(power);
+    let text = if micrometres >= 1000.0 {
+        format!("{} mm", micrometres / 1000.0)
+    } else {
+        format!("{micrometres} \u{b5}m")
+    };
+    (text, micrometres * 1e-6)
+}
+
+/// The corner of the plot in which a box of a size covers the fewest coloured pixels.
+fn emptiest_corner(canvas: &Canvas, plot: Rectangle, size: [f64; 2]) -> Rectangle {
+    let (width, height) = (size[0].ceil() as usize, size[1].ceil() as usize);
+    let (left, top) = (plot.x0 + 2, plot.y0 + 2);
+    let right = plot.x1.saturating_sub(width + 2).max(left);
+    let bottom = plot.y1.saturating_sub(height + 2).max(top);
+    let corners = [(right, top), (left, top), (right, bottom), (left, bottom)]
+        .map(|(x0, y0)| Rectangle { x0, y0, x1: x0 + width, y1: y0 + height });
+    let covered = |area: &Rectangle| {
+        (area.y0..area.y1.min(canvas.height))
+            .flat_map(|y| (area.x0..area.x1.min(canvas.width)).map(move |x| y * canvas.width + x))
+            .filter(|&pixel| canvas.pixels[pixel] != crate::canvas::WHITE)
+            .count()
+    };
+    corners.into_iter().min_by_key(covered).unwrap_or(plot)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_bars_have_round_lengths() {
+        let close = |limit: f64, text: &str, metres: f64| {
+            let (found, length) = round_length(limit);
+            assert_eq!(found, text);
+            assert!((length / metres - 1.0).abs() < 1e-12, "{length}");
+        };
+        close(0.19e-3, "100 \u{b5}m", 100e-6);
+        close(0.21e-3, "200 \u{b5}m", 200e-6);
+        close(7e-3, "5 mm", 5e-3);
+    }
+
+    #[test]
+    fn the_scale_bar_avoids_what_is_drawn() {
+        let mut canvas = Canvas::new(200, 100);
+        let plot = Rectangle { x0: 0, y0: 0, x1: 200, y1: 100 };
+        assert_eq!(emptiest_corner(&canvas, plot, [40.0, 20.0]).x0, 158);
+        canvas.fill(Rectangle { x0: 150, y0: 0, x1: 200, y1: 30 }, INK);
+        let corner = emptiest_corner(&canvas, plot, [40.0, 20.0]);
+        assert_eq!((corner.x0, corner.y0), (2, 2));
+    }
 }
