@@ -28,7 +28,12 @@ impl SmallDisk {
     }
 
     fn remount(&self, option: &str) {
-        assert!(mount(&["-o", &format!("remount,{option}")], &self.0.0));
+        // Busy as long as a `mount` that another test is just starting holds copies of our files.
+        let done = (0..100).any(|_| {
+            std::thread::sleep(Duration::from_millis(10));
+            mount(&["-o", &format!("remount,{option}")], &self.0.0)
+        });
+        assert!(done, "cannot remount with {option}");
     }
 }
 
