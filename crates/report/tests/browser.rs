@@ -75,7 +75,7 @@ fn the_page_shows_every_picture_and_has_no_errors_in_a_browser() {
     let document = String::from_utf8_lossy(&output.stdout);
     let log = String::from_utf8_lossy(&output.stderr);
     assert!(
-        document.contains("7/7 images, 4 charts, overflow false"),
+        document.contains("8/8 images, 4 charts, overflow false"),
         "{:?}\n{log}",
         document.find("data-probe").map(|at| &document[at..at + 80])
     );

@@ -141,10 +141,10 @@ fn cut(pictures: &Pictures) -> Markup {
 fn figure(picture: &Picture, still: Option<&Picture>) -> Markup {
     html! {
         figure {
-            picture {
-                @if let Some(still) = still {
-                    source media="print, (prefers-reduced-motion: reduce)" srcset=(uri(still));
-                }
+            @if let Some(still) = still {
+                img.moving src=(uri(picture)) alt=(picture.description);
+                img.still src=(uri(still)) alt=(still.description);
+            } @else {
                 img src=(uri(picture)) alt=(picture.description);
             }
             figcaption { (picture.title) }

@@ -80,6 +80,9 @@ fn colour_nearest(
     let mut nearest = vec![f64::INFINITY; canvas.width * canvas.height];
     for (position, &colour) in snapshot.position.iter().zip(colours) {
         let [x, y] = mapping.pixel(position[0], position[1]);
+        if !(x.is_finite() && y.is_finite()) {
+            continue;
+        }
         let depth = -position[2] * mapping.scale * depth_per_pixel;
         let columns = overlap(x, radius, canvas.width);
         for row in overlap(y, radius, canvas.height) {

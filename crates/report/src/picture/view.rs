@@ -12,7 +12,7 @@ pub struct View {
 }
 
 impl View {
-    /// All particles but stray ones (0.1 % at each side are disregarded), with a margin.
+    /// All particles but stray ones (0.1 % at each side are disregarded, at least one), with a margin.
     /// A run without particles shows a window of 1 mm about the origin.
     #[must_use]
     pub fn whole(snapshot: &Snapshot) -> Self {
@@ -22,7 +22,7 @@ impl View {
             values.retain(|value| value.is_finite());
             values.sort_by(f64::total_cmp);
             let last = values.len().checked_sub(1)?;
-            let stray = values.len() / 1000;
+            let stray = (values.len() / 1000).max(usize::from(values.len() > 50));
             let (low, high) = (values[stray], values[last - stray]);
             let margin = 2.0 * spacing + 0.03 * (high - low);
             Some((low - margin, high + margin))
