@@ -1,7 +1,7 @@
 //! `sphcut catalogue`: laws, options and materials as the tables of the code state them.
 
 use crate::failure::{ExitCode, Failure};
-use crate::text;
+use crate::{terminal, text};
 use sphcut_physics::{Parameter, catalogue};
 use sphcut_sph::options;
 use std::fmt::Write as _;
@@ -32,7 +32,7 @@ pub fn print(name: Option<&str>) -> Result<ExitCode, Failure> {
         None => overview(&entries),
         Some(name) => select(&entries, name)?,
     };
-    crate::print_bytes(page.as_bytes())
+    terminal::answer(&page)
 }
 
 /// Everything that has a table or a file.

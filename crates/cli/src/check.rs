@@ -3,7 +3,7 @@
 use crate::arguments::CheckArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::seconds_to_duration;
-use crate::{loading, text};
+use crate::{loading, terminal, text};
 use sphcut_scenario::{Origin, ResolvedEntry, Scenario};
 use sphcut_sph::setup::{Dimension, Setup};
 use sphcut_sph::{Estimate, Simulation};
@@ -37,7 +37,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     page.push_str(&resolution(&scenario));
     page.push_str(&expense(&estimate, speed, threads));
     page.push_str(&warnings(&scenario.warnings));
-    crate::print_bytes(page.as_bytes())
+    terminal::answer(&page)
 }
 
 /// Builds the particles and, if wanted, measures the updates per second.

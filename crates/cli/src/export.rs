@@ -2,6 +2,7 @@
 
 use crate::failure::{ExitCode, Failure};
 use crate::outcome;
+use crate::terminal::note;
 use sphcut_record::{Run, RunFiles, export_vtkhdf};
 use std::path::Path;
 
@@ -16,6 +17,6 @@ pub fn export(folder: &Path, to: Option<&Path>, force: bool) -> Result<ExitCode,
     let explain = |error| outcome::failed(&error, folder);
     let run = Run::load(&files.record()).map_err(explain)?;
     export_vtkhdf(&run, &target).map_err(explain)?;
-    eprintln!("{} snapshots in {}", run.snapshots.len(), target.display());
+    note(&format!("{} snapshots in {}", run.snapshots.len(), target.display()));
     Ok(ExitCode::Done)
 }

@@ -1,5 +1,6 @@
 //! Exit codes and what is said when a command fails.
 
+use crate::terminal::note;
 use std::fmt::Display;
 
 /// The exit codes of `sphcut`, as listed in its help.
@@ -95,9 +96,9 @@ impl Failure {
 
     /// Says on standard error what happened.
     pub fn explain(&self) {
-        eprintln!("{}{}", self.prefix, self.message.trim_end());
+        note(&format!("{}{}", self.prefix, self.message.trim_end()));
         if let Some(advice) = &self.advice {
-            eprintln!("  help: {advice}");
+            note(&format!("  help: {advice}"));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Ctrl-C, SIGTERM and a closed terminal ask the run to stop after the current
 //! step; a second Ctrl-C ends the program at once.
 
+use crate::terminal::note;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by the signal handler, read between steps. The only state of the program
@@ -16,7 +17,7 @@ pub fn install() {
         }
     };
     if let Err(error) = ctrlc::set_handler(handler) {
-        eprintln!("warning: Ctrl-C will not write a checkpoint: {error}");
+        note(&format!("warning: Ctrl-C will not write a checkpoint: {error}"));
     }
 }
 

@@ -14,13 +14,13 @@ mod report;
 mod results;
 mod run;
 mod schema;
+mod terminal;
 mod text;
 mod validate;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
 use failure::{ExitCode, Failure};
-use std::io::Write;
 
 fn main() -> std::process::ExitCode {
     let arguments = Arguments::parse();
@@ -46,17 +46,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "sphcut", &mut script);
-            print_bytes(&script)
+            terminal::answer(&String::from_utf8_lossy(&script))
         }
-    }
-}
-
-/// Writes to standard output; a reader that has gone away is no failure.
-fn print_bytes(bytes: &[u8]) -> Result<ExitCode, Failure> {
-    match std::io::stdout().write_all(bytes) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::output("cannot write to standard output", &error))
-        }
-        _ => Ok(ExitCode::Done),
     }
 }

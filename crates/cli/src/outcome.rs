@@ -3,9 +3,10 @@
 use crate::digest::digest;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{Style, emit};
+use crate::terminal::note;
 
 use crate::results::Results;
-use crate::text;
+use crate::{terminal, text};
 use serde_json::{Value, json};
 use sphcut_postprocess::summary_json;
 use sphcut_record::driver::RunOptions;
@@ -27,13 +28,13 @@ pub fn announce(scenario: &Scenario, options: &RunOptions, style: Style) {
         })),
         Style::Human => {
             let plural = if options.threads == 1 { "" } else { "s" };
-            eprintln!("{}: {} thread{plural}, into {folder}", scenario.title, options.threads);
+            note(&format!("{}: {} thread{plural}, into {folder}", scenario.title, options.threads));
         }
         Style::Quiet => {}
     }
     if style != Style::Json {
         for warning in &scenario.warnings {
-            eprintln!("warning: {warning}");
+            note(&format!("warning: {warning}"));
         }
     }
 }
@@ -83,11 +84,11 @@ pub fn interrupted(run: &Run, style: Style) {
     let steps = run.performance.steps;
     match style {
         Style::Json => emit(&json!({ "event": "interrupted", "step": steps })),
-        _ => eprintln!(
+        _ => note(&format!(
             "interrupted after step {}: a checkpoint is written; the same command with --resume \
              goes on",
             text::grouped(steps)
-        ),
+        )),
     }
 }
 
@@ -104,8 +105,8 @@ pub fn finished(run: &Run, results: &Results, style: Style) {
             "summary": serde_json::from_str::<Value>(&summary).unwrap_or_default(),
         })),
         Style::Human => {
-            println!("{}", digest(run, result).trim_end());
-            println!("report             {}", results.page.display());
+            let page = results.page.display();
+            terminal::line(&format!("{}report             {page}", digest(run, result)));
         }
         Style::Quiet => {}
     }
@@ -113,7 +114,7 @@ pub fn finished(run: &Run, results: &Results, style: Style) {
         // Those of the scenario were told at the start.
         let told = |warning: &String| run.provenance.warnings.contains(warning);
         for warning in result.warnings.iter().map(ToString::to_string).filter(|w| !told(w)) {
-            eprintln!("warning: {warning}");
+            note(&format!("warning: {warning}"));
         }
     }
 }

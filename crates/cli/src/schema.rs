@@ -2,6 +2,7 @@
 
 use crate::arguments::SchemaArguments;
 use crate::failure::{ExitCode, Failure};
+use crate::terminal;
 
 /// Name of the schema file.
 const SCHEMA: &str = "scenario.schema.json";
@@ -12,7 +13,7 @@ const TAPLO: &str = ".taplo.toml";
 pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, Failure> {
     let schema = format!("{:#}\n", sphcut_scenario::schema());
     let Some(folder) = &arguments.write else {
-        return crate::print_bytes(schema.as_bytes());
+        return terminal::answer(&schema);
     };
     let files = [(SCHEMA, schema), (TAPLO, sphcut_scenario::taplo(SCHEMA))];
     let existing = files.iter().map(|(name, _)| folder.join(name)).find(|path| path.exists());

@@ -2,7 +2,7 @@
 
 use crate::arguments::{TierChoice, ValidateArguments};
 use crate::failure::{ExitCode, Failure};
-use crate::{loading, text};
+use crate::{loading, terminal, text};
 use indicatif::{ProgressBar, ProgressStyle};
 use sphcut_verification::{
     Case, Finding, Outcome, Progress, RunOptions, Tier, Verdict, cases, run_case,
@@ -14,16 +14,16 @@ use std::time::{Duration, Instant};
 pub fn validate(arguments: &ValidateArguments) -> Result<ExitCode, Failure> {
     let cases = chosen(arguments)?;
     if arguments.list {
-        return crate::print_bytes(list(&cases).as_bytes());
+        return terminal::answer(&list(&cases));
     }
     let pool = loading::pool(loading::threads(arguments.threads))?;
     let mut verdicts = Vec::with_capacity(cases.len());
     for case in &cases {
         let (verdict, duration) = pool.install(|| timed(case));
-        crate::print_bytes(page(&verdict, duration).as_bytes())?;
+        terminal::answer(&page(&verdict, duration))?;
         verdicts.push(verdict);
     }
-    crate::print_bytes(total(&verdicts).as_bytes())?;
+    terminal::answer(&total(&verdicts))?;
     let as_stated = verdicts.iter().all(|verdict| verdict.outcome.is_as_stated());
     Ok(if as_stated { ExitCode::Done } else { ExitCode::NotValidated })
 }

@@ -2,7 +2,6 @@
 
 use super::Status;
 use serde_json::{Value, json};
-use std::io::Write;
 
 /// Wall-clock time between progress lines in s.
 const INTERVAL: f64 = 1.0;
@@ -49,8 +48,7 @@ fn progress(status: &Status) -> Value {
 
 /// Writes one event; a reader that has gone away does not stop the run.
 pub fn emit(event: &Value) {
-    let mut out = std::io::stdout().lock();
-    let _ = writeln!(out, "{event}").and_then(|()| out.flush());
+    crate::terminal::line(&event.to_string());
 }
 
 #[cfg(test)]

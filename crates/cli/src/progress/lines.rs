@@ -1,6 +1,7 @@
 //! Progress in a file or a pipe: a line at every tenth of the run and every half minute.
 
 use super::Status;
+use crate::terminal::note;
 
 /// Wall-clock time between lines in s, if no tenth of the run is completed before.
 const INTERVAL: f64 = 30.0;
@@ -21,7 +22,7 @@ impl Lines {
     /// Prints a line if one is due.
     pub fn update(&mut self, status: &Status) {
         if self.is_due(status) {
-            eprintln!("{:>3.0} %  {}", 100.0 * status.share(), status.line());
+            note(&format!("{:>3.0} %  {}", 100.0 * status.share(), status.line()));
         }
     }
 

@@ -74,6 +74,22 @@ fn quiet_says_nothing_but_warnings() {
 }
 
 #[test]
+fn a_reader_that_goes_away_does_not_end_the_run() {
+    let shop = Workshop::new("run_pipe");
+    shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.05 mm\"");
+    for style in [&["--json"][..], &[][..]] {
+        let mut child = shop
+            .command(&[&["run", "tiny.toml", "--force"], style].concat())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        drop((child.stdout.take(), child.stderr.take()));
+        assert_eq!(child.wait().expect("the program ends").code(), Some(0));
+    }
+}
+
+#[test]
 fn the_number_of_threads_changes_no_bit() {
     let shop = Workshop::new("run_threads");
     shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.08 mm\"");
