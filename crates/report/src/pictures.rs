@@ -2,7 +2,7 @@
 
 use crate::animation::animate;
 use crate::picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};
-use sphcut_record::{Run, RunError};
+use sphcut_record::{Run, RunError, Setting};
 use sphcut_sph::Snapshot;
 
 /// Fields shown in a report.
@@ -39,7 +39,16 @@ pub(crate) struct Pictures {
     pub layers: Option<Picture>,
 }
 
+/// Whether the scenario wants `key` of its section `output`: everything it does not switch off.
+fn wanted(run: &Run, key: &str) -> bool {
+    let is_key = |s: &&Setting| s.section == "output" && s.key == key;
+    run.provenance.settings.iter().find(is_key).is_none_or(|setting| setting.text != "false")
+}
+
 pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
+    if !wanted(run, "pictures") {
+        return Ok(Pictures::default());
+    }
     let Some(last) = run.snapshots.last()? else { return Ok(Pictures::default()) };
     let first = run.snapshots.get(0)?;
     let view = about_edge(run, &last);
@@ -78,7 +87,12 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
         media_type: "image/png",
         bytes: render_snapshot(&last, Field::Temperature, &scene),
     };
-    let animation = animate(&run.snapshots, Field::Temperature, &scene)?.map(|bytes| Picture {
+    let movie = if wanted(run, "animation") {
+        animate(&run.snapshots, Field::Temperature, &scene)?
+    } else {
+        None
+    };
+    let animation = movie.map(|bytes| Picture {
         title: "Chip formation, coloured by temperature".to_owned(),
         description: "Animation of the cut from the first contact to the end, coloured by \
                       temperature."

@@ -103,6 +103,23 @@ fn the_page_loads_nothing_and_escapes_what_it_is_given() {
 }
 
 #[test]
+fn the_scenario_can_do_without_pictures_or_without_the_animation() {
+    let mut run = SyntheticCut::default().run(0.4e-3, 3);
+    let result = evaluate(&run).unwrap();
+    for (key, gifs, pngs) in [("animation", 0, 7), ("pictures", 0, 0)] {
+        run.provenance.settings = vec![sphcut_record::Setting {
+            section: "output".to_owned(),
+            key: key.to_owned(),
+            text: "false".to_owned(),
+            ..Default::default()
+        }];
+        let page = render_report(&run, &result).unwrap();
+        let count = |kind: &str| page.matches(&format!("data:image/{kind}")).count();
+        assert_eq!((count("gif"), count("png")), (gifs, pngs), "{key}");
+    }
+}
+
+#[test]
 fn a_run_with_nothing_in_it_has_a_page_too() {
     let mut run = SyntheticCut::default().run(0.0, 0);
     run.facts.tool_velocity = None;

@@ -127,6 +127,8 @@ fn cut(pictures: &Pictures) -> Markup {
             h2 { "The cut" }
             @if let Some(animation) = &pictures.animation {
                 (figure(animation, pictures.whole.as_ref()))
+            } @else if let Some(whole) = &pictures.whole {
+                (figure(whole, None))
             }
             div.pair {
                 @for picture in pictures.fields.iter().chain(&pictures.layers) {
