@@ -2,9 +2,10 @@
 //! `cargo run --release -p sphcut-verification --example ledger -- [--tier quick|standard|long]
 //! [--again] [CASE...]`.
 //!
-//! Values of finished runs are kept in `target/validation`, one file per run: an interrupted long
-//! case goes on with its next run, and a run whose scenario has not changed is not repeated
-//! unless `--again` asks for it. `docs/validation.md` is written from all values that are there.
+//! Values of finished runs are kept in `validation/<case>/results`, one file per run: an
+//! interrupted long case goes on with its next run, and a run whose scenario has not changed is
+//! not repeated unless `--again` asks for it. `docs/validation.md` is written from all values that
+//! are there.
 
 use sphcut_verification::ledger::{self, Entry};
 use sphcut_verification::store::Store;
@@ -26,12 +27,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = root.join("target/validation");
+    let folder = root.join("validation");
     let store = Store::new(&folder);
-    let cases = cases(&root.join("validation"))?;
+    let cases = cases(&folder)?;
     for case in cases.iter().filter(|case| is_wanted(case, tier, &names)) {
-        if again && folder.join(&case.name).is_dir() {
-            fs::remove_dir_all(folder.join(&case.name))?;
+        if again {
+            store.forget(&case.name)?;
         }
         run(case, &store);
     }

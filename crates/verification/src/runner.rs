@@ -62,6 +62,19 @@ pub fn judge_stored(case: &Case, store: &Store) -> Result<Option<Verdict>, CaseE
     Ok(Some(verdict(case, judge::judge(case, &values))))
 }
 
+/// Reads the scenarios of all runs of `case` without running them.
+///
+/// # Errors
+/// The first scenario that cannot be read, with all its mistakes.
+pub fn check_scenarios(case: &Case, options: &RunOptions) -> Result<(), CaseError> {
+    for run in &case.runs {
+        let text = scenario_text(run)?;
+        parse(case, run, &text, &options.load)
+            .map_err(|reason| CaseError::RunFailed { run: run.name.clone(), reason })?;
+    }
+    Ok(())
+}
+
 fn verdict(case: &Case, findings: Result<Vec<crate::Finding>, CaseError>) -> Verdict {
     let (findings, outcome) = match findings {
         Ok(findings) => {
@@ -163,6 +176,7 @@ fn to_store(case: &Case, run: &RunSpecification, text: String, values: &RunValue
         });
     StoredRun {
         run: run.name.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
         spacing: values.spacing,
         scenario: text,
         values: labelled.collect(),

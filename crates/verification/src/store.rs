@@ -1,5 +1,6 @@
 //! Values of finished runs on disk: a long case goes on where it stopped, and the ledger is
-//! written without running everything again.
+//! written without running everything again. They are our own output, kept with the scenario that
+//! gave them; no case is ever judged against them.
 
 use crate::error::CaseError;
 use serde::{Deserialize, Serialize};
@@ -7,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A folder with one file per run: `<case>/<run>.toml`.
+/// A folder with one file per run: `<case>/results/<run>.toml`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Store {
     folder: PathBuf,
@@ -19,6 +20,8 @@ pub struct Store {
 pub struct StoredRun {
     /// Name of the run.
     pub run: String,
+    /// Version of the program.
+    pub version: String,
     /// Particle spacing in m.
     pub spacing: f64,
     /// The scenario as it was run: the values belong to this text and no other.
@@ -59,13 +62,29 @@ impl Store {
         let failed = |error: std::io::Error| CaseError::unreadable(&path, &error);
         let text = toml::to_string(stored)
             .map_err(|error| CaseError::invalid(&path, error.to_string()))?;
-        fs::create_dir_all(self.folder.join(case)).map_err(failed)?;
+        fs::create_dir_all(self.results(case)).map_err(failed)?;
         let partial = path.with_extension("partial");
         fs::write(&partial, text).map_err(failed)?;
         fs::rename(&partial, &path).map_err(failed)
     }
 
+    /// Forgets the kept values of a case.
+    ///
+    /// # Errors
+    /// Files that cannot be removed.
+    pub fn forget(&self, case: &str) -> Result<(), CaseError> {
+        let folder = self.results(case);
+        if !folder.is_dir() {
+            return Ok(());
+        }
+        fs::remove_dir_all(&folder).map_err(|error| CaseError::unreadable(&folder, &error))
+    }
+
     fn path(&self, case: &str, run: &str) -> PathBuf {
-        self.folder.join(case).join(format!("{run}.toml"))
+        self.results(case).join(format!("{run}.toml"))
+    }
+
+    fn results(&self, case: &str) -> PathBuf {
+        self.folder.join(case).join("results")
     }
 }
