@@ -18,7 +18,7 @@ pub(super) const RADIUS_AT: Observable = Observable {
     name: "radius_at",
     unit: "m",
     meaning: "largest distance from the z axis at a height above the lowest particle at the end, \
-              averaged over eight sectors, half a spacing added",
+              half a spacing added",
     arguments: &[argument("height", Some(0.0), "height above the lowest particle in m")],
     evaluate: radius_at,
 };
@@ -31,23 +31,52 @@ fn body_length(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String
     Ok(high - low + evidence.setup.particle_spacing)
 }
 
-/// Number of sectors over which the radius is averaged.
-const SECTORS: usize = 8;
+/// Smallest over largest radius of the sectors about the z axis.
+pub(super) const ROUNDNESS: Observable = Observable {
+    name: "roundness",
+    unit: "",
+    meaning: "smallest over largest reach from the z axis of 32 sectors, over the particles within \
+              three spacings of the lowest one at the end, half a spacing added",
+    arguments: &[],
+    evaluate: |evidence, _| roundness(evidence),
+};
 
 fn radius_at(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
     let (positions, spacing) = (&evidence.last()?.position, evidence.setup.particle_spacing);
-    let lowest = positions.iter().map(|position| position[2]).fold(f64::INFINITY, f64::min);
-    let height = lowest + arguments.get("height");
-    let mut radii = [f64::NEG_INFINITY; SECTORS];
-    for position in positions.iter().filter(|p| (p[2] - height).abs() <= 0.75 * spacing) {
+    let height = lowest(positions) + arguments.get("height");
+    let radius = positions
+        .iter()
+        .filter(|position| (position[2] - height).abs() <= 0.75 * spacing)
+        .map(|position| position[0].hypot(position[1]))
+        .fold(f64::NEG_INFINITY, f64::max);
+    if radius.is_finite() {
+        Ok(radius + 0.5 * spacing)
+    } else {
+        Err("no particle lies at this height".to_owned())
+    }
+}
+
+fn lowest(positions: &[[f64; 3]]) -> f64 {
+    positions.iter().map(|position| position[2]).fold(f64::INFINITY, f64::min)
+}
+
+/// Number of sectors of [`ROUNDNESS`]: 11.25 deg each.
+const SECTORS: usize = 32;
+
+fn roundness(evidence: &Evidence) -> Result<f64, String> {
+    let (positions, spacing) = (&evidence.last()?.position, evidence.setup.particle_spacing);
+    let top = lowest(positions) + 3.0 * spacing;
+    let mut radii = [0.0_f64; SECTORS];
+    for position in positions.iter().filter(|position| position[2] <= top) {
         let angle = position[1].atan2(position[0]).rem_euclid(TAU);
         let sector = ((angle / TAU * SECTORS as f64) as usize).min(SECTORS - 1);
         radii[sector] = radii[sector].max(position[0].hypot(position[1]));
     }
-    let mean = radii.iter().sum::<f64>() / SECTORS as f64;
-    if mean.is_finite() {
-        Ok(mean + 0.5 * spacing)
+    let (least, largest) =
+        radii.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(*r), h.max(*r)));
+    if largest > 0.0 {
+        Ok((least + 0.5 * spacing) / (largest + 0.5 * spacing))
     } else {
-        Err("no particle lies at this height in one of the sectors".to_owned())
+        Err("no particle lies off the axis".to_owned())
     }
 }

@@ -1,83 +1,141 @@
-//! Line contact of a cylinder with a rigid wall below it (Hertz; Johnson, Contact Mechanics,
-//! 1985, section 4.2): half-width a = sqrt(4 F R / (pi E')), largest pressure
-//! p_0 = sqrt(F E' / (pi R)), E' = E / (1 - nu^2), F per width.
+//! Line contact of a rigid cylinder with an elastic half space (Hertz; Johnson, Contact
+//! Mechanics, 1985, section 4.2): half-width `a = sqrt(4 F R / (pi E'))`, pressure
+//! `p = p_0 sqrt(1 - (s/a)^2)`, `p_0 = sqrt(F E' / (pi R))`, `E' = E / (1 - nu^2)`, F per width.
+//! The cylinder is the tool and moves along the cutting direction, which is the normal of the
+//! contact; s runs along the feed direction.
 
-use super::{Arguments, Observable, argument};
+use super::{Argument, Arguments, Observable, argument};
 use crate::evidence::Evidence;
 use sphcut_sph::Snapshot;
-use sphcut_sph::setup::Shape;
+use sphcut_sph::setup::Vector;
 use std::f64::consts::PI;
 
-const SHARE: super::Argument =
-    argument("share", Some(0.25), "share of the run whose snapshots are averaged, from its end");
+const ARGUMENTS: &[Argument] = &[
+    argument("radius", None, "radius of the cylinder in m"),
+    argument("share", Some(0.1), "share of the run whose snapshots are averaged, from its end"),
+];
 
 /// Half-width of the contact over Hertz's.
 pub(super) const HERTZ_WIDTH_RATIO: Observable = Observable {
     name: "hertz_width_ratio",
     unit: "",
     meaning: "contact half-width (twice the standard deviation of the contact force along the \
-              wall, exact for an elliptic pressure) over Hertz's for the same force",
-    arguments: &[SHARE],
+              surface, exact for an elliptic pressure) over Hertz's for the same force",
+    arguments: ARGUMENTS,
     evaluate: |evidence, arguments| mean(evidence, arguments, width_ratio),
 };
 
-/// Largest normal stress over Hertz's pressure.
+/// Contact pressure in the middle of the contact over Hertz's.
 pub(super) const HERTZ_PRESSURE_RATIO: Observable = Observable {
     name: "hertz_pressure_ratio",
     unit: "",
-    meaning: "largest compressive stress normal to the wall over Hertz's pressure for the same \
-              force",
-    arguments: &[SHARE],
-    evaluate: |evidence, arguments| mean(evidence, arguments, pressure_ratio),
+    meaning: "mean contact force per spacing of the touching particles in the middle half of the \
+              contact over Hertz's pressure for the same force",
+    arguments: ARGUMENTS,
+    evaluate: |evidence, arguments| {
+        let spacing = evidence.setup.particle_spacing;
+        mean(evidence, arguments, |contact| middle_ratio(contact, |[_, force, _]| force / spacing))
+    },
 };
 
-struct Line {
-    radius: f64,
-    modulus: f64,
+/// Normal stress of the particles in the middle of the contact over Hertz's.
+pub(super) const HERTZ_STRESS_RATIO: Observable = Observable {
+    name: "hertz_stress_ratio",
+    unit: "",
+    meaning: "mean compressive stress along the normal of the touching particles in the middle \
+              half of the contact over Hertz's pressure for the same force",
+    arguments: ARGUMENTS,
+    evaluate: |evidence, arguments| {
+        mean(evidence, arguments, |contact| middle_ratio(contact, |[_, _, stress]| *stress))
+    },
+};
+
+/// The contact at one instant.
+struct Contact {
+    /// F in N/m.
+    force: f64,
+    /// a of Hertz in m.
+    half_width: f64,
+    /// p_0 of Hertz in Pa.
+    pressure: f64,
+    /// Of each touching particle: s from the middle in m, normal force in N/m, normal stress in Pa.
+    particles: Vec<[f64; 3]>,
 }
 
 fn mean(
     evidence: &Evidence,
     arguments: &Arguments,
-    ratio: fn(&Line, &Snapshot) -> f64,
+    ratio: impl Fn(&Contact) -> f64,
 ) -> Result<f64, String> {
-    let Shape::Cylinder { radius, .. } = evidence.setup.bodies[0].shape else {
-        return Err("the first body is not a cylinder".to_owned());
-    };
-    let moduli = &evidence.setup.materials[evidence.setup.bodies[0].material].moduli;
-    let (bulk, shear) = (moduli.bulk, moduli.shear);
-    let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
-    let line = Line { radius, modulus: moduli.young() / (1.0 - poisson * poisson) };
     let start = (1.0 - arguments.get("share")) * evidence.last()?.time;
     let ratios: Vec<f64> = evidence
         .snapshots
         .iter()
-        .filter(|snapshot| snapshot.time >= start && force(snapshot) > 0.0)
-        .map(|snapshot| ratio(&line, snapshot))
+        .filter(|snapshot| snapshot.time >= start)
+        .filter_map(|snapshot| contact(evidence, arguments.get("radius"), snapshot))
+        .map(|contact| ratio(&contact))
         .collect();
     if ratios.is_empty() {
-        return Err("the cylinder does not touch the wall".to_owned());
+        return Err("the cylinder does not touch".to_owned());
     }
     Ok(ratios.iter().sum::<f64>() / ratios.len() as f64)
 }
 
-fn force(snapshot: &Snapshot) -> f64 {
-    snapshot.contact_force.iter().map(|force| force[1]).sum()
+/// What touches, with Hertz's figures for its force; `None` if nothing does.
+fn contact(evidence: &Evidence, radius: f64, snapshot: &Snapshot) -> Option<Contact> {
+    let (normal, along) = (&evidence.setup.frame.cutting, &evidence.setup.frame.feed);
+    let mut particles: Vec<[f64; 3]> = (0..snapshot.id.len())
+        .map(|index| {
+            let stress = -normal_stress(&snapshot.stress[index], normal);
+            let place = dot(&snapshot.position[index], along);
+            [place, dot(&snapshot.contact_force[index], normal), stress]
+        })
+        .filter(|particle| particle[1] > 0.0)
+        .collect();
+    let force: f64 = particles.iter().map(|particle| particle[1]).sum();
+    if force <= 0.0 {
+        return None;
+    }
+    let centre = particles.iter().map(|particle| particle[0] * particle[1]).sum::<f64>() / force;
+    for particle in &mut particles {
+        particle[0] -= centre;
+    }
+    let moduli = &evidence.setup.materials[0].moduli;
+    let (bulk, shear) = (moduli.bulk, moduli.shear);
+    let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+    let modulus = moduli.young() / (1.0 - poisson * poisson);
+    Some(Contact {
+        force,
+        half_width: (4.0 * force * radius / (PI * modulus)).sqrt(),
+        pressure: (force * modulus / (PI * radius)).sqrt(),
+        particles,
+    })
 }
 
-fn width_ratio(line: &Line, snapshot: &Snapshot) -> f64 {
-    let total = force(snapshot);
-    let weighted = |power: i32, centre: f64| {
-        let terms = snapshot.contact_force.iter().zip(&snapshot.position);
-        terms.map(|(force, position)| force[1] * (position[0] - centre).powi(power)).sum::<f64>()
-            / total
-    };
-    let centre = weighted(1, 0.0);
-    let half_width = 2.0 * weighted(2, centre).sqrt();
-    half_width / (4.0 * total * line.radius / (PI * line.modulus)).sqrt()
+fn width_ratio(contact: &Contact) -> f64 {
+    let moment: f64 = contact.particles.iter().map(|[place, force, _]| force * place * place).sum();
+    2.0 * (moment / contact.force).sqrt() / contact.half_width
 }
 
-fn pressure_ratio(line: &Line, snapshot: &Snapshot) -> f64 {
-    let largest = snapshot.stress.iter().map(|stress| -stress[1]).fold(0.0, f64::max);
-    largest / (force(snapshot) * line.modulus / (PI * line.radius)).sqrt()
+/// Mean of `pressure` over Hertz's at the same place, in the middle half of the contact.
+fn middle_ratio(contact: &Contact, pressure: impl Fn(&[f64; 3]) -> f64) -> f64 {
+    let ratios: Vec<f64> = contact
+        .particles
+        .iter()
+        .map(|particle| (particle[0] / contact.half_width, pressure(particle)))
+        .filter(|(place, _)| place.abs() < 0.5)
+        .map(|(place, found)| found / (contact.pressure * (1.0 - place * place).sqrt()))
+        .collect();
+    ratios.iter().sum::<f64>() / ratios.len() as f64
+}
+
+fn dot(a: &Vector, b: &Vector) -> f64 {
+    (0..3).map(|axis| a[axis] * b[axis]).sum()
+}
+
+/// n . sigma n of a stress stored as xx, yy, zz, xy, yz, xz.
+fn normal_stress(stress: &[f64; 6], normal: &Vector) -> f64 {
+    let [x, y, z] = *normal;
+    let [xx, yy, zz, xy, yz, xz] = *stress;
+    xx * x * x + yy * y * y + zz * z * z + 2.0 * (xy * x * y + yz * y * z + xz * x * z)
 }
