@@ -3,7 +3,7 @@
 use crate::balances::{self, EnergyBalance, HeatBalance, MomentumBalances};
 use crate::geometry::{self, Geometry};
 use crate::steady::{
-    MeanInterval, Series, SteadyOptions, SteadyState, autocorrelation_time, detect, mean_interval,
+    MeanInterval, Series, SteadyOptions, SteadyState, detect, mean_interval, window_mean,
 };
 use crate::warnings::{self, Warning};
 use sphcut_record::{Facts, Outcome, Performance, Run, RunError, Samples};
@@ -212,7 +212,7 @@ fn window(samples: &Samples, steady: &SteadyState, facts: &Facts) -> Window {
 fn forces(samples: &Samples, window: &Window, facts: &Facts) -> Forces {
     let factor = facts.force_factor();
     let force = |id: ChannelId| {
-        let interval = interval_of(samples.channel(id), window);
+        let interval = window_mean(samples.channel(id), window.first_sample);
         Force {
             mean: interval.mean * factor,
             ci95: interval.half_width * factor,
@@ -225,12 +225,6 @@ fn forces(samples: &Samples, window: &Window, facts: &Facts) -> Forces {
         feed: force(ChannelId::FeedForce),
         passive: force(ChannelId::PassiveForce),
     }
-}
-
-fn interval_of(channel: &[f64], window: &Window) -> MeanInterval {
-    // The rise of the force at the first contact is no correlation of the cut.
-    let record = channel.get(window.first_sample / 2..).unwrap_or_default();
-    mean_interval(&channel[window.first_sample..], Some(autocorrelation_time(record)))
 }
 
 fn temperatures(samples: &Samples, window: &Window) -> Temperatures {

@@ -38,6 +38,8 @@ fn the_drawn_cut_is_found_in_its_record() {
     assert!((force.mean_per_width - 200e3).abs() < 2.0 * force.ci95_per_width, "{force:?}");
     assert!((force.mean / force.mean_per_width - 3e-3).abs() < 1e-12);
     assert!(force.ci95_per_width < 0.03 * 200e3);
+    // The interval reported is the one that was judged.
+    assert!((force.ci95_per_width / result.steady.ci95 - 1.0).abs() < 1e-12);
     let chip = result.geometry.chip.unwrap();
     assert!((chip.compression_ratio - 2.2).abs() < 0.05, "{chip:?}");
     assert!((chip.speed_ratio - 2.2).abs() < 0.01, "{chip:?}");

@@ -257,6 +257,16 @@ pub fn detect(series: Series<'_>, options: &SteadyOptions) -> SteadyState {
     state
 }
 
+/// Mean and 95 % interval over the samples from `first` on, by the same rules as [`detect`]: the
+/// correlation is that of the window or of the whole record since the force first reached its
+/// mean, whichever is longer.
+#[must_use]
+pub fn window_mean(force: &[f64], first: usize) -> MeanInterval {
+    let first = first.min(force.len());
+    let record = autocorrelation_time(&force[truncation::first_reach(force, first)..]);
+    mean_interval(&force[first..], Some(record))
+}
+
 /// The tests on one record.
 fn judge(series: Series<'_>, options: &SteadyOptions) -> SteadyState {
     let length = series.force.len().min(series.travel.len());
@@ -375,8 +385,7 @@ struct Window {
 impl Window {
     fn new(force: &[f64], first: usize) -> Self {
         let samples = &force[first..];
-        let record = autocorrelation_time(&force[truncation::first_reach(force, first)..]);
-        let mean = mean_interval(samples, Some(record));
+        let mean = window_mean(force, first);
         let part = |range: std::ops::Range<usize>| {
             let part = &samples[range];
             let average = part.iter().sum::<f64>() / part.len().max(1) as f64;
