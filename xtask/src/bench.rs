@@ -44,6 +44,7 @@ pub fn run(root: &Path) -> Result<(), String> {
     if cfg!(debug_assertions) {
         return in_release(root);
     }
+    let load = machine::load();
     let mut tracks = cases::all().into_iter().map(prepare).collect::<Result<Vec<_>, _>>()?;
     let pools = THREADS.iter().map(|threads| pool(*threads)).collect::<Result<Vec<_>, _>>()?;
     for round in 1..=ROUNDS {
@@ -55,7 +56,7 @@ pub fn run(root: &Path) -> Result<(), String> {
             }
         }
     }
-    let section = section(root, &tracks);
+    let section = section(root, load, &tracks);
     println!("{section}");
     append(&root.join("docs/performance.md"), &section)
 }
@@ -117,8 +118,8 @@ fn median_and_spread(mut values: Vec<f64>) -> (f64, f64) {
 }
 
 /// The section for `docs/performance.md`.
-fn section(root: &Path, tracks: &[Track]) -> String {
-    let mut text = format!("\n## {}\n\n{}\n\n", machine::date(), machine::description(root));
+fn section(root: &Path, load: Option<f64>, tracks: &[Track]) -> String {
+    let mut text = format!("\n## {}\n\n{}\n\n", machine::date(), machine::description(root, load));
     text.push_str(
         "| case | particles | neighbours | threads | updates/s (M) | per CPU second (M) | \
          pairs/s (M) | against 1 thread | bytes/particle (arrays; resident) |\n\

@@ -21,15 +21,22 @@ pub fn resident_bytes() -> Option<u64> {
     Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
-/// Processor, cores, compiler and revision in one line.
-pub fn description(root: &Path) -> String {
+/// What else the machine is doing: processes that want to run, mean over the last minute.
+pub fn load() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
+    text.split_whitespace().next()?.parse().ok()
+}
+
+/// Processor, cores, load, compiler and revision in one line; `load` is that before the start.
+pub fn description(root: &Path, load: Option<f64>) -> String {
     let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
     let compiler = answer(root, "rustc", &["--version"]).unwrap_or_else(|| "rustc ?".to_owned());
     let revision = answer(root, "git", &["rev-parse", "--short", "HEAD"]);
     format!(
-        "{}, {cores} cores, {compiler}, revision {}. Median of {} bursts of {} s each; \
-         ± is half the range.",
+        "{}, {cores} cores, load {} before the start, {compiler}, revision {}. Median of {} bursts \
+         of {} s each; ± is half the range.",
         processor().unwrap_or_else(|| "unknown processor".to_owned()),
+        load.map_or_else(|| "unknown".to_owned(), |load| format!("{load:.1}")),
         revision.unwrap_or_else(|| "unknown".to_owned()),
         super::ROUNDS,
         super::BURST.as_secs_f64(),
