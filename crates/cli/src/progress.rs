@@ -54,20 +54,21 @@ impl Status {
         if self.end_time > 0.0 { (self.time / self.end_time).clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// `0.42 of 1.5 mm, 1.7e-4 s, 0.84 M updates/s, 12 s left, F_c 212 F_f 61 N/mm`.
+    /// `0.420 of 1.500 mm, F_c 212 F_f 61 N/mm, 12 s left, 0.84 M updates/s, 1.700e-4 s`: what
+    /// matters most comes first, because a narrow terminal cuts off the end.
     pub fn line(&self) -> String {
         let mut parts = Vec::new();
         if let Some(travel) = self.travel {
             parts.push(format!("{:.3} of {:.3} mm", travel.now * 1e3, travel.end * 1e3));
         }
-        parts.push(format!("{:.3e} s", self.time));
-        parts.push(text::updates(self.updates_per_second));
-        if let Some(seconds) = self.remaining_seconds {
-            parts.push(format!("{} left", text::duration(seconds_to_duration(seconds))));
-        }
         if let Some(forces) = self.forces {
             parts.push(format!("F_c {:.0} F_f {:.0} N/mm", forces.cutting, forces.feed));
         }
+        if let Some(seconds) = self.remaining_seconds {
+            parts.push(format!("{} left", text::duration(seconds_to_duration(seconds))));
+        }
+        parts.push(text::updates(self.updates_per_second));
+        parts.push(format!("{:.3e} s", self.time));
         parts.join(", ")
     }
 }
@@ -148,12 +149,12 @@ mod tests {
         };
         assert_eq!(
             status.line(),
-            "0.250 of 1.000 mm, 1.000e-4 s, 0.84 M updates/s, 9.0 s left, F_c 212 F_f 61 N/mm"
+            "0.250 of 1.000 mm, F_c 212 F_f 61 N/mm, 9.0 s left, 0.84 M updates/s, 1.000e-4 s"
         );
         status.travel = None;
         status.forces = None;
         status.remaining_seconds = None;
-        assert_eq!(status.line(), "1.000e-4 s, 0.84 M updates/s");
+        assert_eq!(status.line(), "0.84 M updates/s, 1.000e-4 s");
         assert!((status.share() - 0.25).abs() < 1e-12);
     }
 

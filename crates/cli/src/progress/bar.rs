@@ -16,7 +16,7 @@ impl Bar {
     /// An empty bar on standard error.
     pub fn new() -> Self {
         let bar = ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr_with_hz(5));
-        let style = ProgressStyle::with_template("{bar:24} {percent:>3} %  {wide_msg}")
+        let style = ProgressStyle::with_template("{bar:16} {percent:>3} %  {wide_msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style.progress_chars("=> "));
         Self { bar }
