@@ -31,6 +31,18 @@ fn body_length(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String
     Ok(high - low + evidence.setup.particle_spacing)
 }
 
+/// Largest radius about the z axis.
+pub(super) const LARGEST_RADIUS: Observable = Observable {
+    name: "largest_radius",
+    unit: "m",
+    meaning: "largest distance of a particle from the z axis at the end, half a spacing added",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let radii = evidence.last()?.position.iter().map(|p| p[0].hypot(p[1]));
+        Ok(radii.fold(0.0, f64::max) + 0.5 * evidence.setup.particle_spacing)
+    },
+};
+
 /// Smallest over largest radius of the sectors about the z axis.
 pub(super) const ROUNDNESS: Observable = Observable {
     name: "roundness",

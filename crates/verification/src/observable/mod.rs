@@ -70,6 +70,7 @@ pub const ALL: &[&Observable] = &[
     &amplitude_ratio::AMPLITUDE_RATIO,
     &angular_momentum_ratio::ANGULAR_MOMENTUM_RATIO,
     &body_extent::BODY_LENGTH,
+    &body_extent::LARGEST_RADIUS,
     &body_extent::RADIUS_AT,
     &body_extent::ROUNDNESS,
     &chip::LARGEST_PLASTIC_STRAIN,
