@@ -4,8 +4,10 @@ use crate::process::ProcessResult;
 use sphcut_record::{Outcome, Run};
 use std::fmt;
 
-/// Gross numerical share above which even a draft is not to be trusted.
+/// Gross numerical share allowed in a draft.
 const NUMERICAL_SHARE_DRAFT: f64 = 0.15;
+/// Particles across the uncut chip thickness below which a run is a draft (presets: 5 and 10).
+const DRAFT_PARTICLES: f64 = 7.5;
 /// Gross numerical share allowed at standard resolution.
 const NUMERICAL_SHARE_STANDARD: f64 = 0.10;
 /// Largest error of the energy balance.
@@ -234,8 +236,10 @@ fn books(run: &Run, result: &ProcessResult, warnings: &mut Vec<Warning>) {
             warnings.push(Warning::EnergyClosure { share: energy.closure });
         }
         let share = energy.numerical_dissipation;
-        let exceeded = [NUMERICAL_SHARE_DRAFT, NUMERICAL_SHARE_STANDARD];
-        if let Some(allowed) = exceeded.into_iter().find(|allowed| share > *allowed) {
+        let across = result.resolution.across_chip_thickness;
+        let is_draft = across.is_some_and(|particles| particles < DRAFT_PARTICLES);
+        let allowed = if is_draft { NUMERICAL_SHARE_DRAFT } else { NUMERICAL_SHARE_STANDARD };
+        if share > allowed {
             warnings.push(Warning::NumericalShare { share, allowed });
         }
         if energy.kinetic_share > KINETIC_SHARE && ProcessResult::is_cut(run) {
