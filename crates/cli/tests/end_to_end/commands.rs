@@ -142,6 +142,9 @@ fn a_case_that_does_not_hold_is_not_passed() {
     std::fs::create_dir_all(&case).unwrap();
     for file in std::fs::read_dir(format!("{CASES}/johnson_cook_points")).unwrap() {
         let file = file.unwrap();
+        if file.path().is_dir() {
+            continue; // values of earlier runs
+        }
         let text = std::fs::read_to_string(file.path()).unwrap();
         // Another metal than the reference was computed for.
         let wrong = text.replace("\"aisi1045_jaspers\"", "\"ofhc_copper_johnson_cook\"");
