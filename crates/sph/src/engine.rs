@@ -145,6 +145,11 @@ pub(crate) struct Engine<const D: usize> {
 }
 
 impl MaterialData {
+    /// Density with scaled inertia, (K + 4G/3) / c^2, in kg/m^3.
+    pub(crate) fn inertial_density(&self) -> f64 {
+        (self.moduli.bulk + 4.0 / 3.0 * self.moduli.shear) / (self.wave_speed * self.wave_speed)
+    }
+
     /// beta, or 0 without plastic heating.
     pub(crate) fn heating_share(&self) -> f64 {
         self.heating * self.density * self.specific_heat

@@ -195,3 +195,18 @@ fn a_foreign_checkpoint_is_refused() {
     let hexagonal = cut(0.0, Lattice::Hexagonal);
     assert!(matches!(Simulation::restore(hexagonal, &small), Err(SetupError::Checkpoint { .. })));
 }
+
+#[test]
+fn strong_bulk_viscosity_shortens_the_time_step_and_stays_stable() {
+    let mut setup = cut(0.0, Lattice::Square);
+    let plain = Simulation::new(setup.clone()).unwrap().estimate().time_step;
+    setup.numerics =
+        Values::resolve(options::NUMERICS, &[("mass_scaling", 400.0), ("linear_viscosity", 2.0)])
+            .unwrap();
+    let viscous = Simulation::new(setup.clone()).unwrap().estimate().time_step;
+    assert!(viscous < 0.6 * plain, "{viscous} {plain}");
+    let last = run(setup).1.pop().unwrap();
+    let error = last.get(ChannelId::EnergyError) / last.get(ChannelId::ToolWork);
+    // The bar of the project: an unstable step misses it by orders of magnitude.
+    assert!(error.abs() < 0.01, "{error}");
+}
