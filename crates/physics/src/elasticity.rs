@@ -5,7 +5,7 @@
 //! Valid for the few per cent of volume change of metal cutting; shock
 //! compression (several GPa) needs Mie-Gruneisen.
 
-/// Bulk modulus, shear modulus and density of an isotropic elastic solid.
+/// Bulk modulus and shear modulus of an isotropic elastic solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElasticModuli {
     /// K in Pa.

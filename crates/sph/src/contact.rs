@@ -3,7 +3,7 @@
 //! A particle is a sphere of radius `dx/2`. Its overlap `g` with the surface
 //! gives the normal force `f_n = kappa M dx^(D-2) g` (M: p-wave modulus; per
 //! width in 2D). Friction is the force that stops the slip predicted for the
-//! next half step, clipped at the law's limit: it sticks below and slides at it,
+//! coming step, clipped at the law's limit: it sticks below and slides at it,
 //! whatever the time step or stiffness. The slip is the true projection
 //! `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
 

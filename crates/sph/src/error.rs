@@ -59,7 +59,8 @@ impl fmt::Display for SetupError {
 
 impl std::error::Error for SetupError {}
 
-/// A number that blew up. The state before the step is kept.
+/// A number that blew up. The simulation is then of no further use; the last good state is that of
+/// the last checkpoint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diverged {
     /// Step in which it happened.
