@@ -69,8 +69,6 @@ pub(crate) struct Frame<const D: usize> {
     pub(crate) weight: f64,
     /// V / V_0 of the reference.
     pub(crate) volume_ratio: f64,
-    /// Correction of the Laplacian, D / tr(sum w X X).
-    pub(crate) laplacian: f64,
 }
 
 /// Values of the numerical options, read once.
@@ -126,6 +124,8 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) since_refresh: Tally,
     /// Time since the last conduction step in s.
     pub(crate) conduction_pending: f64,
+    /// S of the particles ([`crate::laplacian`]); empty until a conduction step needs it.
+    pub(crate) conduction_tensor: Vec<Matrix<D>>,
     /// Length of a conduction step in s.
     pub(crate) conduction_interval: f64,
     pub(crate) mechanics: bool,
@@ -247,6 +247,7 @@ impl<const D: usize> Engine<D> {
             refresh_time: 0.0,
             since_refresh: Tally::default(),
             conduction_pending: 0.0,
+            conduction_tensor: Vec::new(),
             conduction_interval: f64::INFINITY,
             mechanics: setup.mechanics.is_on(),
             numerics,
@@ -270,7 +271,6 @@ impl<const D: usize> Engine<D> {
             lean: [0.0; D],
             weight: 0.0,
             volume_ratio: 1.0,
-            laplacian: 0.0,
         };
         self.reference = self.position.clone();
         self.origin = self.position.clone();

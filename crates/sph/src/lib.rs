@@ -10,6 +10,7 @@ mod engine;
 pub mod error;
 mod heat_conduction;
 pub mod kernel;
+mod laplacian;
 mod lattice;
 mod material_point;
 mod neighbours;

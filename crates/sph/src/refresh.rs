@@ -1,6 +1,7 @@
 //! Renewal of the reference configuration: storage order, neighbours, corrections, time step.
 
 use crate::engine::{Engine, Frame, MaterialData};
+use crate::laplacian;
 use crate::neighbours::{CHUNK, Cells, NeighbourList, build_list, find_strangers};
 use crate::strangers::Kinship;
 use crate::tensor::{
@@ -22,12 +23,10 @@ const FLATTEST_MOMENT: f64 = 0.02;
 const DAMPING_SAFETY: f64 = 0.8;
 /// The same for the oscillation of a particle on the contact penalty, in terms of (m/k)^(1/2).
 const CONTACT_SAFETY: f64 = 0.5;
-/// Upper limit of the Laplacian's correction: 1 inside, 2 at a surface, 4 in a corner. A particle
-/// that hangs on to a few others far away must not amplify their differences.
-const LARGEST_LAPLACIAN_CORRECTION: f64 = 4.0;
-/// Share of the explicit limit of conduction that a conduction step may use. A pair weighs at most
-/// 2 x 4 instead of 2, so a quarter keeps every new temperature between its neighbours'.
-const CONDUCTION_SAFETY: f64 = 0.25;
+/// Share of the explicit limit of conduction, `C_i / (2 s_i k)`, that a conduction step may use. A
+/// pair weighs at most 2 [`laplacian::LARGEST`] instead of 2, so a quarter keeps every new
+/// temperature between its neighbours'.
+const CONDUCTION_SAFETY: f64 = 1.0 / laplacian::LARGEST;
 /// The time step never falls below this share of its value on the undisturbed lattice.
 const SMALLEST_TIME_STEP: f64 = 0.1;
 
@@ -93,6 +92,7 @@ impl<const D: usize> Engine<D> {
             self.tool = Some(tool);
         }
         self.since_refresh = crate::account::Tally::default();
+        self.conduction_tensor.clear();
     }
 
     /// Stores the particles in `order`.
@@ -119,7 +119,7 @@ impl<const D: usize> Engine<D> {
         }
     }
 
-    /// Corrections B, moments and the Laplacian's correction; returns what limits the time step.
+    /// Corrections B and moments; returns what limits the time step.
     fn correct_operators(&mut self) -> Limits {
         let (list, reference) = (&self.list, &self.reference);
         self.frame
@@ -151,6 +151,7 @@ impl<const D: usize> Engine<D> {
         self.largest_weight = limits.weight;
         let crowding = (self.lattice_gradient / limits.gradient).clamp(SMALLEST_TIME_STEP, 1.0);
         let (mut mechanical, mut thermal) = (f64::INFINITY, f64::INFINITY);
+        let best_conductor = self.materials.iter().map(|m| m.conductivity).fold(0.0, f64::max);
         for data in &self.materials {
             let wave = self.numerics.courant * self.smoothing.length / data.wave_speed * crowding;
             let wave = wave * viscous_shortening(data, self.smoothing.length, limits.gradient);
@@ -167,8 +168,10 @@ impl<const D: usize> Engine<D> {
             mechanical = mechanical.min(wave).min(damping).min(contact);
             if self.conducts && data.conductivity > 0.0 {
                 let capacity = data.density * data.specific_heat;
+                // The harmonic mean with any other material stays below both.
+                let conductivity = best_conductor.min(2.0 * data.conductivity);
                 thermal = thermal
-                    .min(CONDUCTION_SAFETY * capacity / (2.0 * limits.weight * data.conductivity));
+                    .min(CONDUCTION_SAFETY * capacity / (2.0 * limits.weight * conductivity));
             }
         }
         self.conduction_interval = thermal;
@@ -222,7 +225,6 @@ fn correct<const D: usize>(
     frame.moment = first;
     frame.lean = apply(&frame.correction, &first);
     frame.weight = total;
-    frame.laplacian = if mean > 0.0 { (1.0 / mean).min(LARGEST_LAPLACIAN_CORRECTION) } else { 0.0 };
     let gradient: f64 = index
         .iter()
         .zip(weight)
