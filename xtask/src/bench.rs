@@ -9,7 +9,7 @@ mod cases;
 mod machine;
 
 use cases::Case;
-use sphcut_sph::Simulation;
+use sphcut_sph::{Simulation, Stage};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -28,6 +28,8 @@ struct Burst {
     updates_per_second: f64,
     updates_per_cpu_second: Option<f64>,
     pairs_per_second: f64,
+    /// Seconds spent in each of [`Stage::ALL`].
+    stages: [f64; Stage::ALL.len()],
 }
 
 /// A case in progress and what has been measured of it.
@@ -95,8 +97,16 @@ fn prepare(case: Case) -> Result<Track, String> {
 fn burst(simulation: &mut Simulation) -> Result<Burst, String> {
     let (wall, processor) = (Instant::now(), machine::processor_seconds());
     let (mut steps, mut pairs) = (0_u64, 0.0);
+    let mut stages = [0.0; Stage::ALL.len()];
     while wall.elapsed() < BURST {
-        simulation.step().map_err(|error| error.to_string())?;
+        let mut last = Instant::now();
+        let mut passed = |stage: Stage| {
+            let now = Instant::now();
+            let place = Stage::ALL.iter().position(|s| *s == stage).expect("ALL has every stage");
+            stages[place] += (now - last).as_secs_f64();
+            last = now;
+        };
+        simulation.step_observed(&mut passed).map_err(|error| error.to_string())?;
         steps += 1;
         pairs += simulation.pair_count() as f64;
     }
@@ -107,6 +117,7 @@ fn burst(simulation: &mut Simulation) -> Result<Burst, String> {
         updates_per_second: updates / seconds,
         updates_per_cpu_second: processor_seconds.map(|seconds| updates / seconds),
         pairs_per_second: pairs / seconds,
+        stages,
     })
 }
 
@@ -149,6 +160,31 @@ fn section(root: &Path, load: Option<f64>, tracks: &[Track]) -> String {
                 updates / single,
                 memory(track),
             );
+        }
+    }
+    text + &stage_table(tracks)
+}
+
+/// Where the time goes.
+fn stage_table(tracks: &[Track]) -> String {
+    let names = Stage::ALL.map(Stage::name).join(" | ");
+    let rule = "---|".repeat(Stage::ALL.len());
+    let mut text = format!(
+        "\nShare of the wall-clock time per stage in %:\n\n\
+         | case | particles | threads | {names} |\n|---|---|---|{rule}\n"
+    );
+    for track in tracks {
+        for (threads, bursts) in THREADS.iter().zip(&track.bursts) {
+            let mut sums = [0.0; Stage::ALL.len()];
+            for burst in bursts {
+                for (sum, seconds) in sums.iter_mut().zip(burst.stages) {
+                    *sum += seconds;
+                }
+            }
+            let total: f64 = sums.iter().sum();
+            let shares = sums.map(|sum| format!("{:.1}", 100.0 * sum / total)).join(" | ");
+            let particles = track.simulation.particle_count();
+            let _ = writeln!(text, "| {} | {particles} | {threads} | {shares} |", track.case.name);
         }
     }
     text

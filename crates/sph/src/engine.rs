@@ -21,6 +21,7 @@ use crate::error::{Diverged, SetupError};
 use crate::material_point::MaterialPoint;
 use crate::neighbours::{CHUNK, NeighbourList, Smoothing};
 use crate::setup::Setup;
+use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
 use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
 use rayon::prelude::*;
@@ -281,33 +282,40 @@ impl<const D: usize> Engine<D> {
         self.tallies = vec![Tally::default(); count.div_ceil(CHUNK)];
     }
 
-    /// One step, kick-drift-kick.
-    pub(crate) fn advance(&mut self) -> Result<(), Diverged> {
+    /// One step, kick-drift-kick; tells `passed` which stage has just ended.
+    pub(crate) fn advance(&mut self, passed: &mut dyn FnMut(Stage)) -> Result<(), Diverged> {
         let dt = self.time_step;
         self.step += 1;
         if !self.mechanics {
             self.time += dt;
             self.conduct_when_due(dt);
+            passed(Stage::Diffusion);
             return Ok(());
         }
-        self.kick(0.5 * dt);
+        self.kick_and_drift(0.5 * dt, dt);
         self.book_contact(0.5 * dt);
-        self.drift(dt);
+        passed(Stage::Motion);
         self.sweep_gradients(dt);
         self.close_tallies()?;
+        passed(Stage::Gradients);
         self.sweep_forces();
+        passed(Stage::Forces);
         self.push_strangers_apart();
         self.touch_tool();
         self.book_contact(0.5 * dt);
-        self.kick(0.5 * dt);
+        passed(Stage::Contact);
+        self.kick_and_drift(0.5 * dt, 0.0);
+        passed(Stage::Motion);
         self.diffuse_density_when_due(dt);
         self.conduct_when_due(dt);
+        passed(Stage::Diffusion);
         if self.refresh_is_due() {
             self.refresh();
             self.sweep_gradients(0.0);
             self.sweep_forces();
             self.push_strangers_apart();
             self.add_contact_forces();
+            passed(Stage::Renewal);
         }
         Ok(())
     }
@@ -335,44 +343,41 @@ impl<const D: usize> Engine<D> {
         self.materials[self.material[i] as usize].density * self.volume[i]
     }
 
-    /// v += a dt; supports prescribe their components and book their reaction.
-    fn kick(&mut self, duration: f64) {
-        let (materials, scaling) = (&self.materials, self.numerics.mass_scaling);
+    /// v += a dt, then x += v `drift` and the clock; supports prescribe their components of the
+    /// velocity and book their reaction.
+    fn kick_and_drift(&mut self, kick: f64, drift: f64) {
+        let (materials, scaling, holds) =
+            (&self.materials, self.numerics.mass_scaling, &self.holds);
         self.velocity
             .par_chunks_mut(CHUNK)
+            .zip(self.position.par_chunks_mut(CHUNK))
             .zip(self.force.par_chunks(CHUNK))
             .zip(self.material.par_chunks(CHUNK))
+            .zip(self.hold.par_chunks(CHUNK))
             .zip(self.volume.par_chunks(CHUNK))
-            .for_each(|(((velocity, force), material), volume)| {
+            .for_each(|(((((velocity, position), force), material), hold), volume)| {
                 for k in 0..velocity.len() {
                     let inertia = scaling * materials[material[k] as usize].density * volume[k];
-                    velocity[k] = plus_scaled(&velocity[k], duration / inertia, &force[k]);
+                    velocity[k] = plus_scaled(&velocity[k], kick / inertia, &force[k]);
+                    if hold[k] != FREE {
+                        velocity[k] = holds[hold[k] as usize].constrained(&velocity[k]);
+                    }
+                    if drift > 0.0 {
+                        position[k] = plus_scaled(&position[k], drift, &velocity[k]);
+                    }
                 }
             });
+        self.time += drift;
         for i in 0..self.hold.len() {
             if self.hold[i] == FREE {
                 continue;
             }
-            let support = &self.holds[self.hold[i] as usize];
-            self.velocity[i] = support.constrained(&self.velocity[i]);
-            let reaction = support.reaction(&self.force[i]);
-            self.account.support_work += duration * dot(&reaction, &self.velocity[i]);
+            let reaction = self.holds[self.hold[i] as usize].reaction(&self.force[i]);
+            self.account.support_work += kick * dot(&reaction, &self.velocity[i]);
             for k in 0..D {
-                self.account.reaction_impulse[k] += duration * reaction[k];
+                self.account.reaction_impulse[k] += kick * reaction[k];
             }
         }
-    }
-
-    /// x += v dt, and the clock.
-    fn drift(&mut self, duration: f64) {
-        self.position.par_chunks_mut(CHUNK).zip(self.velocity.par_chunks(CHUNK)).for_each(
-            |(position, velocity)| {
-                for k in 0..position.len() {
-                    position[k] = plus_scaled(&position[k], duration, &velocity[k]);
-                }
-            },
-        );
-        self.time += duration;
     }
 
     /// Contact forces at the present positions for the coming step, added to the internal ones.

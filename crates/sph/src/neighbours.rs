@@ -10,7 +10,7 @@ use crate::tensor::{Vector, dot, minus};
 use rayon::prelude::*;
 
 /// Particles handled by one task; fixed, so that sums over tasks have one order.
-pub(crate) const CHUNK: usize = 256;
+pub(crate) const CHUNK: usize = 64;
 
 /// Neighbours of all particles in compressed rows.
 #[derive(Debug, Default)]

@@ -4,6 +4,7 @@ use crate::engine::Engine;
 use crate::error::{Diverged, SetupError};
 use crate::observation::{CheckpointState, Sample, Snapshot};
 use crate::setup::{Dimension, Setup};
+use crate::stage::Stage;
 
 /// What one step tells its caller.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,9 +85,17 @@ impl Simulation {
     /// A quantity that is not finite or left its physical range; the simulation is then of no
     /// further use, and the last checkpoint is the last good state.
     pub fn step(&mut self) -> Result<StepReport, Diverged> {
+        self.step_observed(&mut |_| {})
+    }
+
+    /// [`Simulation::step`] that calls `passed` after each stage; a stage may pass more than once.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn step_observed(&mut self, passed: &mut dyn FnMut(Stage)) -> Result<StepReport, Diverged> {
         let setup = &self.setup;
         with_engine!(&mut self.engine, engine => {
-            engine.advance()?;
+            engine.advance(passed)?;
             let interval = setup.sampling_interval;
             let due = engine.time >= engine.account.interval_start + interval
                 || engine.time >= setup.end_time;
