@@ -177,6 +177,7 @@ impl<const D: usize> MaterialPoint<D> {
             shear_modulus: context.moduli.shear / self.volume_ratio,
             time_step: dt,
             heating: context.heating,
+            expected_increment: self.plastic_strain_rate * dt,
         });
         self.flow_stress = returned.flow_stress;
         let increment = returned.plastic_increment;

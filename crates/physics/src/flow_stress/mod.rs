@@ -32,7 +32,27 @@ pub struct FlowState {
 pub trait FlowStressLaw: Debug + Send + Sync {
     /// Flow stress sigma_y in Pa; never negative, `f64::INFINITY` for a material that never yields.
     fn flow_stress(&self, state: &FlowState) -> f64;
+
+    /// The flow stress and its derivative along `change`, in Pa: what the flow stress gains if the
+    /// state moves by a small share of `change`, divided by that share.
+    ///
+    /// By a difference quotient of [`DIFFERENCE`]; a law that is evaluated in the time loop may
+    /// give its own.
+    fn flow_stress_along(&self, state: &FlowState, change: &FlowState) -> (f64, f64) {
+        let moved = FlowState {
+            plastic_strain: state.plastic_strain + DIFFERENCE * change.plastic_strain,
+            plastic_strain_rate: state.plastic_strain_rate
+                + DIFFERENCE * change.plastic_strain_rate,
+            temperature: state.temperature + DIFFERENCE * change.temperature,
+        };
+        let here = self.flow_stress(state);
+        (here, (self.flow_stress(&moved) - here) / DIFFERENCE)
+    }
 }
+
+/// Share of the change over which the derivative of a flow stress is taken: the square root of the
+/// rounding error, to the next power of ten.
+const DIFFERENCE: f64 = 1e-7;
 
 /// A law as the solver holds it: decided once per run, inlined below.
 pub trait FlowStressModel: FlowStressLaw + RadialReturn {}

@@ -65,6 +65,7 @@ fn implicit(evidence: &Evidence, arguments: &Arguments) -> Point {
             shear_modulus: material.moduli.shear,
             time_step,
             heating,
+            expected_increment: increment,
         });
         point.stress = trial - 3.0 * material.moduli.shear * returned.plastic_increment;
         point.plastic_strain += returned.plastic_increment;
