@@ -1,18 +1,15 @@
 //! The orthogonal cut: [workpiece], [tool], [process], [boundaries].
 
-use crate::files::{LARGEST_OUTLINE, Surroundings};
 use crate::findings::Findings;
 use crate::material::Shelf;
-use crate::outline;
 use crate::placement::{Handedness, Placement};
 use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
 use crate::shared::{self, Resolution};
-use crate::tool_geometry::{EdgeGeometry, shift_to_gap};
+use crate::tool::ToolShape;
+use crate::tool_geometry::shift_to_gap;
 use crate::{sections, warnings};
-use sphcut_physics::Values;
-use sphcut_physics::friction::FrictionEntry;
 use sphcut_sph::setup::{Body, Material, Setup, Support, Tool, ToolSurface, Vector, VelocityField};
 
 /// `[process]`.
@@ -31,14 +28,6 @@ pub(crate) struct Workpiece {
     pub(crate) length: f64,
     pub(crate) height: f64,
     pub(crate) temperature: f64,
-}
-
-/// `[tool]` before it is placed.
-#[derive(Debug)]
-pub(crate) struct ToolShape {
-    pub(crate) edge_radius: Option<f64>,
-    polygon: Vec<[f64; 2]>,
-    friction: (&'static FrictionEntry, Values),
 }
 
 /// A side of the workpiece.
@@ -121,114 +110,6 @@ pub(crate) fn workpiece(
         height: record.number("height")?,
         temperature: record.number("temperature")?,
     })
-}
-
-/// `[tool]`. `scale` is a length that the faces must exceed, usually the travel.
-pub(crate) fn tool(
-    findings: &mut Findings,
-    root: &Record<'_>,
-    surroundings: &Surroundings,
-    process: Option<Process>,
-    sizes: Option<(f64, f64)>,
-) -> Option<ToolShape> {
-    let record = reader::read(findings, &root.source, root.table("tool")?, &sections::tool(), 2);
-    let friction =
-        record.table("friction").and_then(|table| shared::friction(findings, &record, table));
-    let edge_radius = record.number("edge_radius");
-    if record.is_written("outline") {
-        refuse_angles_beside_outline(findings, &record);
-        let polygon = read_outline(findings, &record, surroundings, process)?;
-        return Some(ToolShape { edge_radius, polygon, friction: friction? });
-    }
-    require(findings, &record, &["rake_angle", "clearance_angle", "edge_radius"]);
-    let (particle_spacing, travel) = sizes?;
-    let geometry = EdgeGeometry {
-        rake_angle: record.number("rake_angle")?,
-        clearance_angle: record.number("clearance_angle")?,
-        edge_radius: edge_radius?,
-        uncut_chip_thickness: process?.uncut_chip_thickness,
-        face_length: face_length(process?.uncut_chip_thickness, travel, edge_radius?),
-        particle_spacing,
-    };
-    check_wedge(findings, &record, &geometry)?;
-    Some(ToolShape { edge_radius, polygon: geometry.polygon(), friction: friction? })
-}
-
-/// Long enough for a chip as long as the travel that stays straight on the rake face.
-fn face_length(uncut_chip_thickness: f64, travel: f64, edge_radius: f64) -> f64 {
-    (10.0 * uncut_chip_thickness).max(travel + 5.0 * uncut_chip_thickness) + 5.0 * edge_radius
-}
-
-/// Smallest wedge angle that leaves a tool to speak of.
-const SMALLEST_WEDGE: f64 = 5.0 / 180.0 * std::f64::consts::PI;
-
-fn check_wedge(findings: &mut Findings, record: &Record<'_>, tool: &EdgeGeometry) -> Option<()> {
-    if tool.wedge_angle() >= SMALLEST_WEDGE {
-        return Some(());
-    }
-    let mistake = Mistake::Contradiction {
-        message: format!(
-            "rake and clearance angle leave a wedge of {} deg: the tool has no body",
-            crate::units::significant(tool.wedge_angle().to_degrees())
-        ),
-        help: "rake_angle + clearance_angle must stay below 85 deg".to_owned(),
-    };
-    findings.problem(&record.source, record.span("rake_angle"), mistake);
-    None
-}
-
-/// Reports each of `keys` that is not written.
-pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
-    let all = [sections::tool(), sections::stop()];
-    for key in keys.iter().filter(|key| record.lacks(key)) {
-        let section = all.iter().find(|section| section.name == record.section);
-        let field = section.and_then(|section| Some((section, section.field(key)?)));
-        if let Some((section, field)) = field {
-            let mistake = reader::missing(section, field);
-            findings.problem(&record.source, record.heading.clone(), mistake);
-        }
-    }
-}
-
-fn refuse_angles_beside_outline(findings: &mut Findings, record: &Record<'_>) {
-    for key in ["rake_angle", "clearance_angle"] {
-        if record.is_written(key) {
-            let mistake = Mistake::Contradiction {
-                message: format!(
-                    "`{key}` and `outline` exclude each other: the outline has its own angles"
-                ),
-                help: "keep one of them; edge_radius may stay, for reports".to_owned(),
-            };
-            findings.problem(&record.source, record.span(key), mistake);
-        }
-    }
-}
-
-/// The outline moved so that its lowest point lies at y = -h.
-fn read_outline(
-    findings: &mut Findings,
-    record: &Record<'_>,
-    surroundings: &Surroundings,
-    process: Option<Process>,
-) -> Option<Vec<[f64; 2]>> {
-    let path = record.text("outline")?;
-    let read = surroundings.read(path, LARGEST_OUTLINE).and_then(|text| {
-        let help = "a header line, then the corners as x, y in mm, the rake face towards +x";
-        outline::parse(&text).map_err(|reason| {
-            Box::new(Mistake::File { path: path.to_owned(), reason, help: help.to_owned() })
-        })
-    });
-    match read {
-        Ok(points) => {
-            let lowest = points.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
-            let depth = process?.uncut_chip_thickness;
-            Some(points.iter().map(|point| [point[0], point[1] - lowest - depth]).collect())
-        }
-        Err(mistake) => {
-            findings.problem(&record.source, record.span("outline"), *mistake);
-            None
-        }
-    }
 }
 
 /// `[boundaries]`: the held sides and the number of rows that belong to them.
@@ -406,7 +287,7 @@ impl Cut {
 
     /// What the user should know before trusting the run.
     pub(crate) fn warnings(&self) -> Vec<String> {
-        warnings::cut(&warnings::CutFigures {
+        let mut told = warnings::cut(&warnings::CutFigures {
             uncut_chip_thickness: self.process.uncut_chip_thickness,
             edge_radius: self.tool.edge_radius,
             particle_spacing: self.resolution.particle_spacing,
@@ -414,6 +295,8 @@ impl Cut {
             length: self.workpiece.length,
             height: self.workpiece.height,
             tool_top: self.tool.polygon.iter().map(|point| point[1]).fold(0.0, f64::max),
-        })
+        });
+        told.extend(self.tool.notes.iter().cloned());
+        told
     }
 }

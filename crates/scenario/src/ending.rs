@@ -4,7 +4,7 @@ use crate::findings::Findings;
 use crate::problem::Mistake;
 use crate::record::Record;
 use crate::shared::{optional_section, switch};
-use crate::{cut, reader, sections};
+use crate::{reader, sections};
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::Switch;
 use std::ops::Range;
@@ -69,7 +69,7 @@ pub(crate) fn read_stop(
         Kind::Cut => ("travel", &["time"]),
         Kind::Bodies => ("time", &["travel", "steady"]),
     };
-    cut::require(findings, &record, &[needed]);
+    crate::tool::require(findings, &record, &[needed]);
     refuse(findings, &record, refused, needed, kind);
     let steady = match record.table("steady") {
         Some(table) => Some(read_steady(findings, &record, table)?),

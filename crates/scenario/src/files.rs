@@ -36,6 +36,12 @@ impl Surroundings {
         read_text(&path, largest).map_err(|reason| file_mistake(named, reason, ""))
     }
 
+    /// The bytes of the file `named` in the scenario.
+    pub(crate) fn read_bytes(&self, named: &str, largest: u64) -> Result<Vec<u8>, Box<Mistake>> {
+        let path = self.resolve(named)?;
+        read_bytes(&path, largest).map_err(|reason| file_mistake(named, reason, ""))
+    }
+
     fn resolve(&self, named: &str) -> Result<PathBuf, Box<Mistake>> {
         let refuse = |reason: &str, help: &str| Err(file_mistake(named, reason.to_owned(), help));
         let Some(directory) = &self.directory else {
@@ -64,12 +70,17 @@ impl Surroundings {
     }
 }
 
-fn file_mistake(named: &str, reason: String, help: &str) -> Box<Mistake> {
+pub(crate) fn file_mistake(named: &str, reason: String, help: &str) -> Box<Mistake> {
     Box::new(Mistake::File { path: crate::reader::shortened(named), reason, help: help.to_owned() })
 }
 
 /// Reads a regular file of UTF-8 text of at most `largest` bytes.
 pub(crate) fn read_text(path: &Path, largest: u64) -> Result<String, String> {
+    String::from_utf8(read_bytes(path, largest)?).map_err(|_| "it is not UTF-8 text".to_owned())
+}
+
+/// Reads a regular file of at most `largest` bytes.
+fn read_bytes(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
     let metadata = fs::metadata(path).map_err(|error| io_reason(&error))?;
     if !metadata.is_file() {
         return Err("it is not a regular file".to_owned());
@@ -81,7 +92,7 @@ pub(crate) fn read_text(path: &Path, largest: u64) -> Result<String, String> {
     if bytes.len() as u64 > largest {
         return Err(format!("it is larger than {} KiB", largest >> 10));
     }
-    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
+    Ok(bytes)
 }
 
 fn io_reason(error: &std::io::Error) -> String {

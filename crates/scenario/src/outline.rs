@@ -3,7 +3,7 @@
 use crate::tool_geometry::{self_intersection, signed_double_area};
 
 /// Most points of an outline.
-const MOST_POINTS: usize = 5000;
+pub(crate) const MOST_POINTS: usize = 5000;
 const METRE_PER_MILLIMETRE: f64 = 1e-3;
 /// Largest coordinate in mm.
 const LARGEST: f64 = 1e5;
@@ -29,16 +29,17 @@ pub(crate) fn parse(text: &str) -> Result<Vec<[f64; 2]>, String> {
     if points.len() > 1 && points.first() == points.last() {
         points.pop();
     }
-    checked(points)
-}
-
-fn checked(mut points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
     if points.len() < 3 {
         return Err(format!(
             "an outline needs at least 3 points below a header line, found {}",
             points.len()
         ));
     }
+    checked(points)
+}
+
+/// The polygon counter-clockwise, if it has an inside and does not cross itself.
+pub(crate) fn checked(mut points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
     if let Some((first, second)) = self_intersection(&points) {
         return Err(format!(
             "the outline crosses itself: side {} meets side {}",

@@ -9,7 +9,7 @@ use crate::problem::{Mistake, Problem, Source};
 use crate::reader;
 use crate::record::Record;
 use crate::shared::{self, Resolution};
-use crate::{LoadOptions, bodies, sections, warnings};
+use crate::{LoadOptions, bodies, sections, tool, warnings};
 use sphcut_physics::Quantity;
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Dimension, Switch};
@@ -203,7 +203,7 @@ fn read_cut(
     let stop = read_stop(findings, root, Kind::Cut);
     let output = read_output(findings, root, Kind::Cut, stop.as_ref());
     let sizes = resolution.zip(stop.as_ref()).map(|(r, stop)| (r.particle_spacing, stop.extent));
-    let tool = cut::tool(findings, root, surroundings, process, sizes);
+    let tool = tool::tool(findings, root, surroundings, process, sizes);
     let boundaries = cut::boundaries(findings, root);
     let (process, resolution, stop, output) = (process?, resolution?, stop?, output?);
     let end = CutEnd { travel: stop.extent, sampling_travel: output.sampling };

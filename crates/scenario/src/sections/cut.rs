@@ -2,6 +2,7 @@
 
 use super::{LONGEST, ROOM_TEMPERATURE, between, default, positive, temperature};
 use crate::section::{Field, Kind, Presence, Section};
+use crate::units;
 use sphcut_physics::{Quantity, Range};
 use std::f64::consts::PI;
 
@@ -50,13 +51,13 @@ pub(crate) fn tool() -> Section {
         Field::new(
             key,
             Kind::Quantity(Quantity::Angle, range),
-            Presence::Derived("required unless `outline` is given"),
+            Presence::Derived("required unless `outline` or `mesh_file` is given"),
             meaning,
         )
     };
     Section::new(
         "tool",
-        "Rake angle, clearance angle and edge radius, or an outline.",
+        "Rake angle, clearance angle and edge radius, or an outline, or a mesh.",
         vec![
             angle(
                 "rake_angle",
@@ -70,7 +71,7 @@ pub(crate) fn tool() -> Section {
             Field::new(
                 "edge_radius",
                 between(Quantity::Length, 0.0, 5e-3),
-                Presence::Derived("required unless `outline` is given"),
+                Presence::Derived("required unless `outline` or `mesh_file` is given"),
                 "r_n, radius of the rounded cutting edge",
             )
             .example("\"20 um\""),
@@ -80,6 +81,20 @@ pub(crate) fn tool() -> Section {
                 Presence::Optional,
                 "CSV file with the tool's cross-section: two columns x, y in mm, a header line; the tool cuts towards +x and is moved so that its lowest point runs at the depth of cut",
             ),
+            Field::new(
+                "mesh_file",
+                Kind::Path,
+                Presence::Optional,
+                "STL (binary or ASCII) or Gmsh MSH (2.2 or 4.1, ASCII) with the tool: a closed surface, of which the section with the plane z = 0 cuts, or a plane mesh or line loop in x and y; placed like an outline",
+            )
+            .example("\"tool.stl\""),
+            Field::new(
+                "mesh_unit",
+                Kind::Choice(units::accepted_units(Quantity::Length).to_vec()),
+                Presence::Derived("required with `mesh_file`"),
+                "unit of the coordinates in `mesh_file`: the formats state none",
+            )
+            .example("\"mm\""),
             Field::new(
                 "friction",
                 Kind::Table,

@@ -1,0 +1,180 @@
+//! What can be wrong with a mesh file, in words for the person at the file.
+
+use crate::units::significant;
+use std::fmt;
+
+/// The name of a piece of the mesh in its file: "facet 12" of an STL, "element 12" of Gmsh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Name {
+    pub(super) word: &'static str,
+    pub(super) number: u64,
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.word, self.number)
+    }
+}
+
+/// What is wrong with a mesh. Coordinates in m.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum MeshError {
+    /// Neither STL nor Gmsh.
+    Unknown,
+    /// A Gmsh file of another version, or binary.
+    Gmsh { version: String },
+    /// A line that is not what the format has there.
+    Line { line: usize, expected: &'static str },
+    /// The file ends too early.
+    Ended { expected: &'static str },
+    /// A binary STL whose length does not fit the number of its facets.
+    Length { facets: u32, needed: u64, found: u64 },
+    /// More facets than this program takes.
+    TooMany { most: usize },
+    /// No facets and no lines.
+    Empty,
+    /// A coordinate that is no number.
+    NotFinite { name: Name },
+    /// A coordinate beyond anything that is cut.
+    FarAway { metres: f64, most: f64 },
+    /// An element names a node that the file does not have.
+    NoSuchNode { name: Name, node: u64 },
+    /// Two nodes with one number.
+    SameNode { node: u64 },
+    /// A curved element.
+    Curved { name: Name },
+    /// A facet without area.
+    Degenerate { name: Name },
+    /// Corners run the other way round than the normal that the file states.
+    StatedNormal { name: Name },
+    /// An edge with one facet.
+    Hole { name: Name, from: [f64; 3], to: [f64; 3] },
+    /// An edge with more than two facets.
+    Branch { first: Name, second: Name, third: Name },
+    /// A facet turned the other way round than its neighbour.
+    Flipped { name: Name, neighbour: Name },
+    /// A closed part that is inside out; the first of its facets.
+    InsideOut { name: Name },
+    /// Two facets that pass through each other.
+    Crossing { first: Name, second: Name },
+    /// Too many pairs of facets lie close to each other.
+    Entangled,
+    /// The plane z = 0 does not meet the surface.
+    NoSection { low: f64, high: f64 },
+    /// The cross-section encloses nothing.
+    NoArea,
+    /// More than one loop that is not a hole of the largest.
+    Parts { count: usize },
+    /// Lines that do not close.
+    OpenLoop { name: Name, at: [f64; 3] },
+    /// A point where boundaries touch.
+    Pinched { at: [f64; 3] },
+    /// Elements of a plane mesh cover each other.
+    Overlap,
+    /// What the checks of an outline say.
+    Outline { reason: String },
+}
+
+fn point(at: &[f64; 3]) -> String {
+    let [x, y, z] = at.map(|value| significant(value * 1e3));
+    format!("({x}, {y}, {z}) mm")
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown => write!(f, "it is neither an STL nor a Gmsh MSH file"),
+            Self::Gmsh { version } => write!(f, "it is a Gmsh file of version {version}"),
+            Self::Line { line, expected } => write!(f, "line {line}: expected {expected}"),
+            Self::Ended { expected } => {
+                write!(f, "it ends where {expected} should follow: the file is truncated")
+            }
+            Self::Length { facets, needed, found } => write!(
+                f,
+                "it announces {facets} facets, which take {needed} bytes, and has {found}{}",
+                if found < needed { ": the file is truncated" } else { "" }
+            ),
+            Self::TooMany { most } => write!(f, "more than {most} facets"),
+            Self::Empty => write!(f, "it has no facets"),
+            Self::NotFinite { name } => write!(f, "{name} has a coordinate that is not a number"),
+            Self::FarAway { metres, most } => write!(
+                f,
+                "a coordinate of {} m lies beyond {most} m: is mesh_unit right?",
+                significant(*metres)
+            ),
+            Self::NoSuchNode { name, node } => {
+                write!(f, "{name} names node {node}, which is missing")
+            }
+            Self::SameNode { node } => write!(f, "node {node} is there twice"),
+            Self::Curved { name } => write!(f, "{name} is curved (higher order)"),
+            Self::Degenerate { name } => write!(f, "{name} has no area"),
+            Self::StatedNormal { name } => write!(
+                f,
+                "{name} is flipped: its corners run the other way round than its normal says"
+            ),
+            Self::Hole { name, from, to } => {
+                write!(f, "a hole: {name} has an open edge from {} to {}", point(from), point(to))
+            }
+            Self::Branch { first, second, third } => write!(
+                f,
+                "{first}, {second} and {third} share one edge: a surface has two facets there"
+            ),
+            Self::Flipped { name, neighbour } => {
+                write!(f, "{name} is flipped: its normal disagrees with that of {neighbour}")
+            }
+            Self::InsideOut { name } => {
+                write!(f, "the surface is inside out: {name} and all connected to it face inwards")
+            }
+            Self::Crossing { first, second } => {
+                write!(f, "the surface crosses itself: {first} passes through {second}")
+            }
+            Self::Entangled => {
+                write!(f, "too many facets lie in each other's way to look for crossings")
+            }
+            Self::NoSection { low, high } => write!(
+                f,
+                "the plane z = 0 does not cut it: it lies between z = {} and {} mm",
+                significant(low * 1e3),
+                significant(high * 1e3)
+            ),
+            Self::NoArea => write!(f, "its cross-section encloses no area"),
+            Self::Parts { count } => {
+                write!(f, "its cross-section has {count} separate parts: a tool is one")
+            }
+            Self::OpenLoop { name, at } => {
+                write!(f, "its lines do not close: {name} ends alone at {}", point(at))
+            }
+            Self::Pinched { at } => write!(f, "its boundary touches itself at {}", point(at)),
+            Self::Overlap => write!(f, "its elements cover each other"),
+            Self::Outline { reason } => write!(f, "its cross-section: {reason}"),
+        }
+    }
+}
+
+impl MeshError {
+    /// What to do about it.
+    pub(crate) fn help(&self) -> &'static str {
+        match self {
+            Self::Unknown => "STL (binary or ASCII), or Gmsh MSH 2.2 or 4.1 in ASCII",
+            Self::Gmsh { .. } => {
+                "save it as MSH 2.2 or 4.1 in ASCII: Mesh.MshFileVersion = 4.1; Mesh.Binary = 0;"
+            }
+            Self::Curved { .. } => "mesh with elements of first order: Mesh.ElementOrder = 1;",
+            Self::Hole { .. } => {
+                "close the surface; corners meet only where their coordinates are equal to the last digit"
+            }
+            Self::StatedNormal { .. } | Self::Flipped { .. } => {
+                "make the normals agree and point outwards before saving: \"recompute normals \
+                 outside\", in Gmsh setOutwardOrientation"
+            }
+            Self::InsideOut { .. } => {
+                "turn all normals round before saving: \"flip normals\", in Gmsh ReverseMesh"
+            }
+            Self::NoSection { .. } => "move the tool so that z = 0 lies where it shall be cut",
+            Self::TooMany { .. } | Self::Entangled => {
+                "mesh it coarser: a particle does not see what is much smaller than itself"
+            }
+            _ => "",
+        }
+    }
+}

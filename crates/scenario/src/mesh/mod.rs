@@ -1,0 +1,130 @@
+//! The tool from a mesh file: STL (binary, ASCII) and Gmsh MSH (2.2 and 4.1, ASCII).
+//!
+//! ```text
+//! bytes --stl, gmsh--> Mesh --surface--> closed triangle surface
+//!                           --plane----> plane cross-section: one polygon
+//! ```
+//! Neither format carries a unit: coordinates stay in that of the file until [`Mesh::scaled`].
+//! A file is from a stranger: its size bounds the memory, no count in it is believed.
+
+mod error;
+mod gmsh;
+mod intersection;
+mod plane;
+mod stl;
+mod surface;
+mod vector;
+
+pub(crate) use error::MeshError;
+pub(crate) use plane::CrossSection;
+
+use error::Name;
+use std::collections::HashMap;
+
+/// Largest mesh file in bytes.
+pub(crate) const LARGEST_MESH: u64 = 64 << 20;
+/// Most facets of a mesh.
+const MOST_FACETS: usize = 200_000;
+/// Largest coordinate in m.
+const LARGEST_COORDINATE: f64 = 100.0;
+
+/// Facets and lines with the numbers that the file gives them.
+#[derive(Debug, Default, Clone, PartialEq)]
+pub(crate) struct Mesh {
+    vertices: Vec<[f64; 3]>,
+    facets: Vec<Facet>,
+    lines: Vec<Line>,
+}
+
+/// A triangle; a quadrangle of the file is two of them with one name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Facet {
+    corners: [usize; 3],
+    name: Name,
+}
+
+/// A straight line element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Line {
+    ends: [usize; 2],
+    name: Name,
+}
+
+impl Mesh {
+    /// Reads the file, which format it has being seen from its content.
+    ///
+    /// # Errors
+    /// What is wrong with it, with line, facet or element.
+    pub(crate) fn read(bytes: &[u8]) -> Result<Self, MeshError> {
+        let mesh = if gmsh::is_gmsh(bytes) { gmsh::read(bytes)? } else { stl::read(bytes)? };
+        if mesh.facets.is_empty() && mesh.lines.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        Ok(mesh)
+    }
+
+    /// The same in m, `metres` of them in the unit of the file.
+    ///
+    /// # Errors
+    /// A coordinate larger than anything that is cut.
+    pub(crate) fn scaled(mut self, metres: f64) -> Result<Self, MeshError> {
+        for value in self.vertices.iter_mut().flatten() {
+            *value *= metres;
+            if value.abs() > LARGEST_COORDINATE {
+                return Err(MeshError::FarAway { metres: *value, most: LARGEST_COORDINATE });
+            }
+        }
+        Ok(self)
+    }
+
+    /// The cross-section in the plane: the boundary of a plane mesh or of a line loop, or the
+    /// section of a closed surface with z = 0.
+    ///
+    /// # Errors
+    /// The surface is not closed, the boundary is not one loop, parts overlap.
+    pub(crate) fn cross_section(&self) -> Result<CrossSection, MeshError> {
+        plane::cross_section(self)
+    }
+
+    fn extent(&self) -> f64 {
+        let (low, high) = self.bounds();
+        vector::length(&vector::sub(&high, &low))
+    }
+
+    /// Smallest and largest coordinates of the vertices in use.
+    fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let of_facets = self.facets.iter().flat_map(|facet| facet.corners);
+        for vertex in of_facets.chain(self.lines.iter().flat_map(|line| line.ends)) {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(self.vertices[vertex][axis]);
+                high[axis] = high[axis].max(self.vertices[vertex][axis]);
+            }
+        }
+        (low, high)
+    }
+
+    fn corners(&self, facet: &Facet) -> [[f64; 3]; 3] {
+        facet.corners.map(|vertex| self.vertices[vertex])
+    }
+}
+
+/// Joins corners with the same coordinates, bit for bit (-0 is 0): STL names no vertices.
+#[derive(Debug, Default)]
+struct Welder {
+    known: HashMap<[u64; 3], usize>,
+    vertices: Vec<[f64; 3]>,
+}
+
+impl Welder {
+    fn vertex(&mut self, point: [f64; 3]) -> usize {
+        let point = point.map(|value| value + 0.0);
+        *self.known.entry(point.map(f64::to_bits)).or_insert_with(|| {
+            self.vertices.push(point);
+            self.vertices.len() - 1
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

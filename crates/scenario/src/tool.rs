@@ -1,0 +1,199 @@
+//! `[tool]` of a cut: angles and an edge radius, an outline, or a mesh.
+
+use crate::cut::Process;
+use crate::files::{self, LARGEST_OUTLINE, Surroundings};
+use crate::findings::Findings;
+use crate::mesh::{CrossSection, LARGEST_MESH, Mesh, MeshError};
+use crate::outline;
+use crate::problem::Mistake;
+use crate::reader;
+use crate::record::Record;
+use crate::tool_geometry::EdgeGeometry;
+use crate::{sections, shared, units};
+use sphcut_physics::friction::FrictionEntry;
+use sphcut_physics::{Quantity, Values};
+
+/// `[tool]` before it is placed.
+#[derive(Debug)]
+pub(crate) struct ToolShape {
+    pub(crate) edge_radius: Option<f64>,
+    /// Counter-clockwise, in m, its lowest point at the depth of cut.
+    pub(crate) polygon: Vec<[f64; 2]>,
+    pub(crate) friction: (&'static FrictionEntry, Values),
+    /// What the user should know about it.
+    pub(crate) notes: Vec<String>,
+}
+
+/// The keys that describe the tool in another way than by its angles.
+const WHOLE_SHAPES: [&str; 2] = ["outline", "mesh_file"];
+
+/// `[tool]`. `sizes`: particle spacing and a length that the faces must exceed, usually the travel.
+pub(crate) fn tool(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    surroundings: &Surroundings,
+    process: Option<Process>,
+    sizes: Option<(f64, f64)>,
+) -> Option<ToolShape> {
+    let record = reader::read(findings, &root.source, root.table("tool")?, &sections::tool(), 2);
+    let friction =
+        record.table("friction").and_then(|table| shared::friction(findings, &record, table));
+    refuse_unit_without_mesh(findings, &record);
+    let edge_radius = record.number("edge_radius");
+    let mut notes = Vec::new();
+    let whole = WHOLE_SHAPES.into_iter().find(|key| record.is_written(key));
+    let polygon = match whole {
+        Some(key) => {
+            refuse_keys_beside(findings, &record, key);
+            let points = match key {
+                "outline" => read_outline(findings, &record, surroundings),
+                _ => read_mesh(findings, &record, surroundings, &mut notes),
+            };
+            at_depth(&points?, process?.uncut_chip_thickness)
+        }
+        None => from_angles(findings, &record, process, sizes)?,
+    };
+    Some(ToolShape { edge_radius, polygon, friction: friction?, notes })
+}
+
+/// The tool of plane faces and a rounded edge.
+fn from_angles(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    process: Option<Process>,
+    sizes: Option<(f64, f64)>,
+) -> Option<Vec<[f64; 2]>> {
+    require(findings, record, &["rake_angle", "clearance_angle", "edge_radius"]);
+    let (particle_spacing, travel) = sizes?;
+    let edge_radius = record.number("edge_radius")?;
+    let uncut_chip_thickness = process?.uncut_chip_thickness;
+    let geometry = EdgeGeometry {
+        rake_angle: record.number("rake_angle")?,
+        clearance_angle: record.number("clearance_angle")?,
+        edge_radius,
+        uncut_chip_thickness,
+        face_length: face_length(uncut_chip_thickness, travel, edge_radius),
+        particle_spacing,
+    };
+    check_wedge(findings, record, &geometry)?;
+    Some(geometry.polygon())
+}
+
+/// Long enough for a chip as long as the travel that stays straight on the rake face.
+fn face_length(uncut_chip_thickness: f64, travel: f64, edge_radius: f64) -> f64 {
+    (10.0 * uncut_chip_thickness).max(travel + 5.0 * uncut_chip_thickness) + 5.0 * edge_radius
+}
+
+/// Smallest wedge angle that leaves a tool to speak of.
+const SMALLEST_WEDGE: f64 = 5.0 / 180.0 * std::f64::consts::PI;
+
+fn check_wedge(findings: &mut Findings, record: &Record<'_>, tool: &EdgeGeometry) -> Option<()> {
+    if tool.wedge_angle() >= SMALLEST_WEDGE {
+        return Some(());
+    }
+    let mistake = Mistake::Contradiction {
+        message: format!(
+            "rake and clearance angle leave a wedge of {} deg: the tool has no body",
+            crate::units::significant(tool.wedge_angle().to_degrees())
+        ),
+        help: "rake_angle + clearance_angle must stay below 85 deg".to_owned(),
+    };
+    findings.problem(&record.source, record.span("rake_angle"), mistake);
+    None
+}
+
+/// Reports each of `keys` that is not written.
+pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
+    let all = [sections::tool(), sections::stop()];
+    for key in keys.iter().filter(|key| record.lacks(key)) {
+        let section = all.iter().find(|section| section.name == record.section);
+        let field = section.and_then(|section| Some((section, section.field(key)?)));
+        if let Some((section, field)) = field {
+            let mistake = reader::missing(section, field);
+            findings.problem(&record.source, record.heading.clone(), mistake);
+        }
+    }
+}
+
+/// Angles and a second shape beside the one of `shape`.
+fn refuse_keys_beside(findings: &mut Findings, record: &Record<'_>, shape: &str) {
+    let (own, others) = match shape {
+        "outline" => ("the outline has its own angles", ["rake_angle", "clearance_angle"]),
+        _ => ("the mesh has its own angles", ["rake_angle", "clearance_angle"]),
+    };
+    let angles = others.into_iter().map(|key| (key, own));
+    let shapes = WHOLE_SHAPES.into_iter().filter(|key| *key != shape);
+    for (key, why) in angles.chain(shapes.map(|key| (key, "each of them is the whole tool"))) {
+        if record.is_written(key) {
+            let mistake = Mistake::Contradiction {
+                message: format!("`{key}` and `{shape}` exclude each other: {why}"),
+                help: "keep one of them; edge_radius may stay, for reports".to_owned(),
+            };
+            findings.problem(&record.source, record.span(key), mistake);
+        }
+    }
+}
+
+fn refuse_unit_without_mesh(findings: &mut Findings, record: &Record<'_>) {
+    if record.is_written("mesh_unit") && record.lacks("mesh_file") {
+        let mistake = Mistake::Contradiction {
+            message: "`mesh_unit` has no effect without `mesh_file`".to_owned(),
+            help: "remove it; an outline is in mm".to_owned(),
+        };
+        findings.problem(&record.source, record.span("mesh_unit"), mistake);
+    }
+}
+
+/// The polygon moved along y so that its lowest point lies at y = -h.
+fn at_depth(points: &[[f64; 2]], uncut_chip_thickness: f64) -> Vec<[f64; 2]> {
+    let lowest = points.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+    points.iter().map(|point| [point[0], point[1] - lowest - uncut_chip_thickness]).collect()
+}
+
+fn read_outline(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    surroundings: &Surroundings,
+) -> Option<Vec<[f64; 2]>> {
+    let path = record.text("outline")?;
+    let read = surroundings.read(path, LARGEST_OUTLINE).and_then(|text| {
+        let help = "a header line, then the corners as x, y in mm, the rake face towards +x";
+        outline::parse(&text).map_err(|reason| files::file_mistake(path, reason, help))
+    });
+    read.map_err(|mistake| findings.problem(&record.source, record.span("outline"), *mistake)).ok()
+}
+
+/// The cross-section of the mesh.
+fn read_mesh(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    surroundings: &Surroundings,
+    notes: &mut Vec<String>,
+) -> Option<Vec<[f64; 2]>> {
+    require(findings, record, &["mesh_unit"]);
+    let (path, unit) = (record.text("mesh_file")?, record.text("mesh_unit")?);
+    let metres = units::parse(&format!("1 {unit}"), Quantity::Length)
+        .expect("the choices of mesh_unit are units of length")
+        .si;
+    let section = |bytes: Vec<u8>| -> Result<CrossSection, MeshError> {
+        Mesh::read(&bytes)?.scaled(metres)?.cross_section()
+    };
+    let read = surroundings.read_bytes(path, LARGEST_MESH).and_then(|bytes| {
+        section(bytes).map_err(|error| files::file_mistake(path, error.to_string(), error.help()))
+    });
+    match read {
+        Ok(CrossSection { polygon, holes }) => {
+            if holes > 0 {
+                notes.push(format!(
+                    "{holes} holes inside the cross-section of `{}` are left out: nothing can touch them",
+                    reader::shortened(path)
+                ));
+            }
+            Some(polygon)
+        }
+        Err(mistake) => {
+            findings.problem(&record.source, record.span("mesh_file"), *mistake);
+            None
+        }
+    }
+}
