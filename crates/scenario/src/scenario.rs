@@ -245,7 +245,7 @@ fn read_bodies(
     let mut shelf = Shelf::new(findings, root, surroundings, common.heat_acts());
     let bodies = bodies::bodies(findings, root, &mut shelf, dimension);
     let supports = bodies::supports(findings, root, dimension);
-    let wall = bodies::wall(findings, root, dimension);
+    let wall = bodies::wall(findings, root, surroundings, dimension);
     let resolution = shared::resolution(findings, root, None, false);
     let stop = read_stop(findings, root, Kind::Bodies);
     let output = read_output(findings, root, Kind::Bodies, stop.as_ref());

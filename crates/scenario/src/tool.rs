@@ -3,7 +3,7 @@
 use crate::cut::Process;
 use crate::files::{self, LARGEST_OUTLINE, Surroundings};
 use crate::findings::Findings;
-use crate::mesh::{CrossSection, LARGEST_MESH, Mesh, MeshError};
+use crate::mesh::{LARGEST_MESH, Mesh, MeshError};
 use crate::outline;
 use crate::problem::Mistake;
 use crate::reader;
@@ -47,7 +47,7 @@ pub(crate) fn tool(
             refuse_keys_beside(findings, &record, key);
             let points = match key {
                 "outline" => read_outline(findings, &record, surroundings),
-                _ => read_mesh(findings, &record, surroundings, &mut notes),
+                _ => read_cross_section(findings, &record, surroundings, &mut notes),
             };
             at_depth(&points?, process?.uncut_chip_thickness)
         }
@@ -104,7 +104,7 @@ fn check_wedge(findings: &mut Findings, record: &Record<'_>, tool: &EdgeGeometry
 
 /// Reports each of `keys` that is not written.
 pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
-    let all = [sections::tool(), sections::stop()];
+    let all = [sections::tool(), sections::stop(), sections::wall()];
     for key in keys.iter().filter(|key| record.lacks(key)) {
         let section = all.iter().find(|section| section.name == record.section);
         let field = section.and_then(|section| Some((section, section.field(key)?)));
@@ -134,11 +134,11 @@ fn refuse_keys_beside(findings: &mut Findings, record: &Record<'_>, shape: &str)
     }
 }
 
-fn refuse_unit_without_mesh(findings: &mut Findings, record: &Record<'_>) {
+pub(crate) fn refuse_unit_without_mesh(findings: &mut Findings, record: &Record<'_>) {
     if record.is_written("mesh_unit") && record.lacks("mesh_file") {
         let mistake = Mistake::Contradiction {
             message: "`mesh_unit` has no effect without `mesh_file`".to_owned(),
-            help: "remove it; an outline is in mm".to_owned(),
+            help: "remove it, or name the file".to_owned(),
         };
         findings.problem(&record.source, record.span("mesh_unit"), mistake);
     }
@@ -164,36 +164,41 @@ fn read_outline(
 }
 
 /// The cross-section of the mesh.
-fn read_mesh(
+fn read_cross_section(
     findings: &mut Findings,
     record: &Record<'_>,
     surroundings: &Surroundings,
     notes: &mut Vec<String>,
 ) -> Option<Vec<[f64; 2]>> {
+    let section = read_mesh(findings, record, surroundings, Mesh::cross_section)?;
+    if section.holes > 0 {
+        notes.push(format!(
+            "{} holes inside the cross-section of `{}` are left out: nothing can touch them",
+            section.holes,
+            reader::shortened(record.text("mesh_file")?)
+        ));
+    }
+    Some(section.polygon)
+}
+
+/// What `take` makes of the mesh that `mesh_file` and `mesh_unit` name, in m.
+pub(crate) fn read_mesh<T>(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    surroundings: &Surroundings,
+    take: impl Fn(&Mesh) -> Result<T, MeshError>,
+) -> Option<T> {
     require(findings, record, &["mesh_unit"]);
     let (path, unit) = (record.text("mesh_file")?, record.text("mesh_unit")?);
     let metres = units::parse(&format!("1 {unit}"), Quantity::Length)
         .expect("the choices of mesh_unit are units of length")
         .si;
-    let section = |bytes: Vec<u8>| -> Result<CrossSection, MeshError> {
-        Mesh::read(&bytes)?.scaled(metres)?.cross_section()
-    };
     let read = surroundings.read_bytes(path, LARGEST_MESH).and_then(|bytes| {
-        section(bytes).map_err(|error| files::file_mistake(path, error.to_string(), error.help()))
+        Mesh::read(&bytes)
+            .and_then(|mesh| mesh.scaled(metres))
+            .and_then(|mesh| take(&mesh))
+            .map_err(|error| files::file_mistake(path, error.to_string(), error.help()))
     });
-    match read {
-        Ok(CrossSection { polygon, holes }) => {
-            if holes > 0 {
-                notes.push(format!(
-                    "{holes} holes inside the cross-section of `{}` are left out: nothing can touch them",
-                    reader::shortened(path)
-                ));
-            }
-            Some(polygon)
-        }
-        Err(mistake) => {
-            findings.problem(&record.source, record.span("mesh_file"), *mistake);
-            None
-        }
-    }
+    read.map_err(|mistake| findings.problem(&record.source, record.span("mesh_file"), *mistake))
+        .ok()
 }

@@ -16,9 +16,9 @@ mod surface;
 mod vector;
 
 pub(crate) use error::MeshError;
-pub(crate) use plane::CrossSection;
 
 use error::Name;
+use plane::CrossSection;
 use std::collections::HashMap;
 
 /// Largest mesh file in bytes.
@@ -42,6 +42,9 @@ struct Facet {
     corners: [usize; 3],
     name: Name,
 }
+
+/// Vertices, and the indices of the vertices of each triangle.
+pub(crate) type Surface = (Vec<[f64; 3]>, Vec<[usize; 3]>);
 
 /// A straight line element.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +87,19 @@ impl Mesh {
     /// The surface is not closed, the boundary is not one loop, parts overlap.
     pub(crate) fn cross_section(&self) -> Result<CrossSection, MeshError> {
         plane::cross_section(self)
+    }
+
+    /// Vertices and triangles of the closed surface, corners counter-clockwise seen from outside.
+    ///
+    /// # Errors
+    /// It is not the closed surface of a solid.
+    pub(crate) fn closed_surface(&self) -> Result<Surface, MeshError> {
+        if self.facets.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        surface::check(self)?;
+        let triangles = self.facets.iter().map(|facet| facet.corners).collect();
+        Ok((self.vertices.clone(), triangles))
     }
 
     fn extent(&self) -> f64 {

@@ -168,19 +168,19 @@ pub(crate) const VELOCITY_FIELDS: &[&str] =
 pub(crate) fn wall() -> Section {
     Section::new(
         "wall",
-        "A rigid half space.",
+        "A rigid half space, or a rigid body from a mesh.",
         vec![
             Field::new(
                 "point",
                 Kind::Vector(Quantity::Length),
                 Presence::Required,
-                "a point of its surface",
+                "a point of its surface; with `mesh_file` the place of the origin of the mesh",
             )
             .example("[\"0 mm\", \"0 mm\"]"),
             Field::new(
                 "normal",
                 Kind::Vector(Quantity::Dimensionless),
-                Presence::Required,
+                Presence::Derived("required unless `mesh_file` is given"),
                 "direction out of the wall, of any length",
             )
             .example("[0, 1]"),
@@ -190,6 +190,10 @@ pub(crate) fn wall() -> Section {
                 Presence::Derived("at rest"),
                 "velocity of the wall",
             ),
+            super::mesh_file(
+                "STL (binary or ASCII) or Gmsh MSH (2.2 or 4.1, ASCII): a closed surface, of which a plane scenario takes the section with z = 0; in the plane also a plane mesh or line loop in x and y",
+            ),
+            super::mesh_unit(),
             Field::new(
                 "friction",
                 Kind::Table,

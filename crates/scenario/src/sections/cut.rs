@@ -2,7 +2,6 @@
 
 use super::{LONGEST, ROOM_TEMPERATURE, between, default, positive, temperature};
 use crate::section::{Field, Kind, Presence, Section};
-use crate::units;
 use sphcut_physics::{Quantity, Range};
 use std::f64::consts::PI;
 
@@ -81,20 +80,10 @@ pub(crate) fn tool() -> Section {
                 Presence::Optional,
                 "CSV file with the tool's cross-section: two columns x, y in mm, a header line; the tool cuts towards +x and is moved so that its lowest point runs at the depth of cut",
             ),
-            Field::new(
-                "mesh_file",
-                Kind::Path,
-                Presence::Optional,
+            super::mesh_file(
                 "STL (binary or ASCII) or Gmsh MSH (2.2 or 4.1, ASCII) with the tool: a closed surface, of which the section with the plane z = 0 cuts, or a plane mesh or line loop in x and y; placed like an outline",
-            )
-            .example("\"tool.stl\""),
-            Field::new(
-                "mesh_unit",
-                Kind::Choice(units::accepted_units(Quantity::Length).to_vec()),
-                Presence::Derived("required with `mesh_file`"),
-                "unit of the coordinates in `mesh_file`: the formats state none",
-            )
-            .example("\"mm\""),
+            ),
+            super::mesh_unit(),
             Field::new(
                 "friction",
                 Kind::Table,

@@ -9,6 +9,7 @@ pub(crate) use cut::{boundaries, process, tool, workpiece};
 pub(crate) use material::{flow_stress, friction, material};
 
 use crate::section::{Field, Kind, Presence, Section};
+use crate::units;
 use sphcut_physics::{Quantity, Range};
 use sphcut_sph::kernel::KernelChoice;
 use sphcut_sph::options;
@@ -44,6 +45,20 @@ const fn between(quantity: Quantity, min: f64, max: f64) -> Kind {
 fn temperature(key: &'static str, presence: Presence, meaning: &'static str) -> Field {
     Field::new(key, positive(Quantity::Temperature, HOTTEST), presence, meaning)
         .example("\"293.15 K\"")
+}
+
+fn mesh_file(meaning: &'static str) -> Field {
+    Field::new("mesh_file", Kind::Path, Presence::Optional, meaning).example("\"tool.stl\"")
+}
+
+fn mesh_unit() -> Field {
+    Field::new(
+        "mesh_unit",
+        Kind::Choice(units::accepted_units(Quantity::Length).to_vec()),
+        Presence::Derived("required with `mesh_file`"),
+        "unit of the coordinates in `mesh_file`: the formats state none",
+    )
+    .example("\"mm\"")
 }
 
 fn choice(names: impl Iterator<Item = &'static str>) -> Kind {
