@@ -33,6 +33,10 @@ pub enum Quantity {
     Force,
     /// A force per width of cut in N/m.
     ForcePerWidth,
+    /// A power in W.
+    Power,
+    /// A power per width in W/m.
+    PowerPerWidth,
     /// An energy in J.
     Energy,
     /// An energy per width of cut in J/m.
@@ -59,6 +63,8 @@ impl Quantity {
             Self::HeatTransfer => "W/(m^2 K)",
             Self::Force => "N",
             Self::ForcePerWidth => "N/m",
+            Self::Power => "W",
+            Self::PowerPerWidth => "W/m",
             Self::Energy => "J",
             Self::EnergyPerWidth => "J/m",
         }
@@ -83,6 +89,8 @@ impl Quantity {
             Self::HeatTransfer => "heat transfer coefficient",
             Self::Force => "force",
             Self::ForcePerWidth => "force per width",
+            Self::Power => "power",
+            Self::PowerPerWidth => "power per width",
             Self::Energy => "energy",
             Self::EnergyPerWidth => "energy per width",
         }

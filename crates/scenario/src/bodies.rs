@@ -320,13 +320,7 @@ fn report_unknown_field(
     table: &toml::de::DeTable<'_>,
     field: &str,
 ) {
-    let choices = sections::VELOCITY_FIELDS;
-    let mistake = Mistake::NotAChoice {
-        key: "field".to_owned(),
-        word: reader::shortened(field),
-        nearest: crate::spelling::nearest(field, choices.iter().copied()).map(str::to_owned),
-        allowed: choices.iter().map(|word| (*word).to_owned()).collect(),
-    };
+    let mistake = reader::not_a_choice("field", field, sections::VELOCITY_FIELDS);
     let span = table.get("field").map_or(owner.heading.clone(), toml::Spanned::span);
     findings.problem(&owner.source, span, mistake);
 }

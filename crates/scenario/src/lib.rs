@@ -11,6 +11,7 @@ mod ending;
 mod field_reader;
 mod files;
 mod findings;
+mod heat_source;
 mod library;
 mod material;
 mod mesh;

@@ -122,6 +122,16 @@ fn absent(
     }
 }
 
+/// The mistake of a word that is not one of `choices`.
+pub(crate) fn not_a_choice(key: &str, word: &str, choices: &[&'static str]) -> Mistake {
+    Mistake::NotAChoice {
+        key: key.to_owned(),
+        word: shortened(word),
+        nearest: spelling::nearest(word, choices.iter().copied()).map(str::to_owned),
+        allowed: choices.iter().map(|choice| (*choice).to_owned()).collect(),
+    }
+}
+
 /// The mistake of a key that is not there.
 pub(crate) fn missing(section: &Section, field: &Field) -> Mistake {
     let key = match field.kind {

@@ -13,7 +13,7 @@ const HEAD: &str = "<!-- Generated from the tables of the program; a test of sph
 # Scenario files
 
 A scenario is a TOML file. It is either a **cut** (`[workpiece]`, `[tool]`, `[process]`) or a set of **bodies**
-(`[[body]]`, `[[support]]`, `[wall]`). `sphcut check FILE` shows what was understood, in your units and in SI, and
+(`[[body]]`, `[[support]]`, `[[heat_source]]`, `[wall]`). `sphcut check FILE` shows what was understood, in your units and in SI, and
 tells all mistakes of a file at once. For completion in an editor: `sphcut schema > scenario.schema.json`, and
 `#:schema scenario.schema.json` as the first line of the scenario. Start from `scenarios/quickstart.toml` for a cut, and
 from `crates/scenario/tests/good/` for bodies.
@@ -45,10 +45,11 @@ pub fn reference() -> String {
     {
         headed(&mut page, &one, Brackets::Single);
     }
-    page.push_str("# Bodies, supports, a wall\n\n");
+    page.push_str("# Bodies, supports, heat sources, a wall\n\n");
     headed(&mut page, &sections::body(), Brackets::Double);
     velocities(&mut page);
     headed(&mut page, &sections::support(), Brackets::Double);
+    heat_sources(&mut page);
     headed(&mut page, &sections::wall(), Brackets::Single);
     page.push_str("# What both have\n\n");
     for one in [
@@ -156,6 +157,16 @@ fn velocities(page: &mut String) {
         line!(page, "### `field = \"{field}\"`\n");
         let section = sections::velocity(field);
         rows(page, section.fields.iter().filter(|field| field.key != "field"));
+    }
+}
+
+fn heat_sources(page: &mut String) {
+    let general = sections::heat_source("");
+    headed(page, &general, Brackets::Double);
+    for form in sections::HEAT_SOURCE_FORMS {
+        line!(page, "### `form = \"{form}\"`\n");
+        let section = sections::heat_source(form);
+        rows(page, section.fields.iter().filter(|field| general.field(field.key).is_none()));
     }
 }
 

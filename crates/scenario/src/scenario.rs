@@ -9,7 +9,7 @@ use crate::problem::{Mistake, Problem, Source};
 use crate::reader;
 use crate::record::Record;
 use crate::shared::{self, Resolution};
-use crate::{LoadOptions, bodies, sections, tool, warnings};
+use crate::{LoadOptions, bodies, heat_source, sections, tool, warnings};
 use sphcut_physics::Quantity;
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Dimension, Switch};
@@ -142,7 +142,7 @@ fn read_sections(
 }
 
 const CUT_SECTIONS: [&str; 4] = ["workpiece", "tool", "process", "boundaries"];
-const BODY_SECTIONS: [&str; 3] = ["body", "support", "wall"];
+const BODY_SECTIONS: [&str; 4] = ["body", "support", "heat_source", "wall"];
 
 fn kind(findings: &mut Findings, root: &Record<'_>) -> Option<Kind> {
     let first = |keys: &[&'static str]| keys.iter().copied().find(|key| root.is_written(key));
@@ -242,9 +242,11 @@ fn read_bodies(
     require_sections(findings, root, &["body"]);
     let dimension = if root.count("dimension") == Some(3) { 3 } else { 2 };
     let common = Common::read(findings, root);
-    let mut shelf = Shelf::new(findings, root, surroundings, common.heat_acts());
+    let heat = common.heat_acts() || root.is_written("heat_source");
+    let mut shelf = Shelf::new(findings, root, surroundings, heat);
     let bodies = bodies::bodies(findings, root, &mut shelf, dimension);
     let supports = bodies::supports(findings, root, dimension);
+    let sources = heat_source::heat_sources(findings, root, dimension);
     let wall = bodies::wall(findings, root, surroundings, dimension);
     let resolution = shared::resolution(findings, root, None, false);
     let stop = read_stop(findings, root, Kind::Bodies);
@@ -253,12 +255,15 @@ fn read_bodies(
     let particles = bodies::particle_count(&bodies, resolution.particle_spacing, dimension);
     shared::check_particle_count(findings, root, particles)?;
     bodies::check_thickness(findings, root, &bodies, resolution.particle_spacing, dimension);
+    let sources = sources?;
+    heat_source::check_width(findings, root, &sources, resolution.particle_spacing, dimension);
     let thin = warnings::bodies(&bodies, resolution.particle_spacing, dimension);
     let dimension = if dimension == 3 { Dimension::Three } else { Dimension::Two };
     let mut setup = common.setup(dimension, resolution, stop.extent)?;
     setup.bodies = bodies;
     setup.materials = materials;
     setup.supports = supports?;
+    setup.heat_sources = sources;
     setup.tool = wall?;
     setup.sampling_interval = output.sampling;
     let speed = setup.tool.as_ref().map_or([0.0; 3], |tool| tool.velocity);
@@ -375,6 +380,9 @@ fn effects(setup: &Setup) -> Vec<(String, String)> {
         if state.is_on() {
             add("heat", mechanism);
         }
+    }
+    if !setup.heat_sources.is_empty() {
+        add("heat", "heat_source");
     }
     effects
 }

@@ -52,6 +52,14 @@ fn root_child(field: &Field) -> Option<Value> {
         "boundaries" => whole(&sections::boundaries(), none),
         "body" => list(whole(&sections::body(), owner_child)),
         "support" => list(whole(&sections::support(), none)),
+        "heat_source" => {
+            let forms = sections::HEAT_SOURCE_FORMS.iter().map(|form| {
+                let mut one = whole(&sections::heat_source(form), none);
+                one["properties"]["form"] = json!({ "const": form });
+                one
+            });
+            list(json!({ "oneOf": forms.collect::<Vec<_>>() }))
+        }
         "wall" => whole(&sections::wall(), friction_child),
         "resolution" => whole(&sections::resolution(), none),
         "heat" => whole(&sections::heat(), none),

@@ -204,6 +204,8 @@ pub(crate) const fn accepted_units(quantity: Quantity) -> &'static [&'static str
         Quantity::HeatTransfer => &["W/(m^2 K)", "kW/(m^2 K)"],
         Quantity::Force => &["N", "kN", "mN"],
         Quantity::ForcePerWidth => &["N/m", "N/mm"],
+        Quantity::Power => &["W", "kW", "mW"],
+        Quantity::PowerPerWidth => &["W/mm", "kW/m", "W/m"],
         Quantity::Energy => &["J", "kJ", "mJ"],
         Quantity::EnergyPerWidth => &["J/m", "J/mm"],
     }
@@ -226,6 +228,8 @@ pub(crate) const NAMED: &[Quantity] = &[
     Quantity::HeatTransfer,
     Quantity::Force,
     Quantity::ForcePerWidth,
+    Quantity::Power,
+    Quantity::PowerPerWidth,
     Quantity::Energy,
 ];
 

@@ -20,7 +20,7 @@ use crate::contact::{ContactInput, ToolContact, reduced};
 use crate::error::{Diverged, SetupError};
 use crate::material_point::MaterialPoint;
 use crate::neighbours::{CHUNK, NeighbourList, Smoothing};
-use crate::setup::Setup;
+use crate::setup::{HeatSource, Setup};
 use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
 use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
@@ -116,6 +116,7 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) materials: Vec<MaterialData>,
     pub(crate) holds: Vec<Hold<D>>,
     pub(crate) tool: Option<ToolContact<D>>,
+    pub(crate) heat_sources: Vec<HeatSource>,
     pub(crate) account: Account,
     pub(crate) time: f64,
     pub(crate) step: u64,
@@ -241,6 +242,7 @@ impl<const D: usize> Engine<D> {
             materials,
             holds: Hold::all(setup),
             tool,
+            heat_sources: setup.heat_sources.clone(),
             account: Account::default(),
             time: 0.0,
             step: 0,

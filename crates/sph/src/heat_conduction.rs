@@ -20,8 +20,9 @@ use crate::tensor::minus;
 use rayon::prelude::*;
 
 impl<const D: usize> Engine<D> {
-    /// Conducts once the pending time reaches the conduction interval.
+    /// Heats by the sources; conducts once the pending time reaches the conduction interval.
     pub(crate) fn conduct_when_due(&mut self, elapsed: f64) {
+        self.heat_by_sources(elapsed);
         if !self.conducts {
             self.hold_temperatures();
             return;

@@ -9,6 +9,7 @@ mod density_diffusion;
 mod engine;
 pub mod error;
 mod heat_conduction;
+mod heat_source;
 pub mod kernel;
 mod laplacian;
 mod lattice;

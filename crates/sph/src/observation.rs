@@ -56,7 +56,7 @@ channels! {
     UpdateResidue "update_residue" "J" "stress power minus stored and plastic energy: error of the stress update since the start";
     EnergyError "energy_error" "J" "work done on the workpiece minus all terms above, initial kinetic energy included: what nobody accounts for";
     HeatContent "heat_content" "J" "thermal energy above the initial state";
-    HeatSupplied "heat_supplied" "J" "heat from plastic work, friction and fixed-temperature boundaries since the start";
+    HeatSupplied "heat_supplied" "J" "heat from plastic work, friction, heat sources and fixed-temperature boundaries since the start";
     MaxTemperature "max_temperature" "K" "highest temperature";
     MinTemperature "min_temperature" "K" "lowest temperature";
     MaxPlasticStrain "max_plastic_strain" "" "highest equivalent plastic strain";

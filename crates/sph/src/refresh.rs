@@ -175,7 +175,10 @@ impl<const D: usize> Engine<D> {
             }
         }
         self.conduction_interval = thermal;
+        let sources = self.heat_sources.iter().map(|source| source.longest_step(self.spacing));
+        let moving = sources.fold(f64::INFINITY, f64::min);
         self.time_step = if self.mechanics { mechanical } else { thermal.min(self.longest_step) };
+        self.time_step = self.time_step.min(moving);
     }
 }
 

@@ -32,6 +32,8 @@ pub struct Setup {
     pub bodies: Vec<Body>,
     /// Regions whose particles are held in place, moved, or kept at a temperature.
     pub supports: Vec<Support>,
+    /// Sources of heat in the volume of the bodies.
+    pub heat_sources: Vec<HeatSource>,
     /// The rigid tool, if there is one.
     pub tool: Option<Tool>,
     /// Directions in which forces are reported.
@@ -70,6 +72,7 @@ impl Setup {
             materials: Vec::new(),
             bodies: Vec::new(),
             supports: Vec::new(),
+            heat_sources: Vec::new(),
             tool: None,
             frame: CuttingFrame::default(),
             width_of_cut: 1.0,
@@ -209,6 +212,38 @@ pub struct Support {
     pub velocity: [Option<f64>; 3],
     /// Fixed temperature in K, if any.
     pub temperature: Option<f64>,
+}
+
+/// Releases heat in the volume of the bodies while it moves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeatSource {
+    /// Name for reports.
+    pub name: String,
+    /// How the power is spread, at time zero.
+    pub form: HeatSourceForm,
+    /// Its power in W (W/m in 2D): what bodies that reach well beyond it take up.
+    pub power: f64,
+    /// Its constant velocity in m/s.
+    pub velocity: Vector,
+}
+
+/// How a heat source spreads its power. Lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub enum HeatSourceForm {
+    /// Normal distribution of circular (2D) or spherical shape.
+    Gaussian {
+        /// Where it is strongest.
+        centre: Vector,
+        /// Standard deviation along each axis.
+        standard_deviation: f64,
+    },
+    /// Evenly over an axis-parallel rectangle (2D) or box (3D).
+    Box {
+        /// Smallest corner.
+        min: Vector,
+        /// Largest corner.
+        max: Vector,
+    },
 }
 
 /// The rigid tool.

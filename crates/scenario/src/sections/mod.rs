@@ -2,10 +2,12 @@
 
 mod bodies;
 mod cut;
+mod heat_source;
 mod material;
 
 pub(crate) use bodies::{SHAPE_KEYS, VELOCITY_FIELDS, body, support, velocity, wall};
 pub(crate) use cut::{boundaries, process, tool, workpiece};
+pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use material::{flow_stress, friction, material};
 
 use crate::section::{Field, Kind, Presence, Section};
@@ -109,6 +111,12 @@ pub(crate) fn root() -> Section {
                 Kind::Tables,
                 Presence::Optional,
                 "a region of held or moved particles",
+            ),
+            Field::new(
+                "heat_source",
+                Kind::Tables,
+                Presence::Optional,
+                "heat released in the volume of the bodies",
             ),
             table("wall", Presence::Optional, "a rigid wall"),
             table("resolution", Presence::Required, "particles and kernel")
@@ -331,6 +339,7 @@ mod tests {
             material("material"),
         ];
         sections.extend(VELOCITY_FIELDS.iter().map(|field| velocity(field)));
+        sections.extend(HEAT_SOURCE_FORMS.iter().map(|form| heat_source(form)));
         sections.extend(flow_stress_laws::LAWS.iter().map(|law| flow_stress("flow", Some(law))));
         sections.extend(friction_laws::LAWS.iter().map(|law| friction("friction", Some(law))));
         sections
