@@ -19,6 +19,7 @@ mod hertz;
 mod kernel;
 mod mean_force;
 mod momentum;
+mod moving_source;
 mod oscillation;
 mod restitution;
 mod steps;
@@ -105,6 +106,7 @@ pub const ALL: &[&Observable] = &[
     &mean_force::FEED_FORCE_INTERVAL,
     &momentum::MOMENTUM_DRIFT,
     &momentum::MOMENTUM_CLOSURE,
+    &moving_source::MOVING_SOURCE_ERROR,
     &oscillation::DISPLACEMENT_PERIOD,
     &oscillation::VELOCITY_PERIOD,
     &oscillation::WAVE_SPEED,
@@ -117,6 +119,7 @@ pub const ALL: &[&Observable] = &[
     &temperature_profile::CONTACT_PROFILE_ERROR,
     &temperature_profile::STEADY_PROFILE_ERROR,
     &thermal::HEAT_BALANCE,
+    &thermal::HEAT_CLOSURE,
     &thermal::FRICTION_HEAT_RATIO,
     &thermal::LARGEST_TEMPERATURE,
 ];

@@ -3,6 +3,19 @@
 use super::Observable;
 use sphcut_sph::ChannelId;
 
+/// Thermal energy against the heat supplied.
+pub(super) const HEAT_CLOSURE: Observable = Observable {
+    name: "heat_closure",
+    unit: "",
+    meaning: "|thermal energy above the start - heat supplied| over the heat supplied, at the end",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let sample = evidence.last_sample()?;
+        let supplied = sample.get(ChannelId::HeatSupplied);
+        Ok((sample.get(ChannelId::HeatContent) - supplied).abs() / supplied.abs())
+    },
+};
+
 /// Thermal energy over the heat that plastic work and friction should have given.
 pub(super) const HEAT_BALANCE: Observable = Observable {
     name: "heat_balance",
