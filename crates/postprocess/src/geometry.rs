@@ -112,24 +112,34 @@ fn uncut_surface(snapshot: &Snapshot, plane: CutPlane) -> f64 {
     median(&tops) + 0.5 * cloud.spacing
 }
 
+/// Where the tool leaves the machined surface, along the cut: the rear end of a wear land, which is
+/// the lowest side of the tool, or the lowest corner.
+fn rear_of_the_lowest(corners: &[[f64; 2]], uncut_chip_thickness: f64) -> Option<f64> {
+    let depth = corners.iter().map(|corner| corner[1]).min_by(f64::total_cmp)?;
+    // A turned set-up rounds the two ends of the land differently.
+    let level = depth + LEVEL * uncut_chip_thickness;
+    corners.iter().filter(|c| c[1] <= level).map(|c| c[0]).min_by(f64::total_cmp)
+}
+
+/// Heights that differ by less than this share of the uncut chip thickness are one: far above the
+/// rounding of coordinates, far below the height of the first chord of an edge.
+const LEVEL: f64 = 1e-9;
+
 fn machined_surface(
     run: &Run,
     snapshot: &Snapshot,
     cloud: &Cloud,
     context: &ChipContext,
 ) -> Option<MachinedSurface> {
-    let lowest = snapshot
-        .tool
-        .iter()
-        .map(|corner| context.plane.project(corner))
-        .min_by(|a, b| a[1].total_cmp(&b[1]))?;
+    let corners: Vec<_> = snapshot.tool.iter().map(|c| context.plane.project(c)).collect();
+    let lowest = rear_of_the_lowest(&corners, context.uncut_chip_thickness)?;
     let travel = run.samples.channel(ChannelId::Travel).last().copied().unwrap_or(0.0);
     let first = cloud.points.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
     let surface = SurfaceContext {
         nominal: context.surface - context.uncut_chip_thickness,
-        tip: lowest[0],
+        tip: lowest,
         edge_radius: run.facts.edge_radius.unwrap_or(0.0),
-        from: first.max(lowest[0] - travel),
+        from: first.max(lowest - travel),
     };
     surface::measure(cloud, &surface)
 }
@@ -178,4 +188,19 @@ fn deviation(values: &[f64]) -> f64 {
     let centre = mean(values);
     let sum: f64 = values.iter().map(|v| (v - centre).powi(2)).sum();
     (sum / (values.len() - 1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_machined_surface_begins_behind_the_wear_land() {
+        let new = [[0.0, -1e-4], [-1e-3, 0.0], [0.0, 1e-3]];
+        assert_eq!(rear_of_the_lowest(&new, 1e-4), Some(0.0));
+        // The front end a rounding error deeper than the rear end, as in a turned set-up.
+        let worn = [[-2e-4, -1e-4], [0.0, -1e-4 - 1e-20], [-1e-3, 0.0], [0.0, 1e-3]];
+        assert_eq!(rear_of_the_lowest(&worn, 1e-4), Some(-2e-4));
+        assert_eq!(rear_of_the_lowest(&[], 1e-4), None);
+    }
 }

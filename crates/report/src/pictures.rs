@@ -133,7 +133,14 @@ fn about_edge(run: &Run, snapshot: &Snapshot) -> Option<View> {
     run.facts.tool_velocity?;
     let (cutting, feed) = (run.facts.frame.cutting, run.facts.frame.feed);
     let depth = |p: &[f64; 3]| p.iter().zip(feed).map(|(x, f)| x * f).sum::<f64>();
-    let edge = snapshot.tool.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
+    let ahead = |p: &[f64; 3]| p.iter().zip(cutting).map(|(x, c)| x * c).sum::<f64>();
+    let deepest = snapshot.tool.iter().map(depth).max_by(f64::total_cmp)?;
+    // Of the two ends of a wear land the foremost, whatever the rounding of a turned set-up.
+    let edge = snapshot
+        .tool
+        .iter()
+        .filter(|corner| depth(corner) >= deepest - 1e-9 * thickness)
+        .max_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
     // The chip lies ahead of the edge and above it.
     let centre = [0, 1].map(|k| edge[k] + thickness * (1.4 * cutting[k] - 1.8 * feed[k]));
     let mut view = View::about(centre, WINDOW[0] * thickness, WINDOW[1] * thickness);

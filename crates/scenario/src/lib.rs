@@ -29,6 +29,7 @@ mod shared;
 mod spelling;
 mod tool;
 mod tool_geometry;
+mod tool_shapes;
 mod units;
 mod warnings;
 

@@ -9,7 +9,7 @@ use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
 use crate::tool_geometry::EdgeGeometry;
-use crate::{sections, shared, units};
+use crate::{sections, shared, tool_shapes, units};
 use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::{Quantity, Values};
 
@@ -51,7 +51,7 @@ pub(crate) fn tool(
             };
             at_depth(&points?, process?.uncut_chip_thickness)
         }
-        None => from_angles(findings, &record, process, sizes)?,
+        None => from_angles(findings, &record, process, sizes, &mut notes)?,
     };
     Some(ToolShape { edge_radius, polygon, friction: friction?, notes })
 }
@@ -62,6 +62,7 @@ fn from_angles(
     record: &Record<'_>,
     process: Option<Process>,
     sizes: Option<(f64, f64)>,
+    notes: &mut Vec<String>,
 ) -> Option<Vec<[f64; 2]>> {
     require(findings, record, &["rake_angle", "clearance_angle", "edge_radius"]);
     let (particle_spacing, travel) = sizes?;
@@ -74,8 +75,13 @@ fn from_angles(
         uncut_chip_thickness,
         face_length: face_length(uncut_chip_thickness, travel, edge_radius),
         particle_spacing,
+        chamfer: None,
+        wear_land: 0.0,
+        built_up_edge: None,
     };
     check_wedge(findings, record, &geometry)?;
+    let geometry = tool_shapes::add(findings, record, geometry)?;
+    notes.extend(tool_shapes::warnings(&geometry));
     Some(geometry.polygon())
 }
 
@@ -117,11 +123,12 @@ pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str
 
 /// Angles and a second shape beside the one of `shape`.
 fn refuse_keys_beside(findings: &mut Findings, record: &Record<'_>, shape: &str) {
-    let (own, others) = match shape {
-        "outline" => ("the outline has its own angles", ["rake_angle", "clearance_angle"]),
-        _ => ("the mesh has its own angles", ["rake_angle", "clearance_angle"]),
+    let own = match shape {
+        "outline" => "the outline has its own shape",
+        _ => "the mesh has its own shape",
     };
-    let angles = others.into_iter().map(|key| (key, own));
+    let angles = ["rake_angle", "clearance_angle"].into_iter().chain(tool_shapes::KEYS);
+    let angles = angles.map(|key| (key, own));
     let shapes = WHOLE_SHAPES.into_iter().filter(|key| *key != shape);
     for (key, why) in angles.chain(shapes.map(|key| (key, "each of them is the whole tool"))) {
         if record.is_written(key) {

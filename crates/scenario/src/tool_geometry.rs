@@ -5,6 +5,18 @@
 //! clearance angle alpha the outward normals are
 //! `n_rake = (cos gamma, sin gamma)` and `n_flank = (-sin alpha, -cos alpha)`;
 //! the edge is the arc of radius r_n tangent to both faces.
+//!
+//! Three changes of this base, each without effect where its lengths are zero: a chamfer or a
+//! built-up edge replaces the lower part of the rake face by a face of another rake angle, and a wear
+//! land or a built-up edge opens the outline at its lowest point by a straight piece along the cut.
+
+mod built_up_edge;
+mod chamfer;
+#[cfg(test)]
+mod shape_tests;
+
+pub use built_up_edge::BuiltUpEdge;
+pub use chamfer::Chamfer;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -30,6 +42,21 @@ pub struct EdgeGeometry {
     pub face_length: f64,
     /// Initial particle spacing: the arc is resolved well below it.
     pub particle_spacing: f64,
+    /// Chamfer between edge and rake face.
+    pub chamfer: Option<Chamfer>,
+    /// VB, length of the wear land: parallel to the cut, behind the lowest point; 0 for a new tool.
+    pub wear_land: f64,
+    /// Cap of work material in front of the edge.
+    pub built_up_edge: Option<BuiltUpEdge>,
+}
+
+/// What leads from the edge to the rake face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Front {
+    /// Rake angle of the face that begins at the edge.
+    rake_angle: f64,
+    /// Where it ends and the rake face begins; `None` if it is the rake face.
+    corner: Option<[f64; 2]>,
 }
 
 impl EdgeGeometry {
@@ -39,10 +66,32 @@ impl EdgeGeometry {
         FRAC_PI_2 - self.rake_angle - self.clearance_angle
     }
 
-    /// The closed counter-clockwise polygon, its lowest point at (0, -h) (sharp: the tip).
+    /// The face that begins at the edge. A chamfer and a built-up edge exclude each other.
+    fn front(&self) -> Front {
+        match (&self.chamfer, &self.built_up_edge) {
+            (Some(chamfer), _) => chamfer.front(self),
+            (None, Some(cap)) => cap.front(self),
+            (None, None) => Front { rake_angle: self.rake_angle, corner: None },
+        }
+    }
+
+    /// Rake angle at the edge, that of a chamfer or a built-up edge if there is one.
+    #[must_use]
+    pub fn rake_angle_at_edge(&self) -> f64 {
+        self.front().rake_angle
+    }
+
+    /// Length of the straight piece along the cut at the lowest point.
+    fn opening(&self) -> f64 {
+        self.wear_land + self.built_up_edge.map_or(0.0, |cap| cap.length)
+    }
+
+    /// The closed counter-clockwise polygon, its foremost lowest point at (0, -h) (sharp: the tip).
     #[must_use]
     pub fn polygon(&self) -> Vec<[f64; 2]> {
-        let mut points = self.edge();
+        let front = self.front();
+        let mut points = self.edge(front.rake_angle);
+        points.extend(front.corner);
         let (first, last) = (points[0], points[points.len() - 1]);
         let along_flank = [-self.clearance_angle.cos(), self.clearance_angle.sin()];
         let along_rake = [-self.rake_angle.sin(), self.rake_angle.cos()];
@@ -54,19 +103,23 @@ impl EdgeGeometry {
         points
     }
 
-    /// The edge from the flank's tangent point to that of the rake face.
-    fn edge(&self) -> Vec<[f64; 2]> {
+    /// The edge from the flank's tangent point to that of the face with `rake_angle`.
+    fn edge(&self, rake_angle: f64) -> Vec<[f64; 2]> {
         let lowest = -self.uncut_chip_thickness;
+        let opening = self.opening();
+        let mut points = Vec::new();
         if self.edge_radius == 0.0 {
-            return vec![[0.0, lowest]];
+            points.extend((opening > 0.0).then_some([-opening, lowest]));
+            points.push([0.0, lowest]);
+            return points;
         }
         let centre = [0.0, lowest + self.edge_radius];
-        let below = self.arc(centre, -FRAC_PI_2 - self.clearance_angle, -FRAC_PI_2);
-        let ahead = self.arc(centre, -FRAC_PI_2, self.rake_angle);
-        let mut points = below;
+        let behind = [-opening, centre[1]];
+        points.extend(self.arc(behind, -FRAC_PI_2 - self.clearance_angle, -FRAC_PI_2));
+        points.extend((opening > 0.0).then_some([-opening, lowest]));
         points.push([0.0, lowest]);
-        points.extend(ahead.into_iter().skip(1));
-        points.push(on_circle(centre, self.edge_radius, self.rake_angle));
+        points.extend(self.arc(centre, -FRAC_PI_2, rake_angle).into_iter().skip(1));
+        points.push(on_circle(centre, self.edge_radius, rake_angle));
         points
     }
 
@@ -209,6 +262,9 @@ mod tests {
             uncut_chip_thickness: 0.1e-3,
             face_length: 2e-3,
             particle_spacing: 20e-6,
+            chamfer: None,
+            wear_land: 0.0,
+            built_up_edge: None,
         }
     }
 
@@ -243,7 +299,7 @@ mod tests {
     #[test]
     fn every_point_of_the_edge_lies_on_the_circle() {
         let tool = steel_tool();
-        for point in tool.edge() {
+        for point in tool.edge(tool.rake_angle) {
             let radius = point[0].hypot(point[1] + 80e-6);
             assert_relative_eq!(radius, 20e-6, max_relative = 1e-12);
         }
@@ -287,6 +343,7 @@ mod tests {
                 uncut_chip_thickness: thickness,
                 face_length: 2e-3,
                 particle_spacing: 10e-6,
+                ..steel_tool()
             };
             let polygon = tool.polygon();
             prop_assert!(signed_double_area(&polygon) > 0.0);

@@ -5,7 +5,7 @@ use sphcut_sph::Setup;
 use sphcut_sph::setup::{Body, Shape};
 
 /// Fewest particles across a length that is to be resolved.
-const RESOLVED: f64 = 5.0;
+pub(crate) const RESOLVED: f64 = 5.0;
 /// Travel in uncut chip thicknesses before a mean force can be steady: the prototype's mean still
 /// moved after ten.
 const STEADY_TRAVEL: f64 = 10.0;
@@ -27,7 +27,7 @@ pub(crate) struct CutFigures {
 }
 
 /// Whether `value` is less than `limit` by more than the rounding of decimal numbers.
-fn falls_short(value: f64, limit: f64) -> bool {
+pub(crate) fn falls_short(value: f64, limit: f64) -> bool {
     value < limit * (1.0 - 1e-9)
 }
 

@@ -54,6 +54,9 @@ pub(crate) fn tool() -> Section {
             meaning,
         )
     };
+    let length = |key, without, meaning| {
+        Field::new(key, between(Quantity::Length, 0.0, 5e-3), Presence::Derived(without), meaning)
+    };
     Section::new(
         "tool",
         "Rake angle, clearance angle and edge radius, or an outline, or a mesh.",
@@ -74,6 +77,21 @@ pub(crate) fn tool() -> Section {
                 "r_n, radius of the rounded cutting edge",
             )
             .example("\"20 um\""),
+            length("chamfer_width", "no chamfer", "b_c, length of a chamfer between edge and rake face, from where it would meet the machined surface if the edge were sharp")
+                .example("\"0.1 mm\""),
+            Field::new(
+                "chamfer_angle",
+                Kind::Quantity(Quantity::Angle, Range::closed(0.0, 80.0 * PI / 180.0)),
+                Presence::Derived("no chamfer"),
+                "delta, between rake face and chamfer, whose own rake angle is rake_angle - chamfer_angle",
+            )
+            .example("\"20 deg\""),
+            length("wear_land", "a new tool", "VB, length of the flank-wear land: parallel to the cut, behind the lowest point of the edge")
+                .example("\"0.1 mm\""),
+            length("built_up_edge_length", "no built-up edge", "how far the nose of a rigid built-up edge is ahead of the edge; the nose has the edge radius")
+                .example("\"30 um\""),
+            length("built_up_edge_height", "no built-up edge", "height above the machined surface at which the built-up edge ends on the rake face")
+                .example("\"60 um\""),
             Field::new(
                 "outline",
                 Kind::Path,
