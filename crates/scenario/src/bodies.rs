@@ -1,16 +1,12 @@
-//! Bodies, supports and a wall: scenarios with a known answer.
+//! Bodies and supports: scenarios with a known answer.
 
-use crate::files::Surroundings;
 use crate::findings::Findings;
 use crate::material::Shelf;
-use crate::mesh::Mesh;
 use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
 use crate::sections::{self, SHAPE_KEYS};
-use crate::{shared, tool};
-use sphcut_physics::{Values, friction};
-use sphcut_sph::setup::{Body, Material, Shape, Support, Tool, ToolSurface, VelocityField};
+use sphcut_sph::setup::{Body, Material, Shape, Support, VelocityField};
 
 /// All `[[body]]` tables with their materials; `None` after a mistake.
 pub(crate) fn bodies(
@@ -51,7 +47,7 @@ pub(crate) fn bodies(
 /// Most bodies and most supports of a scenario; the solver numbers supports with a byte.
 const MOST_TABLES: usize = 250;
 
-fn check_table_count(
+pub(crate) fn check_table_count(
     findings: &mut Findings,
     root: &Record<'_>,
     key: &str,
@@ -104,91 +100,6 @@ pub(crate) fn supports(
         }
     }
     (supports.len() == count).then_some(supports)
-}
-
-/// `[wall]`: a half space or a body from a mesh, rigid and all tool.
-pub(crate) fn wall(
-    findings: &mut Findings,
-    root: &Record<'_>,
-    surroundings: &Surroundings,
-    dimension: usize,
-) -> Option<Option<Tool>> {
-    let Some(table) = root.table("wall") else { return Some(None) };
-    let record = reader::read(findings, &root.source, table, &sections::wall(), dimension);
-    let friction = match record.table("friction") {
-        Some(table) => shared::friction(findings, &record, table),
-        None => Some(frictionless()),
-    };
-    tool::refuse_unit_without_mesh(findings, &record);
-    let surface = if record.is_written("mesh_file") {
-        wall_from_mesh(findings, &record, surroundings, dimension)
-    } else {
-        half_space(findings, &record)
-    };
-    let velocity = match record.is_written("velocity") {
-        true => record.vector("velocity")?,
-        false => [0.0; 3],
-    };
-    let (friction, friction_values) = friction?;
-    let surface = surface?;
-    Some(Some(Tool { surface, velocity, edge_radius: None, friction, friction_values }))
-}
-
-fn half_space(findings: &mut Findings, record: &Record<'_>) -> Option<ToolSurface> {
-    tool::require(findings, record, &["normal"]);
-    let normal = record.vector("normal")?;
-    let length = normal.iter().map(|component| component * component).sum::<f64>().sqrt();
-    if !(length > 1e-100 && length.is_finite()) {
-        let mistake = Mistake::Contradiction {
-            message: "`normal` has no direction".to_owned(),
-            help: "for example: normal = [0, 1]".to_owned(),
-        };
-        findings.problem(&record.source, record.span("normal"), mistake);
-        return None;
-    }
-    Some(ToolSurface::HalfSpace {
-        point: record.vector("point")?,
-        normal: normal.map(|component| component / length),
-    })
-}
-
-/// The mesh, its origin moved to `point`: its closed surface in space, its cross-section in the
-/// plane.
-fn wall_from_mesh(
-    findings: &mut Findings,
-    record: &Record<'_>,
-    surroundings: &Surroundings,
-    dimension: usize,
-) -> Option<ToolSurface> {
-    if record.is_written("normal") {
-        let mistake = Mistake::Contradiction {
-            message: "`normal` and `mesh_file` exclude each other: the mesh has its own normals"
-                .to_owned(),
-            help: "keep one of them".to_owned(),
-        };
-        findings.problem(&record.source, record.span("normal"), mistake);
-    }
-    if dimension == 3 {
-        let read = tool::read_mesh(findings, record, surroundings, Mesh::closed_surface);
-        let (mut vertices, triangles) = read?;
-        let point = record.vector("point")?;
-        for vertex in &mut vertices {
-            *vertex = std::array::from_fn(|axis| vertex[axis] + point[axis]);
-        }
-        return Some(ToolSurface::Triangles { vertices, triangles });
-    }
-    let section = tool::read_mesh(findings, record, surroundings, Mesh::cross_section)?;
-    let point = record.vector("point")?;
-    let moved = |corner: [f64; 2]| [corner[0] + point[0], corner[1] + point[1]];
-    Some(ToolSurface::Polygon(section.polygon.into_iter().map(moved).collect()))
-}
-
-/// Coulomb friction with the coefficient zero.
-fn frictionless() -> (&'static friction::FrictionEntry, Values) {
-    let law = friction::find("coulomb").expect("the catalogue has Coulomb friction");
-    let values = Values::resolve(law.parameters, &[("friction_coefficient", 0.0)])
-        .expect("no friction is in the range of Coulomb friction");
-    (law, values)
 }
 
 /// The shape of a body or a support.

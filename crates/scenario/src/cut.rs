@@ -281,6 +281,7 @@ impl Cut {
             velocity: self.process.placement.vector(speed),
             edge_radius: self.tool.edge_radius,
             friction: self.tool.friction.0,
+            velocity_changes: Vec::new(),
             friction_values: self.tool.friction.1.clone(),
         }
     }

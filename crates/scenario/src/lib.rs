@@ -31,6 +31,7 @@ mod tool;
 mod tool_geometry;
 mod tool_shapes;
 mod units;
+mod wall;
 mod warnings;
 
 pub use files::OutsideFiles;

@@ -51,6 +51,7 @@ pub fn reference() -> String {
     headed(&mut page, &sections::support(), Brackets::Double);
     heat_sources(&mut page);
     headed(&mut page, &sections::wall(), Brackets::Single);
+    headed(&mut page, &sections::velocity_change(), Brackets::Double);
     page.push_str("# What both have\n\n");
     for one in [
         sections::resolution(),

@@ -9,7 +9,7 @@ use crate::problem::{Mistake, Problem, Source};
 use crate::reader;
 use crate::record::Record;
 use crate::shared::{self, Resolution};
-use crate::{LoadOptions, bodies, heat_source, sections, tool, warnings};
+use crate::{LoadOptions, bodies, heat_source, sections, tool, wall, warnings};
 use sphcut_physics::Quantity;
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Dimension, Switch};
@@ -247,7 +247,7 @@ fn read_bodies(
     let bodies = bodies::bodies(findings, root, &mut shelf, dimension);
     let supports = bodies::supports(findings, root, dimension);
     let sources = heat_source::heat_sources(findings, root, dimension);
-    let wall = bodies::wall(findings, root, surroundings, dimension);
+    let wall = wall::wall(findings, root, surroundings, dimension);
     let resolution = shared::resolution(findings, root, None, false);
     let stop = read_stop(findings, root, Kind::Bodies);
     let output = read_output(findings, root, Kind::Bodies, stop.as_ref());
@@ -266,8 +266,7 @@ fn read_bodies(
     setup.heat_sources = sources;
     setup.tool = wall?;
     setup.sampling_interval = output.sampling;
-    let speed = setup.tool.as_ref().map_or([0.0; 3], |tool| tool.velocity);
-    let travel = speed[0].hypot(speed[1]).hypot(speed[2]) * stop.extent;
+    let travel = setup.tool.as_ref().map_or(0.0, |tool| wall::path(tool, stop.extent));
     let stop = Stop { time: stop.extent, travel, steady: None };
     Some(finished(findings, root, setup, output.output, stop, thin))
 }

@@ -60,7 +60,12 @@ fn root_child(field: &Field) -> Option<Value> {
             });
             list(json!({ "oneOf": forms.collect::<Vec<_>>() }))
         }
-        "wall" => whole(&sections::wall(), friction_child),
+        "wall" => whole(&sections::wall(), |field| match field.key {
+            "velocity_change" => {
+                Some(list(table(&sections::velocity_change(), Completeness::Whole, |_| None)))
+            }
+            _ => friction_child(field),
+        }),
         "resolution" => whole(&sections::resolution(), none),
         "heat" => whole(&sections::heat(), none),
         "numerics" => whole(&sections::numerics(), none),

@@ -10,6 +10,7 @@
 use crate::error::SetupError;
 use crate::setup::{Tool, ToolSurface, Vector as Vector3};
 use crate::tensor::Vector;
+use crate::tool_motion::ToolMotion;
 use rstar::{AABB, RTree, RTreeObject};
 use sphcut_physics::friction::{ContactState, FrictionLaw};
 
@@ -306,7 +307,8 @@ pub(crate) struct Touch<const D: usize> {
 pub(crate) struct ToolContact<const D: usize> {
     pub(crate) surface: Surface,
     law: Box<dyn FrictionLaw>,
-    /// Velocity of the tool in m/s.
+    motion: ToolMotion,
+    /// Mean velocity of the tool over the present step in m/s.
     pub(crate) velocity: Vector3,
     radius: f64,
     stiffness: f64,
@@ -350,6 +352,7 @@ impl<const D: usize> ToolContact<D> {
         Ok(Self {
             surface: Surface::new(&tool.surface)?,
             law: (tool.friction.build)(&tool.friction_values),
+            motion: ToolMotion::of(tool),
             velocity: tool.velocity,
             radius: 0.5 * spacing,
             stiffness: kappa * modulus * spacing.powi(power - 2),
@@ -362,7 +365,17 @@ impl<const D: usize> ToolContact<D> {
 
     /// Displacement of the tool at `time`.
     pub(crate) fn displacement(&self, time: f64) -> Vector3 {
-        self.velocity.map(|v| v * time)
+        self.motion.displacement(time)
+    }
+
+    /// Way of the tool from `start` to `end`.
+    pub(crate) fn way(&self, start: f64, end: f64) -> Vector3 {
+        self.motion.way(start, end)
+    }
+
+    /// Takes the velocity of the step of length `time_step` that begins at `time`.
+    pub(crate) fn begin_step(&mut self, time: f64, time_step: f64) {
+        self.velocity = self.motion.mean_velocity(time, time_step);
     }
 
     /// An error if any particle overlaps the tool by more than rounding.
@@ -418,6 +431,7 @@ impl<const D: usize> ToolContact<D> {
         look: impl Fn(usize) -> ContactInput<D>,
     ) {
         let displacement = self.displacement(time);
+        let velocity = reduced(&self.motion.mean_velocity(time, time_step));
         let mut touches = std::mem::take(&mut self.touches);
         touches.clear();
         for candidate in &self.candidates {
@@ -428,7 +442,7 @@ impl<const D: usize> ToolContact<D> {
             if nearest.distance >= self.radius {
                 continue;
             }
-            touches.push(self.touch(candidate.particle, &input, &nearest, time_step));
+            touches.push(self.touch(candidate.particle, &input, &nearest, &velocity, time_step));
         }
         self.touches = touches;
     }
@@ -438,13 +452,13 @@ impl<const D: usize> ToolContact<D> {
         particle: u32,
         input: &ContactInput<D>,
         nearest: &Nearest,
+        tool_velocity: &Vector<D>,
         time_step: f64,
     ) -> Touch<D> {
         let normal: Vector<D> = reduced(&nearest.normal);
         let pressing = self.stiffness * (self.radius - nearest.distance);
         let normal_force = normal.map(|n| n * pressing);
         // Slip after the coming step without friction, projected on the surface.
-        let tool_velocity: Vector<D> = reduced(&self.velocity);
         let mut slip: Vector<D> = std::array::from_fn(|k| {
             input.velocity[k] - tool_velocity[k]
                 + time_step / input.inertia * (input.other_force[k] + normal_force[k])

@@ -294,6 +294,9 @@ impl<const D: usize> Engine<D> {
             passed(Stage::Diffusion);
             return Ok(());
         }
+        if let Some(tool) = &mut self.tool {
+            tool.begin_step(self.time, dt);
+        }
         self.kick_and_drift(0.5 * dt, dt);
         self.book_contact(0.5 * dt);
         passed(Stage::Motion);

@@ -26,6 +26,7 @@ mod strangers;
 mod supports;
 mod sweeps;
 mod tensor;
+mod tool_motion;
 
 pub use error::{Diverged, SetupError};
 pub use observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};

@@ -69,10 +69,10 @@ impl<const D: usize> Engine<D> {
         let reaction = self.account.reaction_impulse.map(|impulse| impulse * rate);
         let momentum = self.momentum();
         let frame = &setup.frame;
-        let travel = setup
+        let travel = self
             .tool
             .as_ref()
-            .map_or(0.0, |tool| along(&tool.velocity, &frame.cutting) * self.time);
+            .map_or(0.0, |tool| along(&tool.displacement(self.time), &frame.cutting));
         set(ChannelId::Time, self.time);
         set(ChannelId::Travel, travel);
         set(ChannelId::CuttingForce, along(&force, &frame.cutting));
@@ -190,7 +190,7 @@ impl<const D: usize> Engine<D> {
 
     fn tool_outline(&self, setup: &Setup) -> Vec<Vector3> {
         let Some(tool) = &setup.tool else { return Vec::new() };
-        let shift = tool.velocity.map(|v| v * self.time);
+        let shift = self.tool.as_ref().map_or([0.0; 3], |tool| tool.displacement(self.time));
         let moved = |x: &Vector3| [x[0] + shift[0], x[1] + shift[1], x[2] + shift[2]];
         match &tool.surface {
             ToolSurface::Polygon(corners) => {

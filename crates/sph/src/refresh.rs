@@ -39,7 +39,7 @@ impl<const D: usize> Engine<D> {
         }
         let (mut low, mut high) = (since.low, since.high);
         if let Some(tool) = &self.tool {
-            let moved = tool.displacement(self.time - self.refresh_time);
+            let moved = tool.way(self.refresh_time, self.time);
             for k in 0..3 {
                 low[k] = low[k].min(moved[k]);
                 high[k] = high[k].max(moved[k]);

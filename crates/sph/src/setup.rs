@@ -251,14 +251,25 @@ pub enum HeatSourceForm {
 pub struct Tool {
     /// Its surface at time zero.
     pub surface: ToolSurface,
-    /// Its constant velocity in m/s.
+    /// Its velocity from the start in m/s.
     pub velocity: Vector,
+    /// Changes of its velocity, in the order of time.
+    pub velocity_changes: Vec<VelocityChange>,
     /// Edge radius r_n in m, for reporting; `None` where unknown.
     pub edge_radius: Option<f64>,
     /// The law of friction.
     pub friction: &'static FrictionEntry,
     /// Its parameters.
     pub friction_values: Values,
+}
+
+/// A velocity that holds from some time on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VelocityChange {
+    /// When, in s from the start.
+    pub time: f64,
+    /// The new velocity in m/s.
+    pub velocity: Vector,
 }
 
 /// The surface of a rigid tool. Normals point out of the tool.

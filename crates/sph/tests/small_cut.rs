@@ -5,7 +5,7 @@ use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress, friction};
 use sphcut_sph::setup::{
     Body, CuttingFrame, Dimension, Discretisation, Lattice, Material, Setup, Shape, Support, Tool,
-    ToolSurface, VelocityField,
+    ToolSurface, VelocityChange, VelocityField,
 };
 use sphcut_sph::{ChannelId, CheckpointState, SetupError, Simulation, options};
 
@@ -72,6 +72,7 @@ fn cut(rotation: f64, lattice: Lattice) -> Setup {
     setup.tool = Some(Tool {
         surface: ToolSurface::Polygon(wedge().into_iter().map(turned).collect()),
         velocity: turned3([SPEED, 0.0]),
+        velocity_changes: Vec::new(),
         edge_radius: None,
         friction: law,
         friction_values: Values::resolve(law.parameters, &[("friction_coefficient", 0.25)])
@@ -129,6 +130,45 @@ fn a_restored_run_goes_on_with_the_same_bits() {
     // Not assert_eq: a failure would print every number of the state.
     assert!(bits(&whole) == bits(&resumed.checkpoint()));
     assert!(whole.integers == resumed.checkpoint().integers);
+}
+
+/// The cut, whose tool stops half way and turns back.
+fn cut_and_back() -> Setup {
+    let mut setup = cut(0.0, Lattice::Square);
+    setup.end_time *= 2.0;
+    let end = setup.end_time;
+    let tool = setup.tool.as_mut().unwrap();
+    let back = tool.velocity.map(|v| -0.5 * v);
+    tool.velocity_changes = vec![
+        VelocityChange { time: 0.5 * end, velocity: [0.0; 3] },
+        VelocityChange { time: 0.7 * end, velocity: back },
+    ];
+    setup
+}
+
+#[test]
+fn a_tool_that_turns_back_keeps_books_and_bits() {
+    let setup = cut_and_back();
+    let (whole, samples) = run(setup.clone());
+    let last = samples.last().unwrap();
+    let work = last.get(ChannelId::ToolWork);
+    assert!(work > 0.0);
+    assert!(last.get(ChannelId::EnergyError).abs() < 1e-3 * work);
+    // 120 um x (0.5 - 0.3 / 2) = 42 um, a step too far at most.
+    let step = SPEED * last.get(ChannelId::TimeStep);
+    assert!((last.get(ChannelId::Travel) - 42e-6).abs() <= step);
+    // Withdrawn, the tool no longer presses.
+    let largest = samples.iter().map(|s| s.get(ChannelId::CuttingForce)).fold(0.0, f64::max);
+    assert!(last.get(ChannelId::CuttingForce).abs() < 0.05 * largest);
+    let mut interrupted = Simulation::new(setup.clone()).unwrap();
+    while interrupted.time() < 0.6 * setup.end_time {
+        interrupted.step().unwrap();
+    }
+    let mut resumed = Simulation::restore(setup, &interrupted.checkpoint()).unwrap();
+    while !resumed.is_finished() {
+        resumed.step().unwrap();
+    }
+    assert!(bits(&whole.checkpoint()) == bits(&resumed.checkpoint()));
 }
 
 #[test]

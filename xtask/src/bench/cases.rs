@@ -54,6 +54,7 @@ fn cut(spacing: f64) -> Setup {
     setup.tool = Some(Tool {
         surface: ToolSurface::Polygon(wedge(0.6 * spacing)),
         velocity: [speed, 0.0, 0.0],
+        velocity_changes: Vec::new(),
         edge_radius: None,
         friction: law,
         friction_values: Values::resolve(law.parameters, &coefficient).expect(PART),
@@ -141,6 +142,7 @@ fn taylor_bar() -> Setup {
             normal: [0.0, 0.0, 1.0],
         },
         velocity: [0.0; 3],
+        velocity_changes: Vec::new(),
         edge_radius: None,
         friction: wall,
         friction_values: Values::resolve(wall.parameters, &[("friction_coefficient", 0.0)])

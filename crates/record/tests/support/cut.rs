@@ -81,6 +81,7 @@ fn wedge() -> Tool {
             [front - 2e-4, -1e-5],
         ]),
         velocity: [SPEED, 0.0, 0.0],
+        velocity_changes: Vec::new(),
         edge_radius: None,
         friction: law,
         friction_values: Values::resolve(law.parameters, &[("friction_coefficient", 0.2)]).unwrap(),

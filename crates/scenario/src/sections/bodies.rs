@@ -164,6 +164,25 @@ pub(crate) fn velocity(field: &str) -> Section {
 pub(crate) const VELOCITY_FIELDS: &[&str] =
     &["uniform", "rotation", "cantilever_mode", "longitudinal_sine"];
 
+/// `[[wall.velocity_change]]`.
+pub(crate) fn velocity_change() -> Section {
+    Section::new(
+        "wall.velocity_change",
+        "A velocity of the wall that holds from some time on.",
+        vec![
+            Field::new("time", positive(Quantity::Time, 1e6), Presence::Required, "from when on")
+                .example("\"1 ms\""),
+            Field::new(
+                "velocity",
+                Kind::Vector(Quantity::Speed),
+                Presence::Required,
+                "the new velocity",
+            )
+            .example("[\"0 m/s\", \"1 m/s\"]"),
+        ],
+    )
+}
+
 /// `[wall]`.
 pub(crate) fn wall() -> Section {
     Section::new(
@@ -188,7 +207,13 @@ pub(crate) fn wall() -> Section {
                 "velocity",
                 Kind::Vector(Quantity::Speed),
                 Presence::Derived("at rest"),
-                "velocity of the wall",
+                "velocity of the wall from the start",
+            ),
+            Field::new(
+                "velocity_change",
+                Kind::Tables,
+                Presence::Optional,
+                "velocities that hold from later times on: load, release, next pass",
             ),
             super::mesh_file(
                 "STL (binary or ASCII) or Gmsh MSH (2.2 or 4.1, ASCII): a closed surface, of which a plane scenario takes the section with z = 0; in the plane also a plane mesh or line loop in x and y",

@@ -5,7 +5,9 @@ mod cut;
 mod heat_source;
 mod material;
 
-pub(crate) use bodies::{SHAPE_KEYS, VELOCITY_FIELDS, body, support, velocity, wall};
+pub(crate) use bodies::{
+    SHAPE_KEYS, VELOCITY_FIELDS, body, support, velocity, velocity_change, wall,
+};
 pub(crate) use cut::{boundaries, process, tool, workpiece};
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use material::{flow_stress, friction, material};
@@ -336,6 +338,7 @@ mod tests {
             body(),
             support(),
             wall(),
+            velocity_change(),
             material("material"),
         ];
         sections.extend(VELOCITY_FIELDS.iter().map(|field| velocity(field)));

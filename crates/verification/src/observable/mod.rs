@@ -22,6 +22,7 @@ mod momentum;
 mod moving_source;
 mod oscillation;
 mod restitution;
+mod springback;
 mod steps;
 mod stress;
 mod temperature_profile;
@@ -112,6 +113,8 @@ pub const ALL: &[&Observable] = &[
     &oscillation::WAVE_SPEED,
     &restitution::RESTITUTION,
     &restitution::REBOUND,
+    &springback::PLASTIC_PRESSURE_RATIO,
+    &springback::SPRINGBACK_RATIO,
     &steps::STEPS,
     &steps::PARTICLES,
     &stress::LARGEST_STRESS,

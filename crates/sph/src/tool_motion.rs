@@ -1,0 +1,106 @@
+//! The prescribed motion of the tool: a velocity that is constant between given times.
+//!
+//! ```text
+//! u(t) = u_k + v_k (t - t_k)   for t_k <= t < t_(k+1),   u_0 = 0, t_0 = 0
+//! ```
+//! The displacement is exact at every time. Where a velocity is asked for a step that a change
+//! falls into, it is the mean over the step: way and work of the step are then those of the motion.
+
+use crate::setup::{Tool, Vector};
+
+/// A piece of constant velocity.
+#[derive(Debug, Clone, Copy)]
+struct Leg {
+    start: f64,
+    displacement: Vector,
+    velocity: Vector,
+}
+
+/// The motion of a tool.
+#[derive(Debug, Clone)]
+pub(crate) struct ToolMotion {
+    /// In the order of time; the first begins at 0.
+    legs: Vec<Leg>,
+}
+
+impl ToolMotion {
+    pub(crate) fn of(tool: &Tool) -> Self {
+        let mut legs = vec![Leg { start: 0.0, displacement: [0.0; 3], velocity: tool.velocity }];
+        for change in &tool.velocity_changes {
+            let before = legs[legs.len() - 1];
+            legs.push(Leg {
+                start: change.time,
+                displacement: before.at(change.time),
+                velocity: change.velocity,
+            });
+        }
+        Self { legs }
+    }
+
+    fn leg(&self, time: f64) -> usize {
+        self.legs.iter().rposition(|leg| leg.start <= time).unwrap_or(0)
+    }
+
+    /// Displacement at `time`.
+    pub(crate) fn displacement(&self, time: f64) -> Vector {
+        self.legs[self.leg(time)].at(time)
+    }
+
+    /// Way from `start` to `end`.
+    pub(crate) fn way(&self, start: f64, end: f64) -> Vector {
+        let (first, last) = (self.leg(start), self.leg(end));
+        if first == last {
+            return self.legs[first].velocity.map(|v| v * (end - start));
+        }
+        let (from, to) = (self.displacement(start), self.displacement(end));
+        std::array::from_fn(|k| to[k] - from[k])
+    }
+
+    /// Mean velocity of the step of length `time_step` that begins at `start`.
+    pub(crate) fn mean_velocity(&self, start: f64, time_step: f64) -> Vector {
+        let (first, last) = (self.leg(start), self.leg(start + time_step));
+        if first == last {
+            return self.legs[first].velocity;
+        }
+        self.way(start, start + time_step).map(|way| way / time_step)
+    }
+}
+
+impl Leg {
+    fn at(&self, time: f64) -> Vector {
+        std::array::from_fn(|k| self.displacement[k] + self.velocity[k] * (time - self.start))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn to_and_fro() -> ToolMotion {
+        let leg = |start, displacement, velocity| Leg {
+            start,
+            displacement: [displacement, 0.0, 0.0],
+            velocity: [velocity, 0.0, 0.0],
+        };
+        // 2 m/s for 3 s, back with 1 m/s for 2 s, then rest.
+        ToolMotion { legs: vec![leg(0.0, 0.0, 2.0), leg(3.0, 6.0, -1.0), leg(5.0, 4.0, 0.0)] }
+    }
+
+    #[test]
+    fn the_displacement_follows_the_legs() {
+        let motion = to_and_fro();
+        for (time, expected) in [(0.0, 0.0), (1.5, 3.0), (3.0, 6.0), (4.5, 4.5), (9.0, 4.0)] {
+            assert_eq!(motion.displacement(time)[0], expected, "at {time} s");
+        }
+    }
+
+    #[test]
+    fn a_step_across_a_change_has_its_mean_velocity() {
+        let motion = to_and_fro();
+        assert_eq!(motion.mean_velocity(1.0, 0.5)[0], 2.0);
+        // Half a second each: (1 - 0.5) m / 1 s.
+        assert_eq!(motion.mean_velocity(2.5, 1.0)[0], 0.5);
+        assert_eq!(motion.way(2.0, 6.0)[0], 0.0);
+        assert_eq!(motion.mean_velocity(6.0, 1.0)[0], 0.0);
+    }
+}
