@@ -458,21 +458,24 @@ impl<const D: usize> ToolContact<D> {
         let normal: Vector<D> = reduced(&nearest.normal);
         let pressing = self.stiffness * (self.radius - nearest.distance);
         let normal_force = normal.map(|n| n * pressing);
-        // Slip after the coming step without friction, projected on the surface.
+        // Slip now, and after the coming step without friction, projected on the surface.
+        let now: Vector<D> = std::array::from_fn(|k| input.velocity[k] - tool_velocity[k]);
         let mut slip: Vector<D> = std::array::from_fn(|k| {
-            input.velocity[k] - tool_velocity[k]
-                + time_step / input.inertia * (input.other_force[k] + normal_force[k])
+            now[k] + time_step / input.inertia * (input.other_force[k] + normal_force[k])
         });
         let through = crate::tensor::dot(&slip, &normal);
         for k in 0..D {
             slip[k] -= through * normal[k];
         }
         let speed = crate::tensor::dot(&slip, &slip).sqrt();
+        let across = crate::tensor::dot(&now, &normal);
+        let sliding = crate::tensor::dot(&now, &now) - across * across;
         let limit = self.area
             * self.law.shear_limit(&ContactState {
                 pressure: pressing / self.area,
                 flow_stress: input.flow_stress,
-                sliding_speed: speed,
+                // Not the predicted slip: without friction it is too fast by a step's acceleration.
+                sliding_speed: sliding.max(0.0).sqrt(),
                 temperature: input.temperature,
             });
         let sticking = input.inertia * speed / time_step;
