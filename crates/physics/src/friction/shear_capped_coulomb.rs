@@ -27,24 +27,24 @@ impl FrictionLaw for ShearCappedCoulomb {
     }
 }
 
+/// m_s; laws that cap friction share it.
+pub(super) const SHEAR_FRICTION_FACTOR: Parameter = Parameter {
+    key: "shear_friction_factor",
+    symbol: "m_s",
+    quantity: Quantity::Dimensionless,
+    range: Range::above(0.0, 1.0),
+    default: Some(1.0),
+    meaning: "share of the shear strength that sticking contact transmits",
+    source: "1 in the sticking zone, grey-box paper section 2.4",
+};
+
 pub(super) const ENTRY: FrictionEntry = FrictionEntry {
     key: "shear_capped_coulomb",
     title: "Coulomb capped by the shear strength",
     equation: "tau = min(mu p, m_s sigma_y / sqrt(3))",
     source: "springback paper (2015), section 3.1; Zorev 1963",
     validity: "tool-chip contact; neglects speed and temperature dependence of mu",
-    parameters: &[
-        FRICTION_COEFFICIENT,
-        Parameter {
-            key: "shear_friction_factor",
-            symbol: "m_s",
-            quantity: Quantity::Dimensionless,
-            range: Range::above(0.0, 1.0),
-            default: Some(1.0),
-            meaning: "share of the shear strength that sticking contact transmits",
-            source: "1 in the sticking zone, grey-box paper section 2.4",
-        },
-    ],
+    parameters: &[FRICTION_COEFFICIENT, SHEAR_FRICTION_FACTOR],
     build: |values| {
         Box::new(ShearCappedCoulomb {
             friction_coefficient: values.get("friction_coefficient"),
