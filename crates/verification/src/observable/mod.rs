@@ -16,6 +16,7 @@ mod force_history;
 mod fragments;
 mod friction;
 mod hertz;
+mod indentation;
 mod kernel;
 mod mean_force;
 mod momentum;
@@ -98,6 +99,7 @@ pub const ALL: &[&Observable] = &[
     &hertz::HERTZ_WIDTH_RATIO,
     &hertz::HERTZ_PRESSURE_RATIO,
     &hertz::HERTZ_STRESS_RATIO,
+    &indentation::PRANDTL_RATIO,
     &kernel::KERNEL_INTEGRAL,
     &kernel::KERNEL_DERIVATIVE_ERROR,
     &kernel::KERNEL_OUTSIDE,
