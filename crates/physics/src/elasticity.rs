@@ -24,6 +24,13 @@ impl ElasticModuli {
         }
     }
 
+    /// Both moduli times `factor`: another Young's modulus at the same Poisson's ratio.
+    #[must_use]
+    #[inline]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { bulk: factor * self.bulk, shear: factor * self.shear }
+    }
+
     /// Young's modulus E = 9 K G / (3 K + G) in Pa.
     #[must_use]
     pub fn young(&self) -> f64 {

@@ -15,6 +15,8 @@ pub mod heat;
 pub mod parameter;
 pub mod quantity;
 pub mod radial_return;
+pub mod temperature_table;
 
 pub use parameter::{Parameter, ParameterError, Range, Values};
 pub use quantity::Quantity;
+pub use temperature_table::TemperatureTable;

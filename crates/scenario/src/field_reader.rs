@@ -7,11 +7,17 @@ use crate::record::Value;
 use crate::section::{Field, Kind, range_text};
 use crate::spelling;
 use crate::units::{self, Measured, UnitError};
-use sphcut_physics::Quantity;
+use sphcut_physics::{Quantity, TemperatureTable};
 use std::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
 use toml::de::DeValue;
+
+/// Pairs that a table may have.
+const MOST_PAIRS: usize = 200;
+
+/// Temperatures of a table in K.
+const TABLE_TEMPERATURES: sphcut_physics::Range = sphcut_physics::Range::above(0.0, 10_000.0);
 
 /// A text as a quantity, an integer, ... of `field`.
 pub(crate) struct FieldReader<'r> {
@@ -27,14 +33,12 @@ impl FieldReader<'_> {
         let span = written.span();
         let value = written.get_ref();
         match &self.field.kind {
-            Kind::Quantity(quantity, range) => {
-                let (measured, text) = self.quantity(value, &span, *quantity)?;
-                if !range.contains(measured.si) {
-                    let range = range_text(*range, &measured.unit);
-                    self.mistake(span, Mistake::OutOfRange { key: self.key(), text, range });
-                    return None;
-                }
-                Some((Value::Number(measured.si), text))
+            Kind::Tabulated(quantity, range) if value.is_array() => {
+                self.table(value, &span, *quantity, *range)
+            }
+            Kind::Quantity(quantity, range) | Kind::Tabulated(quantity, range) => {
+                let (number, text) = self.in_range(self.key(), value, span, *quantity, *range)?;
+                Some((Value::Number(number), text))
             }
             Kind::Count { min, max } => self.count(value, &span, *min, *max),
             Kind::Choice(words) => self.choice(value, span, words),
@@ -87,6 +91,76 @@ impl FieldReader<'_> {
             return None;
         }
         Some((Value::Text(text.clone()), text))
+    }
+
+    /// The SI value and its text; `key` is what a message calls it.
+    fn in_range(
+        &mut self,
+        key: String,
+        value: &DeValue,
+        span: Range<usize>,
+        quantity: Quantity,
+        range: sphcut_physics::Range,
+    ) -> Option<(f64, String)> {
+        let (measured, text) = self.quantity(value, &span, quantity)?;
+        if range.contains(measured.si) {
+            return Some((measured.si, text));
+        }
+        let range = range_text(range, &measured.unit);
+        self.mistake(span, Mistake::OutOfRange { key, text, range });
+        None
+    }
+
+    /// Pairs of temperature and quantity, the temperatures rising.
+    fn table(
+        &mut self,
+        value: &DeValue,
+        span: &Range<usize>,
+        quantity: Quantity,
+        range: sphcut_physics::Range,
+    ) -> Option<(Value, String)> {
+        let list = value.as_array()?;
+        if list.is_empty() || list.len() > MOST_PAIRS {
+            let (key, text) = (self.key(), format!("a list of {}", list.len()));
+            let range = format!("from 1 to {MOST_PAIRS} pairs");
+            self.mistake(span.clone(), Mistake::OutOfRange { key, text, range });
+            return None;
+        }
+        let mut pairs: Vec<(f64, f64)> = Vec::new();
+        let mut texts: Vec<String> = Vec::new();
+        for entry in list {
+            let pair: Vec<&Spanned<DeValue<'_>>> =
+                entry.get_ref().as_array().map(|pair| pair.iter().collect()).unwrap_or_default();
+            let &[temperature, property] = pair.as_slice() else {
+                let unit = units::accepted_units(quantity)[0];
+                let expected = format!("a list of pairs such as [\"20 degC\", \"1 {unit}\"]");
+                return self.wrong_type(&entry.span(), &expected, entry.get_ref());
+            };
+            let (kelvin, warm) = self.in_range(
+                format!("temperature of {}", self.field.key),
+                temperature.get_ref(),
+                temperature.span(),
+                Quantity::Temperature,
+                TABLE_TEMPERATURES,
+            )?;
+            let (number, text) =
+                self.in_range(self.key(), property.get_ref(), property.span(), quantity, range)?;
+            if pairs.last().is_some_and(|last| kelvin <= last.0) {
+                let mistake = Mistake::Contradiction {
+                    message: format!(
+                        "`{}`: the temperature {warm} is not above the one before it",
+                        self.field.key
+                    ),
+                    help: "list the pairs in rising order of temperature".to_owned(),
+                };
+                self.mistake(temperature.span(), mistake);
+                return None;
+            }
+            pairs.push((kelvin, number));
+            texts.push(format!("{warm}: {text}"));
+        }
+        let table = TemperatureTable::new(&pairs).expect("positive and rising, checked above");
+        Some((Value::Table(table), texts.join(", ")))
     }
 
     fn quantity(

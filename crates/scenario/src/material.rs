@@ -10,8 +10,8 @@ use crate::section::Presence;
 use crate::{library, sections, spelling};
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::{self, FlowStressEntry};
-use sphcut_physics::{ParameterError, Values};
-use sphcut_sph::setup::Material;
+use sphcut_physics::{ParameterError, TemperatureTable, Values};
+use sphcut_sph::setup::{Material, TemperatureTables};
 use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeTable;
@@ -31,19 +31,29 @@ pub(crate) struct Shelf<'t> {
 struct Draft {
     title: String,
     numbers: Vec<(&'static str, f64)>,
+    /// Those of the numbers that depend on temperature.
+    tables: Vec<(&'static str, TemperatureTable)>,
     law: Option<&'static FlowStressEntry>,
     law_numbers: Vec<(&'static str, f64)>,
 }
 
 impl Draft {
-    fn set(&mut self, numbers: &[(&'static str, f64)], law_numbers: &[(&'static str, f64)]) {
-        for (target, given) in [(&mut self.numbers, numbers), (&mut self.law_numbers, law_numbers)]
+    fn set(&mut self, record: &Record<'_>, law_numbers: &[(&'static str, f64)]) {
+        let numbers = record.written_numbers();
+        self.tables.retain(|(known, _)| numbers.iter().all(|(key, _)| known != key));
+        self.tables.extend(record.written_tables());
+        for (target, given) in
+            [(&mut self.numbers, numbers.as_slice()), (&mut self.law_numbers, law_numbers)]
         {
             for (key, value) in given {
                 target.retain(|(known, _)| known != key);
                 target.push((key, *value));
             }
         }
+    }
+
+    fn table(&self, key: &str) -> Option<TemperatureTable> {
+        self.tables.iter().find(|table| table.0 == key).map(|table| table.1.clone())
     }
 
     fn number(&self, key: &str) -> Option<f64> {
@@ -167,7 +177,7 @@ impl<'t> Shelf<'t> {
         if let Some(flow) = record.table("flow_stress") {
             law_numbers = self.override_flow_stress(findings, &name, flow, draft);
         }
-        draft.set(&record.written_numbers(), &law_numbers);
+        draft.set(&record, &law_numbers);
     }
 
     /// Another law starts anew; the same law keeps the values that are not replaced.
@@ -238,6 +248,11 @@ impl<'t> Shelf<'t> {
             ),
             specific_heat: specific_heat?,
             thermal_conductivity: thermal_conductivity?,
+            tables: TemperatureTables {
+                young_modulus: draft.table("young_modulus"),
+                specific_heat: draft.table("specific_heat"),
+                thermal_conductivity: draft.table("thermal_conductivity"),
+            },
             flow_stress: law,
             flow_stress_values,
         })
@@ -324,6 +339,7 @@ fn read_draft(
     let mut draft = Draft {
         title: record.text("title").unwrap_or(name).to_owned(),
         numbers: record.written_numbers(),
+        tables: record.written_tables(),
         ..Draft::default()
     };
     if let Some(flow) = record.table("flow_stress") {

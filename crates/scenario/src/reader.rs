@@ -170,9 +170,10 @@ fn describe(
     origin: Origin,
 ) {
     let unit = match field.kind {
-        Kind::Quantity(quantity, _) | Kind::Vector(quantity) | Kind::PartialVector(quantity) => {
-            quantity.si_unit()
-        }
+        Kind::Quantity(quantity, _)
+        | Kind::Tabulated(quantity, _)
+        | Kind::Vector(quantity)
+        | Kind::PartialVector(quantity) => quantity.si_unit(),
         _ => "",
     };
     let value = match value {
@@ -183,6 +184,13 @@ fn describe(
         Value::Numbers(numbers) => numbers
             .iter()
             .map(|number| number.map_or_else(|| "free".to_owned(), units::significant))
+            .collect::<Vec<_>>()
+            .join(", "),
+        Value::Table(table) => table
+            .pairs()
+            .map(|(kelvin, number)| {
+                format!("{} K: {}", units::significant(kelvin), units::significant(number))
+            })
             .collect::<Vec<_>>()
             .join(", "),
     };

@@ -1,6 +1,8 @@
 //! The values of one table, read and checked.
 
 use crate::problem::Source;
+use sphcut_physics::TemperatureTable;
+use sphcut_sph::setup::ROOM_TEMPERATURE;
 use std::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
@@ -14,6 +16,7 @@ pub(crate) enum Value {
     Text(String),
     Switch(bool),
     Numbers(Vec<Option<f64>>),
+    Table(TemperatureTable),
 }
 
 /// The values of one table, and where they stand.
@@ -110,13 +113,26 @@ impl<'t> Record<'t> {
         list.iter().filter_map(|value| Some((value.get_ref().as_table()?, value.span()))).collect()
     }
 
-    /// SI values of all quantities, as `(key, value)`, of those that are written.
+    /// SI values of all quantities, as `(key, value)`, of those that are written; of a table the
+    /// value at room temperature.
     pub(crate) fn written_numbers(&self) -> Vec<(&'static str, f64)> {
         self.items
             .iter()
             .filter(|(key, _)| self.is_written(key))
             .filter_map(|(key, value)| match value {
                 Value::Number(number) => Some((*key, *number)),
+                Value::Table(table) => Some((*key, table.value(ROOM_TEMPERATURE))),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Properties that are written as tables.
+    pub(crate) fn written_tables(&self) -> Vec<(&'static str, TemperatureTable)> {
+        self.items
+            .iter()
+            .filter_map(|(key, value)| match value {
+                Value::Table(table) => Some((*key, table.clone())),
                 _ => None,
             })
             .collect()

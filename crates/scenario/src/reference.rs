@@ -128,6 +128,12 @@ fn value(kind: &Kind) -> String {
         Kind::Quantity(quantity, range) => {
             format!("{} {}", quantity.name(), range_text(*range, &preferred(*quantity)))
         }
+        Kind::Tabulated(quantity, range) => format!(
+            "{} {}, or a list of pairs `[temperature, {}]`",
+            quantity.name(),
+            range_text(*range, &preferred(*quantity)),
+            quantity.name()
+        ),
         Kind::Count { min, max } if *max == i64::MAX => format!("whole number from {min}"),
         Kind::Count { min, max } => format!("whole number from {min} to {max}"),
         Kind::Choice(words) => format!("`\"{}\"`", words.join("\"`, `\"")),
@@ -176,7 +182,10 @@ fn materials(page: &mut String) {
         "# Materials\n\nA material is the name of a shipped one, a file beside the scenario (the name ends in \
          `.toml`), a table `[materials.NAME]` of the scenario, or a table in place. `override` replaces single \
          values: `override = { density = \"7900 kg/m^3\", flow_stress = { initial_yield = \"350 MPa\" } }`. \
-         In files, `[sources]` has an entry for every value.\n\n",
+         In files, `[sources]` has an entry for every value.\n\n\
+         A property that depends on temperature is a list of pairs, `young_modulus = [[\"20 degC\", \"205 GPa\"], \
+         [\"300 degC\", \"185 GPa\"]]`: linear between them, constant outside. `sphcut check` and the files of a run \
+         name its value at 20 degC.\n\n",
     );
     rows(page, sections::material("material").fields.iter());
     line!(page, "Shipped materials:\n\n| name | title | law |\n|---|---|---|");

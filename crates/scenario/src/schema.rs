@@ -183,7 +183,7 @@ fn table(
 
 fn description(field: &Field) -> String {
     let mut text = field.meaning.to_string();
-    if let Kind::Quantity(quantity, range) = field.kind {
+    if let Kind::Quantity(quantity, range) | Kind::Tabulated(quantity, range) = field.kind {
         text.push_str(&format!("; {}", range_text(range, &preferred(quantity))));
     }
     if let Presence::Derived(without) = field.presence {
@@ -214,6 +214,12 @@ fn default(field: &Field, text: &str) -> Value {
 fn kind(kind: &Kind) -> Value {
     match kind {
         Kind::Quantity(quantity, range) => self::quantity(*quantity, Some(*range)),
+        Kind::Tabulated(quantity, range) => {
+            let value = self::quantity(*quantity, Some(*range));
+            let pair = json!({ "anyOf": [self::quantity(Quantity::Temperature, None), value] });
+            let pair = json!({ "type": "array", "items": pair, "minItems": 2, "maxItems": 2 });
+            json!({ "anyOf": [value, { "type": "array", "items": pair, "minItems": 1 }] })
+        }
         Kind::Count { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
         Kind::Choice(words) => json!({ "enum": words }),
         Kind::Text | Kind::Path => json!({ "type": "string" }),

@@ -10,6 +10,8 @@ use std::borrow::Cow;
 pub(crate) enum Kind {
     /// A quantity with unit; a number alone is accepted for pure numbers.
     Quantity(Quantity, Range),
+    /// A quantity with unit, or a list of pairs of temperature and quantity.
+    Tabulated(Quantity, Range),
     /// A whole number.
     Count { min: i64, max: i64 },
     /// One of some words.
@@ -135,6 +137,7 @@ impl Field {
         match &self.kind {
             Kind::Quantity(Quantity::Dimensionless, _) => format!("{} = 0.5", self.key),
             Kind::Quantity(quantity, _)
+            | Kind::Tabulated(quantity, _)
             | Kind::Vector(quantity)
             | Kind::PartialVector(quantity) => {
                 format!("{} = \"1 {}\"", self.key, units::accepted_units(*quantity)[0])

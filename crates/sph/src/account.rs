@@ -13,6 +13,7 @@ pub(crate) struct Account {
     pub(crate) density_diffusion: f64,
     pub(crate) artificial_stress: f64,
     pub(crate) residue: f64,
+    pub(crate) thermoelastic: f64,
     pub(crate) heat_supplied: f64,
     pub(crate) initial_energy: f64,
     pub(crate) initial_heat: f64,
@@ -23,7 +24,7 @@ pub(crate) struct Account {
 
 impl Account {
     /// All numbers in a fixed order, for the checkpoint.
-    pub(crate) fn to_array(&self) -> [f64; 20] {
+    pub(crate) fn to_array(&self) -> [f64; 21] {
         [
             self.tool_work,
             self.support_work,
@@ -45,11 +46,12 @@ impl Account {
             self.reaction_impulse[0],
             self.reaction_impulse[1],
             self.reaction_impulse[2],
+            self.thermoelastic,
         ]
     }
 
     /// The inverse of [`Account::to_array`].
-    pub(crate) fn from_array(a: &[f64; 20]) -> Self {
+    pub(crate) fn from_array(a: &[f64; 21]) -> Self {
         Self {
             tool_work: a[0],
             support_work: a[1],
@@ -67,6 +69,7 @@ impl Account {
             interval_start: a[13],
             tool_impulse: [a[14], a[15], a[16]],
             reaction_impulse: [a[17], a[18], a[19]],
+            thermoelastic: a[20],
         }
     }
 }
@@ -78,6 +81,8 @@ pub(crate) struct Tally {
     pub(crate) viscosity: f64,
     pub(crate) residue: f64,
     pub(crate) hourglass: f64,
+    /// Stored energy released because a modulus fell with temperature.
+    pub(crate) thermoelastic: f64,
     /// Heat made from plastic work.
     pub(crate) heat: f64,
     /// Largest component of the strain since the last refresh.

@@ -85,7 +85,7 @@ impl<const D: usize> Engine<D> {
                         let jump = other.volume_ratio - own.volume_ratio - dot(&slope, &separation);
                         change += w * 0.5 * (own.reach + other.reach) * jump;
                     }
-                    let moduli = &materials[material[i] as usize].moduli;
+                    let moduli = point.moduli(&materials[material[i] as usize].moduli);
                     let before = moduli.volumetric_energy(point.volume_ratio);
                     // V_ref/V_0 makes the exchange symmetric in V_0 J.
                     point.volume_ratio += change * frame[i].volume_ratio;

@@ -24,7 +24,9 @@ use crate::setup::{HeatSource, Setup};
 use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
 use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
+use crate::thermoelasticity;
 use rayon::prelude::*;
+use sphcut_physics::TemperatureTable;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressModel;
 
@@ -35,6 +37,10 @@ pub(crate) struct MaterialData {
     pub(crate) moduli: ElasticModuli,
     pub(crate) specific_heat: f64,
     pub(crate) conductivity: f64,
+    /// E(T) over E at room temperature; `None` for a constant, as with the others.
+    pub(crate) stiffness_table: Option<TemperatureTable>,
+    pub(crate) heat_table: Option<TemperatureTable>,
+    pub(crate) conductivity_table: Option<TemperatureTable>,
     pub(crate) law: Box<dyn FlowStressModel>,
     /// beta / (rho_0 cp), 0 without plastic heating.
     pub(crate) heating: f64,
@@ -149,7 +155,8 @@ pub(crate) struct Engine<const D: usize> {
 impl MaterialData {
     /// Density with scaled inertia, (K + 4G/3) / c^2, in kg/m^3.
     pub(crate) fn inertial_density(&self) -> f64 {
-        (self.moduli.bulk + 4.0 / 3.0 * self.moduli.shear) / (self.wave_speed * self.wave_speed)
+        let moduli = self.moduli.scaled(self.stiffest());
+        (moduli.bulk + 4.0 / 3.0 * moduli.shear) / (self.wave_speed * self.wave_speed)
     }
 
     /// beta, or 0 without plastic heating.
@@ -431,8 +438,8 @@ impl<const D: usize> Engine<D> {
             if self.friction_heats {
                 let data = &self.materials[self.material[i] as usize];
                 let heat = self.friction_heat_share * friction;
-                self.point[i].temperature +=
-                    heat / (data.density * self.volume[i] * data.specific_heat);
+                self.point[i].temperature =
+                    data.heated(self.point[i].temperature, heat, self.volume[i]);
                 self.account.heat_supplied += heat;
             }
         }
@@ -447,8 +454,12 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
         .materials
         .iter()
         .map(|material| {
-            let wave_speed =
-                material.moduli.p_wave_speed(material.density * option("mass_scaling"));
+            let stiffness_table = thermoelasticity::stiffness_table(material);
+            let stiffest = stiffness_table.as_ref().map_or(1.0, TemperatureTable::max);
+            let wave_speed = material
+                .moduli
+                .scaled(stiffest)
+                .p_wave_speed(material.density * option("mass_scaling"));
             let inertial_density = material.density * option("mass_scaling");
             let impedance = inertial_density * wave_speed * smoothing_length;
             let heating = if setup.heat.plastic_heating.is_on() {
@@ -461,6 +472,11 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
                 moduli: material.moduli,
                 specific_heat: material.specific_heat,
                 conductivity: material.thermal_conductivity,
+                stiffness_table,
+                heat_table: thermoelasticity::varying(material.tables.specific_heat.as_ref()),
+                conductivity_table: thermoelasticity::varying(
+                    material.tables.thermal_conductivity.as_ref(),
+                ),
                 law: (material.flow_stress.build)(&material.flow_stress_values),
                 heating,
                 hourglass: option("hourglass_coefficient") * impedance,

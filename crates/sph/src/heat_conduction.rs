@@ -44,7 +44,12 @@ impl<const D: usize> Engine<D> {
         let conductivity: Vec<f64> = self
             .material
             .iter()
-            .map(|&material| self.materials[material as usize].conductivity)
+            .zip(&temperature)
+            .map(|(&material, temperature)| {
+                let data = &self.materials[material as usize];
+                let table = data.conductivity_table.as_ref();
+                table.map_or(data.conductivity, |table| table.value(*temperature))
+            })
             .collect();
         let (list, frame, materials) = (&self.list, &self.frame, &self.materials);
         let (material, temperature, conductivity) = (&self.material, &temperature, &conductivity);
@@ -67,8 +72,8 @@ impl<const D: usize> Engine<D> {
                     flux += w * mean * factor * (temperature[j] - temperature[i]);
                 }
                 let data = &materials[material[i] as usize];
-                point.temperature +=
-                    duration * flux * frame[i].volume_ratio / (data.density * data.specific_heat);
+                point.temperature =
+                    data.heated(point.temperature, duration * flux * frame[i].volume_ratio, 1.0);
             }
         });
     }
@@ -84,8 +89,8 @@ impl<const D: usize> Engine<D> {
             }
             let Some(fixed) = self.holds[self.hold[i] as usize].temperature else { continue };
             let data = &self.materials[self.material[i] as usize];
-            let capacity = data.density * self.volume[i] * data.specific_heat;
-            self.account.heat_supplied += capacity * (fixed - self.point[i].temperature);
+            self.account.heat_supplied +=
+                data.heat_between(self.point[i].temperature, fixed, self.volume[i]);
             self.point[i].temperature = fixed;
         }
     }

@@ -104,7 +104,7 @@ impl<const D: usize> Engine<D> {
                         present.iter().map(|source| source.density(&position[i])).sum();
                     let heat = density * elapsed * volume[i] * point.volume_ratio;
                     let data = &materials[material[i] as usize];
-                    point.temperature += heat / (data.density * volume[i] * data.specific_heat);
+                    point.temperature = data.heated(point.temperature, heat, volume[i]);
                     supplied += heat;
                 }
                 supplied

@@ -26,6 +26,7 @@ mod strangers;
 mod supports;
 mod sweeps;
 mod tensor;
+mod thermoelasticity;
 mod tool_motion;
 
 pub use error::{Diverged, SetupError};

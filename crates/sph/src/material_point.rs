@@ -11,6 +11,7 @@ use crate::tensor::{
     Matrix, Vector, apply, contract, determinant, inverse_nonsingular, product, rotated,
     step_rotation, sum_scaled, trace, transpose, zero,
 };
+use sphcut_physics::TemperatureTable;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressModel;
 use sphcut_physics::radial_return::TrialState;
@@ -39,6 +40,9 @@ pub(crate) struct MaterialPoint<const D: usize> {
     pub(crate) viscous_pressure: f64,
     /// Non-affine displacement n against the neighbours that hourglass stiffness remembers, in m.
     pub(crate) offset: Vector<D>,
+    /// Young's modulus that the stress is expressed with, over that at room temperature: 1 where
+    /// it does not depend on temperature ([`crate::thermoelasticity`]).
+    pub(crate) stiffness: f64,
 }
 
 impl<const D: usize> MaterialPoint<D> {
@@ -54,6 +58,7 @@ impl<const D: usize> MaterialPoint<D> {
             flow_stress: 0.0,
             viscous_pressure: 0.0,
             offset: [0.0; D],
+            stiffness: 1.0,
         }
     }
 
@@ -64,14 +69,23 @@ impl<const D: usize> MaterialPoint<D> {
         contract(deviator, deviator) + out_of_plane * out_of_plane
     }
 
-    /// Stored elastic energy per reference volume in J/m^3.
+    /// The moduli that the stress is expressed with, from those at room temperature.
+    #[inline]
+    pub(crate) fn moduli(&self, moduli: &ElasticModuli) -> ElasticModuli {
+        // A factor of 1 leaves every bit as it is.
+        moduli.scaled(self.stiffness)
+    }
+
+    /// Stored elastic energy per reference volume in J/m^3; moduli at room temperature.
     pub(crate) fn elastic_energy(&self, moduli: &ElasticModuli) -> f64 {
+        let moduli = self.moduli(moduli);
         Self::deviator_square(&self.deviator) / (4.0 * moduli.shear)
             + moduli.volumetric_energy(self.volume_ratio)
     }
 
-    /// Kirchhoff stress S - (p J + q) I in Pa.
+    /// Kirchhoff stress S - (p J + q) I in Pa; moduli at room temperature.
     pub(crate) fn kirchhoff_stress(&self, moduli: &ElasticModuli) -> Matrix<D> {
+        let moduli = self.moduli(moduli);
         let pressure =
             moduli.pressure(self.volume_ratio) * self.volume_ratio + self.viscous_pressure;
         let mut stress = self.deviator;
@@ -91,11 +105,14 @@ impl<const D: usize> MaterialPoint<D> {
 /// What the stress update needs to know besides the point.
 #[derive(Debug)]
 pub(crate) struct UpdateContext<'a> {
+    /// At room temperature.
     pub(crate) moduli: ElasticModuli,
     pub(crate) law: &'a dyn FlowStressModel,
     pub(crate) time_step: f64,
     /// beta / (rho_0 cp) in K m^3/J; 0 without plastic heating.
     pub(crate) heating: f64,
+    /// beta / rho_0 and cp(T), where it depends on temperature.
+    pub(crate) heat_table: Option<(f64, &'a TemperatureTable)>,
     /// Linear bulk viscosity coefficient alpha rho c h in Pa s.
     pub(crate) linear_viscosity: f64,
     /// Quadratic bulk viscosity coefficient beta rho h^2 in Pa s^2.
@@ -122,7 +139,8 @@ impl<const D: usize> MaterialPoint<D> {
         context: &UpdateContext,
     ) -> UpdateWork {
         let dt = context.time_step;
-        let shear = context.moduli.shear;
+        let moduli = self.moduli(&context.moduli);
+        let shear = moduli.shear;
         let energy_before = self.elastic_energy(&context.moduli);
 
         let middle = sum_scaled(&self.deformation, 0.5 * dt, deformation_rate);
@@ -150,15 +168,20 @@ impl<const D: usize> MaterialPoint<D> {
         let plastic_flow = sum_scaled(&trial, -1.0, &self.deviator);
         let plastic = full_contract(&mean, &plastic_flow) / (4.0 * shear);
         let plastic = if increment > 0.0 { plastic } else { 0.0 };
-        self.temperature += context.heating * plastic;
+        match context.heat_table {
+            None => self.temperature += context.heating * plastic,
+            Some((share, table)) => {
+                self.temperature = table.heated(self.temperature, share * plastic);
+            }
+        }
 
         let viscosity_before = self.viscous_pressure;
         self.viscous_pressure = self.bulk_viscosity(volumetric_rate, context);
         let volume_change = self.volume_ratio - volume_before;
         let viscosity = -0.5 * (viscosity_before + self.viscous_pressure) * volumetric_rate * dt;
 
-        let mean_pressure = 0.5
-            * (context.moduli.pressure(volume_before) + context.moduli.pressure(self.volume_ratio));
+        let mean_pressure =
+            0.5 * (moduli.pressure(volume_before) + moduli.pressure(self.volume_ratio));
         let stress_power =
             0.5 * full_contract(&mean, &deviatoric_rate) * dt - mean_pressure * volume_change;
         let stored = self.elastic_energy(&context.moduli) - energy_before;
@@ -174,7 +197,7 @@ impl<const D: usize> MaterialPoint<D> {
             equivalent_stress: equivalent,
             plastic_strain: self.plastic_strain,
             temperature: self.temperature,
-            shear_modulus: context.moduli.shear / self.volume_ratio,
+            shear_modulus: self.moduli(&context.moduli).shear / self.volume_ratio,
             time_step: dt,
             heating: context.heating,
             expected_increment: self.plastic_strain_rate * dt,

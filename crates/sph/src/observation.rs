@@ -54,6 +54,7 @@ channels! {
     DensityDiffusionWork "density_diffusion_work" "J" "work of the density diffusion since the start";
     ArtificialStressWork "artificial_stress_work" "J" "work of the artificial stress since the start";
     UpdateResidue "update_residue" "J" "stress power minus stored and plastic energy: error of the stress update since the start";
+    ThermoelasticWork "thermoelastic_work" "J" "stored elastic energy released because the modulus fell with temperature since the start";
     EnergyError "energy_error" "J" "work done on the workpiece minus all terms above, initial kinetic energy included: what nobody accounts for";
     HeatContent "heat_content" "J" "thermal energy above the initial state";
     HeatSupplied "heat_supplied" "J" "heat from plastic work, friction, heat sources and fixed-temperature boundaries since the start";

@@ -33,7 +33,11 @@ impl<const D: usize> Engine<D> {
         (0..self.point.len())
             .map(|i| {
                 let data = &self.materials[self.material[i] as usize];
-                self.mass(i) * data.specific_heat * self.point[i].temperature
+                let temperature = self.point[i].temperature;
+                match &data.heat_table {
+                    None => self.mass(i) * data.specific_heat * temperature,
+                    Some(table) => self.mass(i) * table.integral(temperature),
+                }
             })
             .sum()
     }
@@ -96,7 +100,12 @@ impl<const D: usize> Engine<D> {
             + account.residue
             + contact;
         let supplied = account.initial_energy + account.tool_work + account.support_work;
-        let found = kinetic + elastic + account.plastic + account.friction + numerical;
+        let found = kinetic
+            + elastic
+            + account.plastic
+            + account.friction
+            + account.thermoelastic
+            + numerical;
         set(ChannelId::ToolWork, account.tool_work);
         set(ChannelId::SupportWork, account.support_work);
         set(ChannelId::KineticEnergy, kinetic);
@@ -109,6 +118,7 @@ impl<const D: usize> Engine<D> {
         set(ChannelId::DensityDiffusionWork, account.density_diffusion);
         set(ChannelId::ArtificialStressWork, account.artificial_stress);
         set(ChannelId::UpdateResidue, account.residue);
+        set(ChannelId::ThermoelasticWork, account.thermoelastic);
         set(ChannelId::EnergyError, supplied - found);
         set(ChannelId::HeatContent, self.heat_content() - account.initial_heat);
         set(ChannelId::HeatSupplied, account.heat_supplied);
@@ -168,7 +178,7 @@ impl<const D: usize> Engine<D> {
         };
         for i in order {
             let (point, data) = (&self.point[i], &self.materials[self.material[i] as usize]);
-            let pressure = data.moduli.pressure(point.volume_ratio)
+            let pressure = point.moduli(&data.moduli).pressure(point.volume_ratio)
                 + point.viscous_pressure / point.volume_ratio;
             snapshot.id.push(self.id[i]);
             snapshot.body.push(self.body[i]);
@@ -264,7 +274,7 @@ impl<const D: usize> Engine<D> {
         let width = point_to_vec(&engine.point[0]).len();
         let points = reader.reals("point", count * width)?;
         engine.point = points.chunks_exact(width).map(point_from_slice).collect();
-        let account = reader.reals("account", 20)?;
+        let account = reader.reals("account", 21)?;
         engine.account = Account::from_array(account.try_into().expect("length was checked"));
         engine.id = reader.integers("id")?.to_vec();
         engine.body = narrow(reader.integers("body")?)?;
@@ -345,6 +355,7 @@ fn point_to_vec<const D: usize>(point: &MaterialPoint<D>) -> Vec<f64> {
         point.viscous_pressure,
     ]);
     values.extend(point.offset);
+    values.push(point.stiffness);
     values
 }
 
@@ -364,6 +375,7 @@ fn point_from_slice<const D: usize>(values: &[f64]) -> MaterialPoint<D> {
         flow_stress: rest[4],
         viscous_pressure: rest[5],
         offset: std::array::from_fn(|k| rest[6 + k]),
+        stiffness: rest[6 + D],
     }
 }
 

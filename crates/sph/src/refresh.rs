@@ -151,7 +151,8 @@ impl<const D: usize> Engine<D> {
         self.largest_weight = limits.weight;
         let crowding = (self.lattice_gradient / limits.gradient).clamp(SMALLEST_TIME_STEP, 1.0);
         let (mut mechanical, mut thermal) = (f64::INFINITY, f64::INFINITY);
-        let best_conductor = self.materials.iter().map(|m| m.conductivity).fold(0.0, f64::max);
+        let best_conductor =
+            self.materials.iter().map(MaterialData::best_conductivity).fold(0.0, f64::max);
         for data in &self.materials {
             let wave = self.numerics.courant * self.smoothing.length / data.wave_speed * crowding;
             let wave = wave * viscous_shortening(data, self.smoothing.length, limits.gradient);
@@ -166,10 +167,10 @@ impl<const D: usize> Engine<D> {
             let touches = self.tool.is_some() || !self.strangers.is_empty() || !self.bonded;
             let contact = if touches { contact } else { f64::INFINITY };
             mechanical = mechanical.min(wave).min(damping).min(contact);
-            if self.conducts && data.conductivity > 0.0 {
-                let capacity = data.density * data.specific_heat;
+            if self.conducts && data.best_conductivity() > 0.0 {
+                let capacity = data.density * data.least_specific_heat();
                 // The harmonic mean with any other material stays below both.
-                let conductivity = best_conductor.min(2.0 * data.conductivity);
+                let conductivity = best_conductor.min(2.0 * data.best_conductivity());
                 thermal = thermal
                     .min(CONDUCTION_SAFETY * capacity / (2.0 * limits.weight * conductivity));
             }

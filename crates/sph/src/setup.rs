@@ -2,10 +2,10 @@
 //! the solver consumes. Plain data; building the particles is the solver's work.
 
 use crate::options;
-use sphcut_physics::Values;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressEntry;
 use sphcut_physics::friction::FrictionEntry;
+use sphcut_physics::{TemperatureTable, Values};
 
 /// A vector with three components; plane problems leave the third at zero.
 pub type Vector = [f64; 3];
@@ -114,16 +114,32 @@ pub struct Material {
     pub name: String,
     /// rho_0 in kg/m^3.
     pub density: f64,
-    /// K and G in Pa.
+    /// K and G in Pa, at [`ROOM_TEMPERATURE`] where they depend on temperature.
     pub moduli: ElasticModuli,
-    /// cp in J/(kg K).
+    /// cp in J/(kg K), at [`ROOM_TEMPERATURE`] where it depends on temperature.
     pub specific_heat: f64,
-    /// k in W/(m K).
+    /// k in W/(m K), at [`ROOM_TEMPERATURE`] where it depends on temperature.
     pub thermal_conductivity: f64,
+    /// What depends on temperature.
+    pub tables: TemperatureTables,
     /// The flow-stress law.
     pub flow_stress: &'static FlowStressEntry,
     /// Its parameters.
     pub flow_stress_values: Values,
+}
+
+/// The temperature in K at which the single numbers of a tabulated property hold.
+pub const ROOM_TEMPERATURE: f64 = 293.15;
+
+/// Properties of a material that depend on temperature; `None` is a constant.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TemperatureTables {
+    /// E(T) in Pa, at a constant Poisson's ratio: K and G in proportion.
+    pub young_modulus: Option<TemperatureTable>,
+    /// cp(T) in J/(kg K).
+    pub specific_heat: Option<TemperatureTable>,
+    /// k(T) in W/(m K).
+    pub thermal_conductivity: Option<TemperatureTable>,
 }
 
 /// A body filled with particles.

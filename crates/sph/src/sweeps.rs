@@ -149,7 +149,10 @@ impl<const D: usize> Engine<D> {
                     let frame = &frame[i];
                     let rate = product(&sums.moment, &frame.correction);
                     if dt > 0.0 {
-                        let work = point.advance(&rate, &context(data, dt));
+                        if let Some(table) = &data.stiffness_table {
+                            tally.thermoelastic += point.follow_modulus(data, table) * volume[i];
+                        }
+                        let work = point.advance(&rate, &context(data, point.temperature, dt));
                         tally.plastic += work.plastic * volume[i];
                         tally.viscosity += work.viscosity * volume[i];
                         tally.residue += work.residue * volume[i];
@@ -190,6 +193,7 @@ impl<const D: usize> Engine<D> {
             whole.plastic += tally.plastic;
             whole.viscosity += tally.viscosity;
             whole.residue += tally.residue;
+            whole.thermoelastic += tally.thermoelastic;
             whole.hourglass += tally.hourglass;
             whole.heat += tally.heat;
             whole.strain = whole.strain.max(tally.strain);
@@ -201,6 +205,7 @@ impl<const D: usize> Engine<D> {
         account.plastic += whole.plastic;
         account.viscosity += whole.viscosity;
         account.residue += whole.residue;
+        account.thermoelastic += whole.thermoelastic;
         account.hourglass += whole.hourglass;
         account.heat_supplied += whole.heat;
         self.since_refresh = whole;
@@ -243,12 +248,17 @@ impl<const D: usize> Engine<D> {
     }
 }
 
-fn context(data: &MaterialData, dt: f64) -> UpdateContext<'_> {
+#[inline]
+fn context(data: &MaterialData, temperature: f64, dt: f64) -> UpdateContext<'_> {
     UpdateContext {
         moduli: data.moduli,
         law: data.law.as_ref(),
         time_step: dt,
-        heating: data.heating,
+        heating: data.heating_at(temperature),
+        heat_table: data
+            .heat_table
+            .as_ref()
+            .map(|table| (data.heating_share() / data.density, table)),
         linear_viscosity: data.linear_viscosity,
         quadratic_viscosity: data.quadratic_viscosity,
     }
@@ -258,7 +268,8 @@ fn context(data: &MaterialData, dt: f64) -> UpdateContext<'_> {
 mod tests {
     use super::*;
     use crate::setup::{
-        Body, Dimension, Discretisation, Lattice, Material, Setup, Shape, VelocityField,
+        Body, Dimension, Discretisation, Lattice, Material, Setup, Shape, TemperatureTables,
+        VelocityField,
     };
     use crate::tensor::identity;
     use sphcut_physics::Values;
@@ -275,6 +286,7 @@ mod tests {
             moduli: ElasticModuli::from_young(1e7, 0.4),
             specific_heat: 1.0,
             thermal_conductivity: 0.0,
+            tables: TemperatureTables::default(),
             flow_stress: law,
             flow_stress_values: Values::defaults(law.parameters),
         });

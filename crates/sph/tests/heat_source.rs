@@ -4,7 +4,8 @@ use approx::assert_relative_eq;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress};
 use sphcut_sph::setup::{
-    Body, Dimension, HeatSource, HeatSourceForm, Material, Setup, Shape, Switch, VelocityField,
+    Body, Dimension, HeatSource, HeatSourceForm, Material, Setup, Shape, Switch, TemperatureTables,
+    VelocityField,
 };
 use sphcut_sph::{ChannelId, Sample, Simulation};
 
@@ -22,6 +23,7 @@ fn heated(dimension: Dimension, form: HeatSourceForm, end_time: f64) -> Setup {
         moduli: ElasticModuli::from_young(200e9, 0.3),
         specific_heat: 500.0,
         thermal_conductivity: 40.0,
+        tables: TemperatureTables::default(),
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &[]).unwrap(),
     });

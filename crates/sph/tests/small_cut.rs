@@ -4,8 +4,8 @@
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress, friction};
 use sphcut_sph::setup::{
-    Body, CuttingFrame, Dimension, Discretisation, Lattice, Material, Setup, Shape, Support, Tool,
-    ToolSurface, VelocityChange, VelocityField,
+    Body, CuttingFrame, Dimension, Discretisation, Lattice, Material, Setup, Shape, Support,
+    TemperatureTables, Tool, ToolSurface, VelocityChange, VelocityField,
 };
 use sphcut_sph::{ChannelId, CheckpointState, SetupError, Simulation, options};
 
@@ -37,6 +37,7 @@ fn steel() -> Material {
         moduli: ElasticModuli::from_young(205e9, 0.29),
         specific_heat: 486.0,
         thermal_conductivity: 50.7,
+        tables: TemperatureTables::default(),
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &values).unwrap(),
     }

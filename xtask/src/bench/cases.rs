@@ -4,7 +4,8 @@ use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress, friction};
 use sphcut_sph::options;
 use sphcut_sph::setup::{
-    Body, Dimension, Material, Setup, Shape, Support, Tool, ToolSurface, VelocityField,
+    Body, Dimension, Material, Setup, Shape, Support, TemperatureTables, Tool, ToolSurface,
+    VelocityField,
 };
 
 /// A case of the benchmark.
@@ -102,6 +103,7 @@ fn steel() -> Material {
         moduli: ElasticModuli::from_young(210e9, 0.3),
         specific_heat: 480.0,
         thermal_conductivity: 45.0,
+        tables: TemperatureTables::default(),
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &constants).expect(PART),
     }
@@ -120,6 +122,7 @@ fn taylor_bar() -> Setup {
         moduli: ElasticModuli::from_young(117e9, 0.35),
         specific_heat: 385.0,
         thermal_conductivity: 390.0,
+        tables: TemperatureTables::default(),
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &constants).expect(PART),
     });

@@ -5,7 +5,7 @@ use sphcut_physics::{Values, flow_stress, friction};
 use sphcut_sph::Setup;
 use sphcut_sph::options;
 use sphcut_sph::setup::{
-    Body, Dimension, Material, Shape, Support, Tool, ToolSurface, VelocityField,
+    Body, Dimension, Material, Shape, Support, TemperatureTables, Tool, ToolSurface, VelocityField,
 };
 
 const SPACING: f64 = 1e-5;
@@ -65,6 +65,7 @@ fn steel() -> Material {
         moduli: ElasticModuli::from_young(2.1e11, 0.3),
         specific_heat: 470.0,
         thermal_conductivity: 50.0,
+        tables: TemperatureTables::default(),
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &values).unwrap(),
     }

@@ -23,6 +23,7 @@ pub(super) fn term_colour(channel: ChannelId) -> &'static str {
         ChannelId::FrictionWork => "#72b7b2",
         ChannelId::ElasticEnergy => "#9ecae9",
         ChannelId::KineticEnergy => "#b8b0d8",
+        ChannelId::ThermoelasticWork => "#d6cfe6",
         ChannelId::HourglassWork => "#e45756",
         ChannelId::ViscosityWork => "#f58518",
         ChannelId::DensityDiffusionWork => "#eeca3b",

@@ -6,6 +6,11 @@ use sphcut_physics::flow_stress::{self, FlowStressEntry};
 use sphcut_physics::friction::{self, FrictionEntry};
 use sphcut_physics::{Quantity, Range};
 
+/// A positive quantity or a table of it over the temperature.
+fn tabulated(quantity: Quantity, max: f64) -> Kind {
+    Kind::Tabulated(quantity, Range::above(0.0, max))
+}
+
 /// A material, from a file or inline.
 pub(crate) fn material(name: &str) -> Section {
     Section::new(
@@ -22,7 +27,7 @@ pub(crate) fn material(name: &str) -> Section {
             .example("\"7850 kg/m^3\""),
             Field::new(
                 "young_modulus",
-                positive(Quantity::Stress, 1e13),
+                tabulated(Quantity::Stress, 1e13),
                 Presence::Required,
                 "E, Young's modulus",
             )
@@ -36,14 +41,14 @@ pub(crate) fn material(name: &str) -> Section {
             .example("0.3"),
             Field::new(
                 "specific_heat",
-                positive(Quantity::SpecificHeat, 1e5),
+                tabulated(Quantity::SpecificHeat, 1e5),
                 Presence::Derived("required where heat acts"),
                 "cp, specific heat capacity",
             )
             .example("\"486 J/(kg K)\""),
             Field::new(
                 "thermal_conductivity",
-                positive(Quantity::ThermalConductivity, 1e4),
+                tabulated(Quantity::ThermalConductivity, 1e4),
                 Presence::Derived("required where heat acts"),
                 "k, thermal conductivity",
             )

@@ -27,7 +27,8 @@ pub(super) const STEADY_PROFILE_ERROR: Observable = Observable {
     unit: "",
     meaning: "root mean square deviation from the steady temperature between the first two \
               supports through the layers of the first and second body, in terms of the \
-              difference of the held temperatures",
+              difference of the held temperatures; in one layer with k(T) that of Kirchhoff's \
+              transform, int k dT linear in x",
     arguments: &[argument(
         "interface",
         Some(f64::INFINITY),
@@ -78,12 +79,20 @@ fn steady_profile_error(evidence: &Evidence, arguments: &Arguments) -> Result<f6
     let begin = held_row(evidence, left, f64::max)?;
     let end = held_row(evidence, right, f64::min)?;
     let interface = arguments.get("interface").clamp(begin, end);
+    let table = material_of(evidence, 0)?.tables.thermal_conductivity.as_ref();
+    if table.is_some() && interface < end {
+        return Err("k(T) is for one layer: leave `interface` out".to_owned());
+    }
     let first = material_of(evidence, 0)?.thermal_conductivity;
     let second = if interface < end { material_of(evidence, 1)?.thermal_conductivity } else { 1.0 };
     let resistance = (interface - begin) / first + (end - interface) / second;
     let flux = (hot - cold) / resistance;
     let exact = |x: f64| {
-        if x < interface {
+        if let Some(table) = table {
+            let whole = table.integral(hot) - table.integral(cold);
+            // The temperature up to which the integral of k has grown in proportion to x.
+            table.heated(cold, whole * (x - begin) / (end - begin))
+        } else if x < interface {
             cold + flux * (x - begin) / first
         } else {
             hot - flux * (end - x) / second
