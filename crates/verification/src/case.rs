@@ -2,6 +2,7 @@
 
 use crate::error::CaseError;
 use crate::observable::{self, Arguments};
+use crate::replicates;
 use crate::table::Table;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -67,6 +68,11 @@ pub enum Metric {
     Spread,
     /// All runs give the same value, bit by bit.
     Identical,
+    /// By how much the mean of each group of replicates differs from that of the first group
+    /// beyond the 95 % interval of the difference, as a share of the mean; at most the tolerance.
+    DifferenceOfMeans,
+    /// Widest of these intervals (half width) as a share of the mean; at most the tolerance.
+    IntervalOfDifference,
 }
 
 impl Metric {
@@ -80,7 +86,13 @@ impl Metric {
                 | Self::Rising
                 | Self::Spread
                 | Self::Identical
-        )
+        ) || self.needs_replicates()
+    }
+
+    /// Whether it compares means of replicates.
+    #[must_use]
+    pub fn needs_replicates(self) -> bool {
+        matches!(self, Self::DifferenceOfMeans | Self::IntervalOfDifference)
     }
 
     /// Name as in the case file.
@@ -97,6 +109,8 @@ impl Metric {
             Self::Rising => "rising",
             Self::Spread => "spread",
             Self::Identical => "identical",
+            Self::DifferenceOfMeans => "difference of means beyond the interval",
+            Self::IntervalOfDifference => "interval of the difference of means",
         }
     }
 }
@@ -196,6 +210,9 @@ struct RawRun {
     threads: Option<usize>,
     #[serde(default)]
     mode: Mode,
+    /// Runs it this often, with the seeds 1, 2, ... for `resolution.seed`; the names become
+    /// `NAME/1`, `NAME/2`, ...
+    replicates: Option<u32>,
 }
 
 fn default_scenario() -> String {
@@ -291,15 +308,28 @@ fn runs(folder: &Path, raw: Vec<RawRun>) -> Vec<RunSpecification> {
         changes: toml::Table::new(),
         threads: None,
         mode: Mode::Simulate,
+        replicates: None,
     };
     let raw = if raw.is_empty() { vec![only] } else { raw };
-    raw.into_iter()
-        .map(|run| RunSpecification {
-            name: run.name,
-            scenario: folder.join(run.scenario),
-            changes: run.changes,
-            threads: run.threads,
-            mode: run.mode,
+    raw.into_iter().flat_map(|run| replicated(folder, &run)).collect()
+}
+
+/// The run itself, or its replicates.
+fn replicated(folder: &Path, run: &RawRun) -> Vec<RunSpecification> {
+    let single = RunSpecification {
+        name: run.name.clone(),
+        scenario: folder.join(&run.scenario),
+        changes: run.changes.clone(),
+        threads: run.threads,
+        mode: run.mode,
+    };
+    let Some(count) = run.replicates else { return vec![single] };
+    (1..=count)
+        .map(|seed| {
+            let mut replicate = single.clone();
+            replicate.name = format!("{}{}{seed}", run.name, replicates::SEPARATOR);
+            replicate.changes.insert("resolution.seed".to_owned(), i64::from(seed).into());
+            replicate
         })
         .collect()
 }
@@ -332,10 +362,14 @@ fn resolve(
     let arguments = Arguments::resolve(observable, &raw.arguments)?;
     let indices: Vec<usize> = match &raw.runs {
         None => (0..runs.len()).collect(),
-        Some(names) => names.iter().map(|name| run_index(runs, name)).collect::<Result<_, _>>()?,
+        Some(names) => {
+            let found = names.iter().map(|name| run_indices(runs, name));
+            found.collect::<Result<Vec<_>, _>>()?.concat()
+        }
     };
     let reference = reference(&raw)?;
     check_metric(raw.metric, &reference, indices.len())
+        .and_then(|()| check_replicates(raw.metric, runs, &indices))
         .map_err(|reason| format!("expectation `{}`: {reason}", raw.observable))?;
     if let Reference::Column(column) = &reference {
         for index in &indices {
@@ -357,8 +391,33 @@ fn resolve(
     })
 }
 
-fn run_index(runs: &[RunSpecification], name: &str) -> Result<usize, String> {
-    runs.iter().position(|run| run.name == name).ok_or_else(|| format!("no run `{name}`"))
+/// The run `name`, or all its replicates.
+fn run_indices(runs: &[RunSpecification], name: &str) -> Result<Vec<usize>, String> {
+    let is_meant = |run: &RunSpecification| run.name == name || replicates::stem(&run.name) == name;
+    let found: Vec<usize> = (0..runs.len()).filter(|index| is_meant(&runs[*index])).collect();
+    if found.is_empty() { Err(format!("no run `{name}`")) } else { Ok(found) }
+}
+
+/// Means are compared between two groups at least, of two replicates at least.
+fn check_replicates(
+    metric: Metric,
+    runs: &[RunSpecification],
+    indices: &[usize],
+) -> Result<(), String> {
+    if !metric.needs_replicates() {
+        return Ok(());
+    }
+    let mut sizes = BTreeMap::new();
+    for index in indices {
+        *sizes.entry(replicates::stem(&runs[*index].name)).or_insert(0) += 1;
+    }
+    if sizes.len() < 2 {
+        return Err(format!("the metric `{}` compares two groups of runs", metric.name()));
+    }
+    match sizes.iter().find(|(_, size)| **size < 2) {
+        Some((name, _)) => Err(format!("run `{name}` needs `replicates = 2` at least")),
+        None => Ok(()),
+    }
 }
 
 fn reference(raw: &RawExpectation) -> Result<Reference, String> {
@@ -374,7 +433,11 @@ fn reference(raw: &RawExpectation) -> Result<Reference, String> {
 
 fn check_metric(metric: Metric, reference: &Reference, runs: usize) -> Result<(), String> {
     let suits = match metric {
-        Metric::Spread | Metric::Identical | Metric::Rising => *reference == Reference::None,
+        Metric::Spread
+        | Metric::Identical
+        | Metric::Rising
+        | Metric::DifferenceOfMeans
+        | Metric::IntervalOfDifference => *reference == Reference::None,
         Metric::Within => matches!(reference, Reference::Band(..)),
         Metric::ConvergenceOrder | Metric::FallingError => {
             matches!(reference, Reference::Number(_))
@@ -413,6 +476,21 @@ mod tests {
         assert!(bad(("'at_most'", "'identical'")).contains("does not suit"));
         assert!(bad(("reference = 3", "reference = 3\narguments = { x = 1 }")).contains("x"));
         assert!(bad(("reference = 3", "reference = 3\nruns = ['fine']")).contains("fine"));
+    }
+
+    #[test]
+    fn replicates_are_runs_with_seeds_and_go_by_one_name() {
+        let text = "name = 'a'\nreplicates = 3\noverride = { 'numerics.courant' = 0.1 }";
+        let raw: RawRun = toml::from_str(text).unwrap();
+        let runs = runs(Path::new(""), vec![raw]);
+        let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
+        assert_eq!(names, ["a/1", "a/2", "a/3"]);
+        assert_eq!(runs[1].changes["resolution.seed"].as_integer(), Some(2));
+        assert_eq!(runs[1].changes["numerics.courant"].as_float(), Some(0.1));
+        assert_eq!(run_indices(&runs, "a").unwrap(), [0, 1, 2]);
+        assert_eq!(run_indices(&runs, "a/2").unwrap(), [1]);
+        let one_group = check_replicates(Metric::DifferenceOfMeans, &runs, &[0, 1]);
+        assert!(one_group.unwrap_err().contains("two groups"));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::case::{Case, Expectation, Metric, Reference};
 use crate::error::CaseError;
+use crate::replicates::differences;
 use crate::verdict::Finding;
 
 /// What one run contributes to the judgement.
@@ -91,6 +92,7 @@ fn joint_finding(case: &Case, expectation: &Expectation, mut points: Vec<Point>)
     let known = if let Reference::Number(number) = expectation.reference { number } else { 0.0 };
     let errors: Vec<f64> = values.iter().map(|value| (value - known).abs()).collect();
     let tolerance = expectation.tolerance;
+    let names: Vec<&str> = points.iter().map(|point| case.runs[point.run].name.as_str()).collect();
     let (result, holds) = match expectation.metric {
         Metric::ConvergenceOrder => {
             let order = order(&spacings, &errors);
@@ -112,12 +114,19 @@ fn joint_finding(case: &Case, expectation: &Expectation, mut points: Vec<Point>)
                 .all(|value| value.is_finite() && value.to_bits() == values[0].to_bits());
             (if same { 0.0 } else { 1.0 }, same)
         }
+        Metric::DifferenceOfMeans => {
+            let beyond = differences(&names, &values).into_iter();
+            let beyond = beyond.map(|found| found.difference - found.interval);
+            at_most(beyond, tolerance)
+        }
+        Metric::IntervalOfDifference => {
+            at_most(differences(&names, &values).into_iter().map(|found| found.interval), tolerance)
+        }
         _ => {
             let spread = spread(&values);
             (spread, spread <= tolerance)
         }
     };
-    let names: Vec<&str> = points.iter().map(|point| case.runs[point.run].name.as_str()).collect();
     let reference = match expectation.reference {
         Reference::Number(known) => number(known),
         _ => "the runs among themselves".to_owned(),
@@ -146,6 +155,14 @@ fn finding(
         known_gap: expectation.known_gap.clone(),
         because: expectation.because.clone(),
     }
+}
+
+/// The largest value and whether it is at most `tolerance`; what is not a number never is.
+fn at_most(values: impl Iterator<Item = f64>, tolerance: f64) -> (f64, bool) {
+    let largest = values.fold(f64::NEG_INFINITY, |largest, value| {
+        if largest.is_nan() || value.is_nan() { f64::NAN } else { largest.max(value) }
+    });
+    (largest, largest <= tolerance)
 }
 
 /// Least-squares slope of ln(error) over ln(spacing).

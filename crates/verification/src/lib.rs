@@ -15,6 +15,7 @@ mod judge;
 pub mod ledger;
 pub mod observable;
 mod overrides;
+mod replicates;
 mod runner;
 pub mod store;
 mod table;
