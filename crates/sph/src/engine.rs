@@ -87,6 +87,7 @@ pub(crate) struct Numerics {
     pub(crate) mass_scaling: f64,
     pub(crate) density_diffusion: f64,
     pub(crate) bonding_distance: f64,
+    pub(crate) support_stretch: f64,
 }
 
 /// The particles and all that moves them.
@@ -102,6 +103,8 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) origin: Vec<Vector<D>>,
     pub(crate) velocity: Vec<Vector<D>>,
     pub(crate) reference: Vec<Vector<D>>,
+    /// Shape H of each support, see `support_shape.rs`; empty while supports are round.
+    pub(crate) shape: Vec<Matrix<D>>,
     /// Volume in the undeformed state in m^3 (m^2).
     pub(crate) volume: Vec<f64>,
     pub(crate) point: Vec<MaterialPoint<D>>,
@@ -139,6 +142,8 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) mechanics: bool,
     pub(crate) numerics: Numerics,
     pub(crate) smoothing: Smoothing,
+    /// Largest distance of neighbours in m.
+    pub(crate) support_reach: f64,
     pub(crate) spacing: f64,
     pub(crate) contact_stiffness: f64,
     pub(crate) friction_heat_share: f64,
@@ -210,6 +215,7 @@ impl<const D: usize> Engine<D> {
             mass_scaling: setup.numerics.get("mass_scaling"),
             density_diffusion: setup.numerics.get("density_diffusion"),
             bonding_distance: setup.numerics.get("bonding_distance"),
+            support_stretch: setup.numerics.get("support_stretch"),
         };
         let length = setup.numerics.get("smoothing_ratio") * setup.particle_spacing;
         let materials = material_data(setup, length);
@@ -233,6 +239,7 @@ impl<const D: usize> Engine<D> {
             origin: Vec::new(),
             velocity: Vec::new(),
             reference: Vec::new(),
+            shape: Vec::new(),
             volume: Vec::new(),
             point: Vec::new(),
             force: Vec::new(),
@@ -262,6 +269,7 @@ impl<const D: usize> Engine<D> {
             mechanics: setup.mechanics.is_on(),
             numerics,
             smoothing: Smoothing { kernel: setup.discretisation.kernel, length },
+            support_reach: 2.0 * length,
             spacing: setup.particle_spacing,
             contact_stiffness,
             friction_heat_share: setup.heat.values.get("friction_heat_share"),
@@ -284,6 +292,7 @@ impl<const D: usize> Engine<D> {
         };
         self.reference = self.position.clone();
         self.origin = self.position.clone();
+        self.shape = self.initial_shapes();
         self.force = vec![[0.0; D]; count];
         self.frame = vec![frame; count];
         self.exchange = vec![Exchange { flux: zero(), spring: [0.0; D], damping: 0.0 }; count];
@@ -342,7 +351,7 @@ impl<const D: usize> Engine<D> {
             + size_of::<MaterialPoint<D>>()
             + size_of::<Frame<D>>()
             + size_of::<Exchange<D>>();
-        self.id.len() * each + self.list.memory()
+        self.id.len() * each + self.shape.len() * size_of::<Matrix<D>>() + self.list.memory()
     }
 
     /// Inertia of a particle in kg (kg/m).

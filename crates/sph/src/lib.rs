@@ -23,6 +23,7 @@ pub mod setup;
 mod simulation;
 mod stage;
 mod strangers;
+mod support_shape;
 mod supports;
 mod sweeps;
 mod tensor;

@@ -6,7 +6,7 @@
 
 use crate::kernel::KernelChoice;
 use crate::strangers::Kinship;
-use crate::tensor::{Vector, dot, minus};
+use crate::tensor::{Matrix, Vector, apply, dot, minus, sum_scaled};
 use rayon::prelude::*;
 
 /// Particles handled by one task; fixed, so that sums over tasks have one order.
@@ -152,7 +152,15 @@ pub(crate) struct Smoothing {
     pub(crate) length: f64,
 }
 
-/// Builds the list for particles already stored in cell order, strangers left out.
+impl Smoothing {
+    /// Radius of a round support in m.
+    pub(crate) fn support(&self) -> f64 {
+        2.0 * self.length
+    }
+}
+
+/// Builds the list for particles already stored in cell order, strangers left out. `metrics` are
+/// the inverse shapes of the supports, or none for round ones.
 pub(crate) fn build_list<const D: usize>(
     list: &mut NeighbourList,
     cells: &Cells<D>,
@@ -160,14 +168,22 @@ pub(crate) fn build_list<const D: usize>(
     volumes: &[f64],
     kinship: Kinship<D>,
     smoothing: Smoothing,
+    metrics: &[Matrix<D>],
 ) {
-    let support = 2.0 * smoothing.length;
+    let support = smoothing.support();
+    let square_of = |i: usize, j: usize| {
+        let separation = minus(&positions[j], &positions[i]);
+        if metrics.is_empty() {
+            return dot(&separation, &separation);
+        }
+        let both = sum_scaled(&metrics[i], 1.0, &metrics[j]);
+        0.5 * dot(&separation, &apply(&both, &separation))
+    };
     // Calls `found(j, r^2)` for each neighbour of `i`, always in the same order.
     let search = |i: usize, found: &mut dyn FnMut(usize, f64)| {
         cells.around(&positions[i], |range| {
             for j in range {
-                let separation = minus(&positions[j], &positions[i]);
-                let square = dot(&separation, &separation);
+                let square = square_of(i, j);
                 if square < support * support && j != i && kinship.joins(i, j) {
                     found(j, square);
                 }

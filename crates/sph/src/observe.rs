@@ -222,6 +222,9 @@ impl<const D: usize> Engine<D> {
         real("velocity", flat(&self.velocity));
         real("reference", flat(&self.reference));
         real("force", flat(&self.force));
+        if !self.shape.is_empty() {
+            real("support_shape", self.shape.iter().flatten().flatten().copied().collect());
+        }
         real("volume", self.volume.clone());
         real("reference_volume_ratio", self.frame.iter().map(|f| f.volume_ratio).collect());
         real("point", self.point.iter().flat_map(point_to_vec).collect());
@@ -236,6 +239,7 @@ impl<const D: usize> Engine<D> {
                 self.conduction_interval,
                 self.lattice_gradient,
                 self.since_refresh.strain,
+                self.support_reach,
             ],
         );
         real("displacements", [self.since_refresh.low, self.since_refresh.high].concat());
@@ -266,6 +270,12 @@ impl<const D: usize> Engine<D> {
         engine.velocity = reader.vectors("velocity")?;
         engine.reference = reader.vectors("reference")?;
         engine.force = reader.vectors("force")?;
+        if !engine.shape.is_empty() {
+            let rows = reader.reals("support_shape", count * D * D)?.chunks_exact(D * D);
+            engine.shape = rows
+                .map(|m| std::array::from_fn(|r| std::array::from_fn(|c| m[r * D + c])))
+                .collect();
+        }
         engine.volume = reader.reals("volume", count)?.to_vec();
         let ratios = reader.reals("reference_volume_ratio", count)?;
         for (frame, ratio) in engine.frame.iter_mut().zip(ratios) {
@@ -286,12 +296,13 @@ impl<const D: usize> Engine<D> {
     }
 
     fn restore_clock(&mut self, reader: &Reader) -> Result<(), SetupError> {
-        let clock = reader.reals("clock", 7)?;
+        let clock = reader.reals("clock", 8)?;
         let displacements = reader.reals("displacements", 6)?;
         self.time = clock[0];
         self.refresh_time = clock[2];
         self.lattice_gradient = clock[5];
-        let mut cells = Cells::new(&self.reference, 2.0 * self.smoothing.length);
+        self.support_reach = clock[7];
+        let mut cells = Cells::new(&self.reference, self.support_reach);
         // The particles are stored in cell order already: sorting only fills the cells.
         cells.sort(&self.reference);
         self.rebuild(&cells);

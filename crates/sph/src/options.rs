@@ -100,6 +100,15 @@ pub const NUMERICS: &[Parameter] = &[
         "relative shear of neighbours stays below 20 except in the stagnation zone",
     ),
     number(
+        "support_stretch",
+        "a",
+        Range::closed(1.0, 3.0),
+        1.0,
+        "how far the support of a particle stretches along with the material; above 1 for bodies \
+         that are drawn out (impact, forming), 1 for cutting",
+        "docs/numerics.md",
+    ),
+    number(
         "linear_viscosity",
         "alpha_v",
         Range::closed(0.0, 4.0),

@@ -50,7 +50,8 @@ impl<const D: usize> Engine<D> {
 
     /// Makes the present configuration the reference.
     pub(crate) fn refresh(&mut self) {
-        let mut cells = Cells::new(&self.position, 2.0 * self.smoothing.length);
+        self.carry_shapes();
+        let mut cells = Cells::new(&self.position, self.support_reach);
         let order = cells.sort(&self.position);
         self.reorder(&order);
         self.reference.copy_from_slice(&self.position);
@@ -81,6 +82,7 @@ impl<const D: usize> Engine<D> {
             &self.reference_volume,
             kinship,
             self.smoothing,
+            &self.metrics(),
         );
         let reach = (1.0 + STRANGER_MARGIN) * self.spacing;
         self.strangers = find_strangers(cells, &self.reference, kinship, reach);
@@ -106,6 +108,9 @@ impl<const D: usize> Engine<D> {
         permute(&mut self.hold, order);
         permute(&mut self.position, order);
         permute(&mut self.origin, order);
+        if !self.shape.is_empty() {
+            permute(&mut self.shape, order);
+        }
         permute(&mut self.velocity, order);
         permute(&mut self.volume, order);
         permute(&mut self.point, order);

@@ -154,6 +154,47 @@ pub(crate) fn rotated<const D: usize>(s: &Matrix<D>, r: &Matrix<D>) -> Matrix<D>
     product(&product(r, s), &transpose(r))
 }
 
+/// Sweeps of [`clamped_spectrum`]: Jacobi's method squares the error with each.
+const SWEEPS: usize = 8;
+
+/// The symmetric matrix `a` with its eigenvalues limited to `[low, high]`, and the largest of these;
+/// eigenvectors by cyclic Jacobi rotations (Golub and Van Loan, Matrix Computations, section 8.5).
+pub(crate) fn clamped_spectrum<const D: usize>(
+    a: &Matrix<D>,
+    low: f64,
+    high: f64,
+) -> (Matrix<D>, f64) {
+    let mut values = *a;
+    let mut vectors: Matrix<D> = identity();
+    for _ in 0..SWEEPS {
+        for row in 0..D {
+            for column in row + 1..D {
+                let off = values[row][column];
+                if off.abs() <= f64::EPSILON * (values[row][row] + values[column][column]).abs() {
+                    continue;
+                }
+                let theta = (values[column][column] - values[row][row]) / (2.0 * off);
+                let tangent = theta.signum() / (theta.abs() + theta.hypot(1.0));
+                let cosine = 1.0 / tangent.hypot(1.0);
+                let mut turn: Matrix<D> = identity();
+                turn[row][row] = cosine;
+                turn[column][column] = cosine;
+                turn[row][column] = tangent * cosine;
+                turn[column][row] = -tangent * cosine;
+                values = product(&product(&transpose(&turn), &values), &turn);
+                vectors = product(&vectors, &turn);
+            }
+        }
+    }
+    let mut limited = zero();
+    let mut largest = low;
+    for k in 0..D {
+        limited[k][k] = values[k][k].clamp(low, high);
+        largest = largest.max(limited[k][k]);
+    }
+    (rotated(&limited, &vectors), largest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,6 +211,24 @@ mod tests {
         }
         let b = [[2.0, 0.5], [-0.3, 1.0]];
         assert_relative_eq!(product(&inverse_nonsingular(&b), &b)[0][0], 1.0, epsilon = 1e-15);
+    }
+
+    #[test]
+    fn a_spectrum_is_clamped_along_its_own_axes() {
+        // Eigenvalues 5, 2 and 0.5 along turned axes.
+        let turn: Matrix<3> =
+            step_rotation(&[[0.0, -0.7, 0.3], [0.7, 0.0, -0.9], [-0.3, 0.9, 0.0]], 1.0);
+        let stretched = rotated(&[[5.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 0.5]], &turn);
+        let (limited, largest) = clamped_spectrum(&stretched, 1.0, 4.0);
+        let expected = rotated(&[[4.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]], &turn);
+        assert_relative_eq!(largest, 4.0, epsilon = 1e-14);
+        for row in 0..3 {
+            for column in 0..3 {
+                assert_relative_eq!(limited[row][column], expected[row][column], epsilon = 1e-13);
+            }
+        }
+        // Degenerate: nothing to turn.
+        assert_eq!(clamped_spectrum(&identity::<2>(), 1.0, 4.0).0, identity());
     }
 
     #[test]

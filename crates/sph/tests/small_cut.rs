@@ -117,7 +117,14 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn a_restored_run_goes_on_with_the_same_bits() {
-    let setup = cut(0.0, Lattice::Square);
+    restored_run_is_the_same(cut(0.0, Lattice::Square));
+    let mut stretching = cut(0.0, Lattice::Square);
+    let options = [("mass_scaling", 400.0), ("support_stretch", 1.7)];
+    stretching.numerics = Values::resolve(options::NUMERICS, &options).unwrap();
+    restored_run_is_the_same(stretching);
+}
+
+fn restored_run_is_the_same(setup: Setup) {
     let whole = run(setup.clone()).0.checkpoint();
     let mut interrupted = Simulation::new(setup.clone()).unwrap();
     for _ in 0..317 {

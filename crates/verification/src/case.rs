@@ -68,8 +68,8 @@ pub enum Metric {
     Spread,
     /// All runs give the same value, bit by bit.
     Identical,
-    /// By how much the mean of each group of replicates differs from that of the first group
-    /// beyond the 95 % interval of the difference, as a share of the mean; at most the tolerance.
+    /// Largest difference of the mean of a group of replicates from that of the first group that
+    /// exceeds its own 95 % interval, as a share of the mean; at most the tolerance.
     DifferenceOfMeans,
     /// Widest of these intervals (half width) as a share of the mean; at most the tolerance.
     IntervalOfDifference,
@@ -109,7 +109,7 @@ impl Metric {
             Self::Rising => "rising",
             Self::Spread => "spread",
             Self::Identical => "identical",
-            Self::DifferenceOfMeans => "difference of means beyond the interval",
+            Self::DifferenceOfMeans => "difference of means",
             Self::IntervalOfDifference => "interval of the difference of means",
         }
     }
@@ -211,7 +211,7 @@ struct RawRun {
     #[serde(default)]
     mode: Mode,
     /// Runs it this often, with the seeds 1, 2, ... for `resolution.seed`; the names become
-    /// `NAME/1`, `NAME/2`, ...
+    /// `NAME#1`, `NAME#2`, ...
     replicates: Option<u32>,
 }
 
@@ -484,11 +484,11 @@ mod tests {
         let raw: RawRun = toml::from_str(text).unwrap();
         let runs = runs(Path::new(""), vec![raw]);
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
-        assert_eq!(names, ["a/1", "a/2", "a/3"]);
+        assert_eq!(names, ["a#1", "a#2", "a#3"]);
         assert_eq!(runs[1].changes["resolution.seed"].as_integer(), Some(2));
         assert_eq!(runs[1].changes["numerics.courant"].as_float(), Some(0.1));
         assert_eq!(run_indices(&runs, "a").unwrap(), [0, 1, 2]);
-        assert_eq!(run_indices(&runs, "a/2").unwrap(), [1]);
+        assert_eq!(run_indices(&runs, "a#2").unwrap(), [1]);
         let one_group = check_replicates(Metric::DifferenceOfMeans, &runs, &[0, 1]);
         assert!(one_group.unwrap_err().contains("two groups"));
     }

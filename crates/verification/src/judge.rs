@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Expectation, Metric, Reference};
 use crate::error::CaseError;
-use crate::replicates::differences;
+use crate::replicates::{Difference, differences};
 use crate::verdict::Finding;
 
 /// What one run contributes to the judgement.
@@ -115,12 +115,10 @@ fn joint_finding(case: &Case, expectation: &Expectation, mut points: Vec<Point>)
             (if same { 0.0 } else { 1.0 }, same)
         }
         Metric::DifferenceOfMeans => {
-            let beyond = differences(&names, &values).into_iter();
-            let beyond = beyond.map(|found| found.difference - found.interval);
-            at_most(beyond, tolerance)
+            at_most(differences(&names, &values).iter().map(Difference::seen), tolerance)
         }
         Metric::IntervalOfDifference => {
-            at_most(differences(&names, &values).into_iter().map(|found| found.interval), tolerance)
+            at_most(differences(&names, &values).iter().map(|found| found.interval), tolerance)
         }
         _ => {
             let spread = spread(&values);

@@ -12,7 +12,7 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Between the name of a run and the number of its replicate.
-pub(crate) const SEPARATOR: char = '/';
+pub(crate) const SEPARATOR: char = '#';
 
 /// Mean, squared standard error of the mean and number of one group of replicates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +29,19 @@ pub(crate) struct Difference {
     pub(crate) difference: f64,
     /// Half width u / |m_a| of its 95 % interval.
     pub(crate) interval: f64,
+}
+
+impl Difference {
+    /// The difference if it exceeds its interval, 0 if it does not; NaN where nothing can be told.
+    pub(crate) fn seen(&self) -> f64 {
+        if self.difference <= self.interval {
+            0.0
+        } else if self.difference > self.interval {
+            self.difference
+        } else {
+            f64::NAN
+        }
+    }
 }
 
 /// Every group of replicates against the first; `names` are those of the runs.
@@ -86,12 +99,20 @@ mod tests {
         // Means 10 and 12, variances 1 and 4, three each: s^2 = 1/3 + 4/3 = 5/3,
         // f = (5/3)^2 / ((1/9)/2 + (16/9)/2) = 2.9412, t = 3.2183 (between 4.3027 at 2 and
         // 3.1824 at 3 degrees of freedom).
-        let names = ["a/1", "a/2", "a/3", "b/1", "b/2", "b/3"];
+        let names = ["a#1", "a#2", "a#3", "b#1", "b#2", "b#3"];
         let found = differences(&names, &[9.0, 10.0, 11.0, 10.0, 12.0, 14.0]);
         assert_eq!(found.len(), 1);
         assert_relative_eq!(found[0].difference, 0.2, max_relative = 1e-12);
         let half_width = found[0].interval * 10.0;
         assert_relative_eq!(half_width, 3.2183 * (5.0_f64 / 3.0).sqrt(), max_relative = 5e-3);
+    }
+
+    #[test]
+    fn a_difference_within_its_interval_is_not_seen() {
+        let seen = |difference, interval| Difference { difference, interval }.seen();
+        assert_eq!(seen(0.02, 0.03), 0.0);
+        assert_eq!(seen(0.04, 0.03), 0.04);
+        assert!(seen(0.04, f64::NAN).is_nan());
     }
 
     #[test]
@@ -102,7 +123,7 @@ mod tests {
 
     #[test]
     fn equal_values_have_no_interval() {
-        let found = differences(&["a/1", "a/2", "b/1", "b/2"], &[2.0, 2.0, 2.0, 2.0]);
+        let found = differences(&["a#1", "a#2", "b#1", "b#2"], &[2.0, 2.0, 2.0, 2.0]);
         assert_eq!(found[0], Difference { difference: 0.0, interval: 0.0 });
     }
 }
