@@ -9,6 +9,7 @@ mod cloud;
 mod contact;
 mod geometry;
 mod process;
+pub mod springback;
 mod statistics;
 pub mod steady;
 mod summary;

@@ -37,6 +37,16 @@ pub struct SyntheticCut {
     pub orientation: f64,
     /// Particles that fly about on their own.
     pub loose_particles: usize,
+    /// Rise of the machined surface far behind the tool.
+    pub springback: f64,
+    /// Length behind the tool over which all but 1/e of it has come back.
+    pub recovery_length: f64,
+    /// Residual stress along the cutting direction at the machined surface in Pa; half of it across.
+    pub residual_stress: f64,
+    /// Depth at which it has fallen to 1/e.
+    pub residual_depth: f64,
+    /// Contact force of each particle of the first row under the tip in N/m.
+    pub flank_force: f64,
 }
 
 impl Default for SyntheticCut {
@@ -55,6 +65,11 @@ impl Default for SyntheticCut {
             disorder: 0.15,
             orientation: 0.0,
             loose_particles: 12,
+            springback: 0.0,
+            recovery_length: 10e-6,
+            residual_stress: 0.0,
+            residual_depth: 50e-6,
+            flank_force: 0.0,
         }
     }
 }
@@ -250,6 +265,8 @@ struct State {
     plastic_strain: f64,
     von_mises_stress: f64,
     contact_force: [f64; 2],
+    /// Along the cutting direction; half of it across.
+    residual_stress: f64,
 }
 
 impl Field<'_> {
@@ -268,9 +285,19 @@ impl Field<'_> {
                 if y > tip[1] && !ahead {
                     continue;
                 }
-                self.push([x, y], self.workpiece_state([x - tip[0], y - tip[1]]));
+                let offset = [x - tip[0], y - tip[1]];
+                self.push([x, y + self.rise(offset)], self.workpiece_state(offset));
             }
         }
+    }
+
+    /// The springback at a place relative to the tool's tip: full down to the depth of one uncut
+    /// chip thickness, none from two on.
+    fn rise(&self, offset: [f64; 2]) -> f64 {
+        let cut = self.cut;
+        let share = (2.0 + offset[1] / cut.uncut_chip_thickness).clamp(0.0, 1.0);
+        let recovered = 1.0 - (offset[0].min(0.0) / cut.recovery_length).exp();
+        cut.springback * share * recovered
     }
 
     fn workpiece_state(&self, offset: [f64; 2]) -> State {
@@ -282,12 +309,21 @@ impl Field<'_> {
         } else {
             0.0
         };
+        let residual = if offset[0] < 0.0 {
+            cut.residual_stress * (offset[1] / cut.residual_depth).exp()
+        } else {
+            0.0
+        };
+        // The first row under the tip touches it.
+        let spacing = cut.particle_spacing;
+        let touches = offset[0].abs() < spacing && offset[1] < 0.0 && offset[1] > -spacing;
         State {
             velocity: [0.2 * cut.cutting_speed * near, 0.1 * cut.cutting_speed * near],
             temperature: AMBIENT + 450.0 * near + 200.0 * burnished,
             plastic_strain: 0.8 * near * near + 1.2 * burnished,
             von_mises_stress: 9e8 * near + 2e8 * burnished,
-            contact_force: [0.0; 2],
+            contact_force: [0.0, if touches { -cut.flank_force } else { 0.0 }],
+            residual_stress: residual,
         }
     }
 
@@ -333,6 +369,7 @@ impl Field<'_> {
             plastic_strain: 1.6 + 3.0 * layer,
             von_mises_stress: 7.5e8 * (-along / 0.4e-3).exp() + 1e8,
             contact_force: [cosine * normal_force, sine * normal_force],
+            residual_stress: 0.0,
         }
     }
 
@@ -347,6 +384,7 @@ impl Field<'_> {
                 plastic_strain: 9.0,
                 von_mises_stress: 0.0,
                 contact_force: [0.0; 2],
+                residual_stress: 0.0,
             };
             self.push([x, y], state);
         }
@@ -362,7 +400,8 @@ impl Field<'_> {
         snapshot.body.push(0);
         snapshot.position.push([point[0] + shift(0), point[1] + shift(1), 0.0]);
         snapshot.velocity.push([state.velocity[0], state.velocity[1], 0.0]);
-        snapshot.stress.push([0.0; 6]);
+        let residual = state.residual_stress;
+        snapshot.stress.push([residual, 0.0, 0.5 * residual, 0.0, 0.0, 0.0]);
         snapshot.von_mises_stress.push(state.von_mises_stress);
         snapshot.pressure.push(0.5 * state.von_mises_stress);
         snapshot.density.push(7850.0);
@@ -387,6 +426,13 @@ fn turn(snapshot: &mut Snapshot, angle: f64) {
         &mut snapshot.tool,
     ] {
         vectors.iter_mut().for_each(turn_one);
+    }
+    // sigma' = Q sigma Q^T of a stress with xx and zz alone.
+    for stress in &mut snapshot.stress {
+        let along = stress[0];
+        stress[0] = cosine * cosine * along;
+        stress[1] = sine * sine * along;
+        stress[3] = sine * cosine * along;
     }
 }
 

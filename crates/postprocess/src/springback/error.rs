@@ -1,0 +1,112 @@
+//! What a springback is worth, and why there may be none.
+
+use crate::steady::MeanInterval;
+use sphcut_record::{Run, RunError};
+use std::fmt;
+
+/// Error of the recovered height of a surface in terms of the spacing: twice the largest error against
+/// the known answer at three spacings (`validation/springback_resolution`, table in
+/// `docs/springback.md`), rounded up, because three spacings are few.
+pub const RESOLUTION_SHARE: f64 = 0.005;
+
+/// What the mean springback is worth, in m. The parts are added: the last two are no random errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorBar {
+    /// Half width of the 95 % interval of the mean; infinite with fewer than twenty particles.
+    pub statistical: f64,
+    /// Mean overlap of the touched particles with the tool, `g = f / (kappa M)`, f the contact
+    /// force per width (2D) normal to the machined plane, M the p-wave modulus: by so much the material
+    /// was less deep than the tool's surface.
+    pub overlap: f64,
+    /// [`RESOLUTION_SHARE`] times the spacing.
+    pub resolution: f64,
+}
+
+impl ErrorBar {
+    pub(super) fn new(
+        run: &Run,
+        contact_force: f64,
+        mean: Option<MeanInterval>,
+        spacing: f64,
+    ) -> Self {
+        let settings = &run.provenance.settings;
+        let stiffness = settings
+            .iter()
+            .find(|setting| setting.section == "contact" && setting.key == "stiffness")
+            .and_then(|setting| setting.value.parse::<f64>().ok())
+            .filter(|stiffness| *stiffness > 0.0)
+            .unwrap_or(1.0);
+        let modulus = run
+            .facts
+            .materials
+            .first()
+            .map_or(0.0, |m| m.bulk_modulus + 4.0 / 3.0 * m.shear_modulus);
+        let overlap = if modulus > 0.0 { contact_force / (stiffness * modulus) } else { 0.0 };
+        Self {
+            statistical: mean.map_or(f64::INFINITY, |mean| mean.half_width),
+            overlap,
+            resolution: RESOLUTION_SHARE * spacing,
+        }
+    }
+
+    /// All parts together.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.statistical + self.overlap + self.resolution
+    }
+}
+
+/// Why a run has no springback.
+#[derive(Debug)]
+pub enum SpringbackError {
+    /// A run in three dimensions.
+    NotPlane,
+    /// A run without a tool and an uncut chip thickness.
+    NoCut,
+    /// A run without snapshots.
+    NoSnapshots,
+    /// A cut that leaves too little machined surface clear of the tool. Lengths in m.
+    TooShort {
+        /// Travel of the tool.
+        travel: f64,
+        /// Travel from which on there is enough.
+        needed: f64,
+    },
+    /// The record cannot be read.
+    Record(RunError),
+}
+
+impl fmt::Display for SpringbackError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPlane => f.write_str(
+                "springback is measured in plane runs only; this one is three-dimensional",
+            ),
+            Self::NoCut => f.write_str("the run is no cut: it has no tool that cuts"),
+            Self::NoSnapshots => f.write_str("the run has no snapshots"),
+            Self::TooShort { travel, needed } => write!(
+                f,
+                "the cut is too short: {:.3} mm of travel leave too little machined surface clear \
+                 of the tool; {:.3} mm are needed",
+                travel * 1e3,
+                needed * 1e3
+            ),
+            Self::Record(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SpringbackError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Record(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<RunError> for SpringbackError {
+    fn from(error: RunError) -> Self {
+        Self::Record(error)
+    }
+}

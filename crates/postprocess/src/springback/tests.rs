@@ -1,0 +1,222 @@
+use super::*;
+use crate::evaluate;
+use crate::synthetic::SyntheticCut;
+
+fn measured(cut: &SyntheticCut) -> Springback {
+    let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut.clone() };
+    let run = cut.run(1.2e-3, 41);
+    measure(&run, &evaluate(&run).unwrap()).unwrap()
+}
+
+#[test]
+fn the_drawn_springback_is_found_whatever_the_disorder_and_the_direction() {
+    for (springback, disorder, orientation) in
+        [(0.0, 0.0, 0.0), (1e-6, 0.0, 0.0), (-0.5e-6, 0.2, 0.0), (1e-6, 0.2, 0.6458)]
+    {
+        let cut = SyntheticCut { springback, disorder, orientation, ..SyntheticCut::default() };
+        let found = measured(&cut);
+        let mean = found.mean.unwrap();
+        // Particles are displaced by up to 0.1 spacings, 1 um, evenly: a standard deviation of
+        // 0.58 um over the root of some fifty particles is 0.08 um, three times that. What the
+        // recovery lacks 130 um behind the tool is e^-13.
+        let allowed = 1e-11 + 0.25e-6 * disorder / 0.2;
+        assert!((mean.mean - springback).abs() < allowed, "{springback}: {mean:?}");
+        assert!(mean.half_width < 1e-9 + 0.4e-6 * disorder / 0.2, "{mean:?}");
+        assert!(found.touched.len() > 40 && found.torn == 0, "{}", found.touched.len());
+        assert_eq!(found.clear_distance, 50e-6 + 0.1e-3);
+    }
+}
+
+#[test]
+fn without_disorder_the_strips_agree_and_loose_particles_do_not_matter() {
+    let mut cut = SyntheticCut { springback: 1e-6, disorder: 0.0, ..SyntheticCut::default() };
+    for loose in [0, 40] {
+        cut.loose_particles = loose;
+        let strips = measured(&cut).strips;
+        // Snapshots while the tool was still near show e^-13 less.
+        assert!((strips.mean - 1e-6).abs() < 1e-11 && strips.roughness < 1e-11, "{strips:?}");
+        assert!(strips.distance.len() > 45);
+    }
+}
+
+#[test]
+fn disorder_raises_the_strips_but_not_the_touched_particles() {
+    let cut = SyntheticCut { springback: 0.0, disorder: 0.6, ..SyntheticCut::default() };
+    let found = measured(&cut);
+    // The higher of two numbers from -3 to 3 um is +1 um on average; its deviation 1.41 um.
+    assert!((found.strips.mean - 1.0e-6).abs() < 0.4e-6, "{:?}", found.strips.mean);
+    assert!((found.strips.roughness - 1.41e-6).abs() < 0.3e-6, "{:?}", found.strips.roughness);
+    // A deviation of 1.73 um over the root of some fifty particles: 0.24 um, three times that.
+    assert!(found.mean.unwrap().mean.abs() < 0.75e-6, "{:?}", found.mean);
+}
+
+#[test]
+fn recovery_follows_the_drawn_one_behind_the_tool() {
+    let cut = SyntheticCut {
+        springback: 2e-6,
+        recovery_length: 40e-6,
+        disorder: 0.0,
+        ..SyntheticCut::default()
+    };
+    for bin in measured(&cut).recovery {
+        let drawn = 2e-6 * (1.0 - (-bin.behind / 40e-6).exp());
+        // A bin is 25 um wide: the particles lie up to 12.5 um beside its middle where the slope
+        // is at most 0.05.
+        assert!((bin.height - drawn).abs() < 0.62e-6, "{bin:?}");
+        assert!(bin.count > 0);
+    }
+}
+
+#[test]
+fn the_drawn_residual_stress_is_found_in_a_turned_frame() {
+    for orientation in [0.0, 0.6458] {
+        let cut = SyntheticCut {
+            residual_stress: 400e6,
+            residual_depth: 50e-6,
+            orientation,
+            disorder: 0.0,
+            ..SyntheticCut::default()
+        };
+        let stress = measured(&cut).stress;
+        // The workpiece of 300 um less the 100 um cut off, in layers of 10 um, the first and the last
+        // without a neighbour.
+        assert_eq!(stress.len(), 18);
+        for bin in stress {
+            let drawn = 400e6 * (-bin.depth / 50e-6).exp();
+            assert!((bin.layer[0] / drawn - 1.0).abs() < 1e-6, "{bin:?}");
+            // (1 + cosh(dx / 50 um)) / 2 = 1.01003
+            assert!((bin.cutting / drawn - 1.01003).abs() < 1e-4, "{bin:?}");
+            assert!((bin.across / drawn - 0.505017).abs() < 1e-4, "{bin:?}");
+            assert!(bin.normal.abs() < 1.0, "{bin:?}");
+        }
+    }
+}
+
+#[test]
+fn stress_that_alternates_between_the_rows_is_not_taken_for_residual_stress() {
+    let cut = SyntheticCut {
+        length: 1.5e-3,
+        height: 0.3e-3,
+        residual_stress: 100e6,
+        residual_depth: 1.0,
+        disorder: 0.0,
+        ..SyntheticCut::default()
+    };
+    let mut run = cut.run(1.2e-3, 5);
+    let snapshots = (0..run.snapshots.len()).map(|number| {
+        let mut snapshot = (*run.snapshots.get(number).unwrap()).clone();
+        for (stress, position) in snapshot.stress.iter_mut().zip(&snapshot.position) {
+            // 1 GPa in the first row, 50 MPa less with every row.
+            let row = ((-0.1e-3 - position[1]) / 10e-6).floor();
+            let size = (1e9 - 50e6 * row) * if row % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            (0..3).for_each(|k| stress[k] += size);
+        }
+        snapshot
+    });
+    run.snapshots = sphcut_record::Snapshots::in_memory(snapshots.collect());
+    let stress = measure(&run, &evaluate(&run).unwrap()).unwrap().stress;
+    assert!((stress[0].layer[0] + 850e6).abs() < 1e6, "{:?}", stress[0]);
+    for bin in stress {
+        // The depth scale of the drawn stress is 1 m.
+        assert!((bin.cutting - 100e6).abs() < 0.1e6 && bin.normal.abs() < 0.1e6, "{bin:?}");
+    }
+}
+
+#[test]
+fn the_error_bar_has_the_overlap_of_the_contact_force() {
+    let cut = SyntheticCut { flank_force: 14e3, ..SyntheticCut::default() };
+    let mut run = cut.run(1.2e-3, 21);
+    run.facts.materials = vec![sphcut_record::MaterialFacts {
+        name: "steel".to_owned(),
+        density: 7850.0,
+        bulk_modulus: 160e9,
+        shear_modulus: 90e9,
+        specific_heat: 450.0,
+        thermal_conductivity: 50.0,
+        flow_stress_law: "elastic".to_owned(),
+        flow_stress: Vec::new(),
+    }];
+    let found = measure(&run, &evaluate(&run).unwrap()).unwrap();
+    // 14 kN/m over 1 times 280 GPa: 0.05 um; 0.5 % of 10 um.
+    assert!((found.error.overlap - 0.05e-6).abs() < 1e-12, "{:?}", found.error);
+    assert!((found.error.resolution - 0.05e-6).abs() < 1e-15);
+    let sum = found.mean.unwrap().half_width + 0.1e-6;
+    assert!((found.error.total() - sum).abs() < 1e-12);
+}
+
+#[test]
+fn runs_without_a_machined_surface_are_refused() {
+    let refused = |run: &Run| measure(run, &evaluate(run).unwrap()).unwrap_err().to_string();
+    let mut run = SyntheticCut::default().run(0.3e-3, 5);
+    // 4 dx + (50 + 100) um + 20 dx = 390 um
+    assert!(refused(&run).contains("0.390 mm are needed"), "{}", refused(&run));
+    run.facts.dimension = 3;
+    assert!(refused(&run).contains("three-dimensional"));
+    run.facts.dimension = 2;
+    run.facts.tool_velocity = None;
+    assert!(refused(&run).contains("no cut"));
+    assert!(refused(&SyntheticCut::default().run(1e-3, 0)).contains("no snapshots"));
+}
+
+#[test]
+fn a_wear_land_has_two_ends() {
+    let corners = [[0.0, -1e-4], [-2e-4, -1e-4], [-1e-3, 0.0], [0.0, 1e-3]];
+    let lowest = Lowest::of(&corners, 1e-5).unwrap();
+    assert_eq!((lowest.rear, lowest.front, lowest.height), (-2e-4, 0.0, -1e-4));
+    assert_eq!(Lowest::of(&[], 1e-5), None);
+}
+
+#[test]
+fn a_comparison_knows_what_it_cannot_decide() {
+    let found = measured(&SyntheticCut { disorder: 0.0, ..SyntheticCut::default() });
+    assert!(!found.is_resolved());
+    let verdict = |springback: f64, cutting_speed: f64| {
+        let measurement = Measurement {
+            cutting_speed,
+            springback,
+            uncertainty: 0.85e-6,
+            cutting_force: None,
+            normal_force: None,
+        };
+        found.compare(&[measurement]).map(|comparison| comparison.agreement)
+    };
+    // The error bar is 0.5 % of 10 um and no more: 0.85 + 0.05 = 0.90 um.
+    assert_eq!(verdict(0.8e-6, 2.5), Some(Agreement::Within));
+    assert_eq!(verdict(0.88e-6, 2.51), Some(Agreement::Undecided));
+    assert_eq!(verdict(-0.95e-6, 2.5), Some(Agreement::Outside));
+    assert_eq!(verdict(0.8e-6, 2.6), None);
+}
+
+#[test]
+fn the_files_hold_the_figures_with_their_units() {
+    let run = SyntheticCut {
+        springback: 1e-6,
+        disorder: 0.0,
+        flank_force: 14e3,
+        ..SyntheticCut::default()
+    }
+    .run(1.2e-3, 21);
+    let result = evaluate(&run).unwrap();
+    let springback = measure(&run, &result).unwrap();
+    let entry = Entry { name: "a, \"b\"", result: &result, springback: &springback };
+    let measurement = Measurement {
+        cutting_speed: 2.5,
+        springback: 1.5e-6,
+        uncertainty: 0.85e-6,
+        cutting_force: Some(600.0),
+        normal_force: None,
+    };
+    let csv = springback_csv(&[entry], &[measurement]);
+    let lines: Vec<&str> = csv.lines().collect();
+    assert!(lines[0].starts_with("run,v_c [m/min],springback [um]"));
+    assert!(
+        lines[1].starts_with("\"a, \"\"b\"\"\",150,") && lines[1].ends_with(",within"),
+        "{csv}"
+    );
+    let json: serde_json::Value =
+        serde_json::from_str(&springback_json(&[entry], &[measurement])).unwrap();
+    let of = |key: &str| json["runs"][0][key].as_f64().unwrap();
+    assert!((of("springback_um") - 1.0).abs() < 1e-4 && of("cutting_speed_m_per_min") == 150.0);
+    assert_eq!(json["runs"][0]["comparison"]["agreement"], "within");
+    assert_eq!(json["runs"][0]["comparison"]["measured_cutting_force_n"], 600.0);
+}

@@ -1,0 +1,155 @@
+//! The particles that have touched the lowest part of the tool, followed by their identifiers.
+
+use super::{Context, View};
+use std::collections::BTreeMap;
+
+/// A particle that has touched the lowest part of the tool and lies clear behind it. In m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touched {
+    /// Distance from the start of the cut.
+    pub distance: f64,
+    /// Mean of its springback over the snapshots in which it is clear.
+    pub springback: f64,
+    /// Number of those snapshots.
+    pub snapshots: usize,
+}
+
+/// Touched particles at about the same distance behind the tool. In m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecoveryBin {
+    /// Middle of the bin, behind the rear end of the tool's lowest side.
+    pub behind: f64,
+    /// Mean height of the surface above the tool's lowest point.
+    pub height: f64,
+    /// Standard deviation between the particles.
+    pub deviation: f64,
+    /// Particles, each counted once per snapshot.
+    pub count: usize,
+}
+
+/// The lowest part of the tool ends where particles touch it by this many spacings higher than its
+/// lowest point.
+const LOWEST_PART: f64 = 0.5;
+/// A particle further than this many spacings from the tool's lowest plane was torn out.
+const TORN: f64 = 1.5;
+/// Bins of the distance behind the tool end after this many uncut chip thicknesses.
+const FARTHEST: f64 = 6.0;
+/// Width of such a bin in uncut chip thicknesses, but at least a spacing.
+const BIN: f64 = 0.25;
+
+/// Sum, sum of squares and number.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    sum: f64,
+    squares: f64,
+    count: usize,
+}
+
+impl Sums {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.squares += value * value;
+        self.count += 1;
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.count as f64
+    }
+
+    fn deviation(&self) -> f64 {
+        if self.count < 2 {
+            return 0.0;
+        }
+        let count = self.count as f64;
+        ((self.squares - self.sum * self.sum / count) / (count - 1.0)).max(0.0).sqrt()
+    }
+}
+
+/// One particle on its way.
+#[derive(Debug, Default)]
+struct Path {
+    clear: Sums,
+    distance: Sums,
+}
+
+/// All particles that have touched so far.
+#[derive(Debug, Default)]
+pub(super) struct Followed {
+    paths: BTreeMap<u64, Path>,
+    bins: Vec<Sums>,
+    forces: Sums,
+}
+
+/// What following gave.
+pub(super) struct Found {
+    pub touched: Vec<Touched>,
+    pub recovery: Vec<RecoveryBin>,
+    pub torn: usize,
+    /// Mean contact force of a touch, normal to the machined plane, in N/m.
+    pub contact_force: f64,
+}
+
+impl Followed {
+    pub fn visit(&mut self, view: &View<'_>, context: &Context) {
+        let lowest = view.lowest;
+        for (point, &index) in view.cloud.points.iter().zip(&view.cloud.source) {
+            let id = view.snapshot.id[index];
+            let height = point[1] + 0.5 * context.spacing - lowest.height;
+            let [_, force] = context.plane.project(&view.snapshot.contact_force[index]);
+            let under = point[0] >= lowest.rear - context.reach
+                && point[0] <= lowest.front + context.reach
+                && height < LOWEST_PART * context.spacing;
+            if force < 0.0 && under {
+                self.paths.entry(id).or_default();
+                self.forces.add(-force);
+            }
+            if let Some(path) = self.paths.get_mut(&id) {
+                let behind = lowest.rear - point[0];
+                if behind >= context.clear_distance {
+                    path.clear.add(height);
+                    path.distance.add(point[0] - context.origin);
+                }
+                if behind >= 0.0 && height.abs() <= TORN * context.spacing {
+                    let bin = (behind / bin_width(context)) as usize;
+                    if bin as f64 * bin_width(context) < FARTHEST * context.uncut_chip_thickness {
+                        self.bins.resize(self.bins.len().max(bin + 1), Sums::default());
+                        self.bins[bin].add(height);
+                    }
+                }
+            }
+        }
+    }
+
+    pub fn finish(self, context: &Context) -> Found {
+        let (mut touched, mut torn) = (Vec::new(), 0);
+        for path in self.paths.values().filter(|path| path.clear.count > 0) {
+            let springback = path.clear.mean();
+            if springback.abs() > TORN * context.spacing {
+                torn += 1;
+                continue;
+            }
+            let snapshots = path.clear.count;
+            touched.push(Touched { distance: path.distance.mean(), springback, snapshots });
+        }
+        touched.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        let width = bin_width(context);
+        let recovery = self.bins.iter().enumerate().filter(|(_, sums)| sums.count > 0);
+        Found {
+            touched,
+            torn,
+            recovery: recovery
+                .map(|(bin, sums)| RecoveryBin {
+                    behind: (bin as f64 + 0.5) * width,
+                    height: sums.mean(),
+                    deviation: sums.deviation(),
+                    count: sums.count,
+                })
+                .collect(),
+            contact_force: if self.forces.count > 0 { self.forces.mean() } else { 0.0 },
+        }
+    }
+}
+
+fn bin_width(context: &Context) -> f64 {
+    (BIN * context.uncut_chip_thickness).max(context.spacing)
+}
