@@ -117,6 +117,7 @@ pub const ALL: &[&Observable] = &[
     &restitution::REBOUND,
     &springback::PLASTIC_PRESSURE_RATIO,
     &springback::SPRINGBACK_RATIO,
+    &springback::SURFACE_SPRINGBACK_ERROR,
     &steps::STEPS,
     &steps::PARTICLES,
     &stress::LARGEST_STRESS,

@@ -5,6 +5,7 @@
 use super::{Argument, Arguments, Observable, argument};
 use crate::evidence::Evidence;
 use sphcut_physics::elasticity::ElasticModuli;
+use sphcut_postprocess::springback::outer_heights;
 use sphcut_sph::{ChannelId, Snapshot};
 
 const LOADED: Argument = argument("loaded", None, "time of the greatest load in s");
@@ -35,6 +36,27 @@ pub(super) const SPRINGBACK_RATIO: Observable = Observable {
         argument("released", None, "time from which the block is free in s"),
     ],
     evaluate: springback_ratio,
+};
+
+/// Height of the surface after release over that of elastic unloading, in spacings.
+pub(super) const SURFACE_SPRINGBACK_ERROR: Observable = Observable {
+    name: "surface_springback_error",
+    unit: "",
+    meaning: "height of the upper surface of the free block (outermost particles of strips two \
+              spacings wide, as `sphcut springback` reads it; mean from `released` on) above the \
+              lowest point of the wall, less that of elastic unloading of the wall's pressure at \
+              `loaded` over the height above the rows held at `held_y`, in spacings",
+    arguments: &[
+        LOADED,
+        FROM,
+        TO,
+        argument("released", None, "time from which the block is free in s"),
+        argument("lowest_y", None, "lowest point of the wall in m"),
+        argument("held_y", None, "height below which particles are held along y, in m"),
+        argument("from_x", None, "start of the surface looked at in m"),
+        argument("to_x", None, "its end in m"),
+    ],
+    evaluate: surface_springback_error,
 };
 
 /// E' = E / (1 - nu^2) = 4 G (3 K + G) / (3 K + 4 G).
@@ -115,6 +137,32 @@ fn springback_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, S
     }
     let modulus = plane_strain_modulus(&evidence.setup.materials[0].moduli);
     Ok((sum / count - loaded) * modulus / pressure(evidence, arguments)?)
+}
+
+fn surface_springback_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+    let (lowest, held) = (arguments.get("lowest_y"), arguments.get("held_y"));
+    let between = [arguments.get("from_x"), arguments.get("to_x")];
+    let mut heights = Vec::new();
+    let released = arguments.get("released");
+    for snapshot in evidence.snapshots.iter().filter(|snapshot| snapshot.time >= released) {
+        if snapshot.contact_force.iter().any(|force| force[1] != 0.0) {
+            return Err(format!("the block still touches at {} s", snapshot.time));
+        }
+        heights.extend(outer_heights(snapshot, evidence.setup.frame, lowest, between));
+    }
+    if heights.is_empty() {
+        return Err("no surface near `lowest_y` after `released`".to_owned());
+    }
+    let found = heights.iter().sum::<f64>() / heights.len() as f64;
+    let rows = evidence.first()?.position.iter().map(|position| position[1]);
+    let held_row = rows.filter(|y| *y < held).fold(f64::NEG_INFINITY, f64::max);
+    if !held_row.is_finite() {
+        return Err("no particle below `held_y`".to_owned());
+    }
+    let modulus = plane_strain_modulus(&evidence.setup.materials[0].moduli);
+    let strain = pressure(evidence, arguments)? / modulus;
+    let exact = (lowest - held_row) * strain.exp_m1();
+    Ok((found - exact) / evidence.setup.particle_spacing)
 }
 
 fn plastic_pressure_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
