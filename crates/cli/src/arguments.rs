@@ -58,6 +58,9 @@ pub enum Command {
         /// Folder of the run, with `run.h5` inside.
         run: PathBuf,
     },
+    /// Measure springback and residual stress of finished plane cuts, beside measurements if given.
+    #[command(after_help = SPRINGBACK_HELP)]
+    Springback(SpringbackArguments),
     /// Write the snapshots of a run as VTKHDF for ParaView.
     Export {
         /// Folder of the run, with `run.h5` inside.
@@ -106,6 +109,19 @@ Examples:
 const VALIDATE_HELP: &str = "\
 Tiers: quick takes seconds and runs in the tests; standard takes minutes; long takes hours.
 A case marked as a known gap is shown as such and never counts as passed.";
+
+const SPRINGBACK_HELP: &str = "\
+Examples:
+  sphcut springback out/cut --out springback              one run
+  sphcut springback out/v150 out/v300 out/v450 --measured turning.csv --out springback
+
+What appears in the output folder:
+  springback.html   one page: figures, error bars, residual stress, and what can be said in words
+  springback.json   the same as numbers      springback.csv   one line per run
+
+--measured is a table with a header: v_c [m/min],springback [um],uncertainty [um],F_c [N],F_n [N]
+(other units and any order; the forces may be left out). Springback is a tenth of a particle
+spacing: give the runs many snapshots ([output] snapshots = 200) and see docs/springback.md.";
 
 const COMPLETIONS_HELP: &str = "\
 Examples:
@@ -161,6 +177,23 @@ pub struct CheckArguments {
     /// Do not measure the speed; no expected duration then.
     #[arg(long)]
     pub no_measure: bool,
+}
+
+/// Arguments of `springback`.
+#[derive(Debug, Args)]
+pub struct SpringbackArguments {
+    /// Folders of the runs, each with `run.h5` inside.
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// Measured springback (CSV with units in the header).
+    #[arg(long, value_name = "FILE")]
+    pub measured: Option<PathBuf>,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Replace an existing springback report.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Arguments of `schema`.

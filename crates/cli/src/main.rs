@@ -14,6 +14,7 @@ mod report;
 mod results;
 mod run;
 mod schema;
+mod springback;
 mod terminal;
 mod text;
 mod validate;
@@ -41,6 +42,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Export { run, to, force } => export::export(&run, to.as_deref(), force),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Report { run } => report::report(&run),
+        Command::Springback(arguments) => springback::springback(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Catalogue { name } => catalogue::print(name.as_deref()),
         Command::Completions { shell } => {

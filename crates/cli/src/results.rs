@@ -28,7 +28,7 @@ pub fn write(run: &Run, folder: &Path) -> Result<Results, Failure> {
 }
 
 /// Writes beside the target and renames: a full disk leaves the old file whole.
-fn save(path: &Path, content: &[u8]) -> Result<(), Failure> {
+pub fn save(path: &Path, content: &[u8]) -> Result<(), Failure> {
     let mut beside = path.as_os_str().to_owned();
     beside.push(".new");
     let beside = PathBuf::from(beside);

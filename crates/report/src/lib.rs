@@ -1,7 +1,7 @@
 //! Pictures and pages from the plain results of a run.
 //!
 //! [`write_report`] writes one self-contained `report.html`; [`render_snapshot`] draws a single
-//! picture.
+//! picture; [`render_springback`] is the page of `sphcut springback`.
 
 mod animation;
 mod canvas;
@@ -14,5 +14,5 @@ mod text;
 mod ticks;
 
 pub use error::ReportError;
-pub use page::{render_report, write_report};
+pub use page::{SpringbackRun, render_report, render_springback, write_report};
 pub use picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};

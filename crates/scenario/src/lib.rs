@@ -14,6 +14,7 @@ mod findings;
 mod heat_source;
 mod library;
 mod material;
+mod measured;
 mod mesh;
 mod outline;
 mod placement;
@@ -37,6 +38,8 @@ mod warnings;
 pub use files::OutsideFiles;
 pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem};
+
+pub use measured::{MeasuredSpringback, TableProblem, read_measured_springback};
 
 pub use ending::{Output, Steady, Stop};
 pub use reference::reference;

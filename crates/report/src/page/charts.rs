@@ -54,6 +54,15 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
     }
 }
 
+/// Forces over the travel alone, for the page of springback.
+pub(super) fn force_figure(run: &Run, result: &ProcessResult) -> Markup {
+    let chart = forces(run, result, &Axis::of(run));
+    figure(
+        chart.svg(),
+        "Forces of the tool on the workpiece per width of cut, as in the run's report.",
+    )
+}
+
 fn figure(svg: Option<String>, caption: &str) -> Markup {
     html! {
         @if let Some(svg) = svg {

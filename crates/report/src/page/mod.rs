@@ -1,7 +1,10 @@
 //! `report.html`: one page that needs nothing but itself.
 
 mod charts;
+mod springback;
 mod tables;
+
+pub use springback::{SpringbackRun, render_springback};
 
 use crate::ReportError;
 use crate::pictures::{Picture, Pictures, draw_all};

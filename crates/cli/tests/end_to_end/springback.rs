@@ -1,0 +1,62 @@
+//! `sphcut springback` from the outside.
+
+use crate::common::Workshop;
+
+const TABLE: &str = "v_c [m/min],springback [um],uncertainty [um],F_c [N]\n150,1.2,0.85,600\n";
+
+#[test]
+fn a_cut_gets_its_page_its_numbers_and_its_verdict() {
+    let shop = Workshop::new("springback_cut");
+    // Clear of the tool are 4 + 20 spacings of 40 um: 1 mm behind 120 + 100 um.
+    let scenario = shop.tiny_with("travel = \"0.2 mm\"", "travel = \"1.25 mm\"");
+    let text = std::fs::read_to_string(&scenario).unwrap();
+    let text = text
+        .replace("25 um", "40 um")
+        .replace("snapshots = 4", "snapshots = 60")
+        .replace("length = \"0.8 mm\"", "length = \"1.6 mm\"");
+    shop.write("tiny.toml", &text);
+    shop.sphcut(&["run", "tiny.toml", "--quiet", "--threads", "1", "--out", "cut"]).expect_code(0);
+    shop.write("turning.csv", TABLE);
+    let command = ["springback", "cut", "--measured", "turning.csv", "--out", "sb"];
+    let ended = shop.sphcut(&command).expect_code(0);
+    assert!(
+        ended.out.contains("cut: 150 m/min") && ended.out.contains("springback.html"),
+        "{}",
+        ended.out
+    );
+    let page = shop.read("sb/springback.html");
+    for text in ["What these figures say", "cut (150 m/min)", "Residual stress", "measured 600"] {
+        assert!(page.contains(text), "{text}");
+    }
+    let numbers: serde_json::Value =
+        serde_json::from_str(&shop.read("sb/springback.json")).unwrap();
+    let run = &numbers["runs"][0];
+    assert_eq!(numbers["schema_version"], "1.0");
+    assert_eq!(run["cutting_speed_m_per_min"], 150.0);
+    // Within the spacing: the particles followed belong to the surface.
+    assert!(run["springback_um"].as_f64().unwrap().abs() < 40.0, "{run}");
+    assert!(run["overlap_um"].as_f64().unwrap() > 0.0, "{run}");
+    assert_eq!(shop.read("sb/springback.csv").lines().count(), 2);
+
+    shop.sphcut(&command).expect_code(2).expect_err("--force");
+    shop.sphcut(&[command.as_slice(), &["--force"]].concat()).expect_code(0);
+    shop.write("turning.csv", &TABLE.replace("1.2", "1;2"));
+    shop.sphcut(&[command.as_slice(), &["--force"]].concat())
+        .expect_code(2)
+        .expect_err("`turning.csv`, line 2, column 2 `springback`: `1;2`: not a number");
+}
+
+#[test]
+fn what_has_no_springback_is_refused() {
+    let shop = Workshop::new("springback_refused");
+    shop.sphcut(&["springback", "--out", "sb"]).expect_code(2).expect_err("RUN");
+    shop.sphcut(&["springback", "nowhere", "--out", "sb"]).expect_code(4).expect_err("nowhere");
+    shop.sphcut(&["springback", "nowhere", "--measured", "missing.csv", "--out", "sb"])
+        .expect_code(4)
+        .expect_err("missing.csv");
+    shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.02 mm\"");
+    shop.sphcut(&["run", "tiny.toml", "--quiet", "--threads", "1", "--out", "short"])
+        .expect_code(0);
+    shop.sphcut(&["springback", "short", "--out", "sb"]).expect_code(2).expect_err("too short");
+    assert!(!shop.path("sb").exists());
+}

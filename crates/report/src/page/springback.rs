@@ -1,0 +1,401 @@
+//! `springback.html`: springback of one or several cuts, beside measurements if there are any.
+
+use super::{STYLE, charts};
+use crate::chart::{Band, Chart, Line};
+use crate::text::{three_digits, with_interval};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sphcut_postprocess::ProcessResult;
+use sphcut_postprocess::springback::{
+    Agreement, Measurement, RESOLUTION_SHARE, Springback, StressBin,
+};
+use sphcut_record::Run;
+
+const BLUE: &str = "#0072b2";
+const BLUE_LIGHT: &str = "#9cc7e2";
+const RED: &str = "#d55e00";
+const GREEN: &str = "#009e73";
+const UM: f64 = 1e6;
+const MM: f64 = 1e3;
+const MPA: f64 = 1e-6;
+
+/// One run of the page.
+#[derive(Debug, Clone, Copy)]
+pub struct SpringbackRun<'a> {
+    /// What the user calls it.
+    pub name: &'a str,
+    /// Its record.
+    pub run: &'a Run,
+    /// Its evaluation.
+    pub result: &'a ProcessResult,
+    /// Its springback.
+    pub springback: &'a Springback,
+}
+
+/// The text of `springback.html`; nothing is loaded.
+#[must_use]
+pub fn render_springback(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> String {
+    let version = runs.first().map_or("", |run| run.run.provenance.version.as_str());
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content={ "sphcut " (version) };
+                link rel="icon" href="data:,";
+                title { "Springback \u{2013} sphcut" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    header {
+                        h1 { "Springback" }
+                        p.lead { "Normal distance between the lowest point of the tool and the \
+                            machined surface behind it; plane strain." }
+                    }
+                    (verdicts(runs, measurements))
+                    (overview(runs, measurements))
+                    (against_speed(runs, measurements))
+                    @for run in runs { (details(run)) }
+                    (definitions())
+                    footer { "Written by sphcut " (version) "." }
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// What can be said, in words.
+fn verdicts(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup {
+    html! {
+        section.warnings role="note" {
+            h2 { "What these figures say" }
+            ul { @for run in runs { li { (sentence(run, measurements)) } } }
+        }
+    }
+}
+
+/// v_c in m/min as text.
+fn speed(springback: &Springback) -> String {
+    three_digits(springback.cutting_speed * 60.0)
+}
+
+/// One run in words: what is resolved, and whether it agrees.
+fn sentence(run: &SpringbackRun<'_>, measurements: &[Measurement]) -> String {
+    let found = run.springback;
+    let start = format!("{} ({} m/min): ", run.name, speed(found));
+    let Some(mean) = found.mean else {
+        return format!(
+            "{start}no snapshot shows a particle touching the lowest part of the tool; more \
+             snapshots are needed ([output] snapshots)."
+        );
+    };
+    let error = found.error;
+    let spacing = three_digits(found.particle_spacing * UM);
+    if !error.statistical.is_finite() {
+        return format!(
+            "{start}{} \u{b5}m from {} particles: too few for an interval, twenty are needed. A \
+             longer cut or more snapshots give more.",
+            three_digits(mean.mean * UM),
+            found.touched.len()
+        );
+    }
+    let total = three_digits(error.total() * UM);
+    let resolved = if found.is_resolved() {
+        format!("springback is resolved at a spacing of {spacing} \u{b5}m")
+    } else {
+        format!(
+            "springback is not resolved at a spacing of {spacing} \u{b5}m: all that is known is that \
+             it is smaller than about {} \u{b5}m",
+            three_digits((mean.mean.abs() + error.total()) * UM)
+        )
+    };
+    let compared = match found.compare(measurements) {
+        None if measurements.is_empty() => String::new(),
+        None => " There is no measurement at this cutting speed.".to_owned(),
+        Some(comparison) => {
+            let verdict = match comparison.agreement {
+                Agreement::Within => "lies within the uncertainty of the measurement",
+                Agreement::Undecided => {
+                    "lies outside the uncertainty of the measurement, but not by more than the error \
+                     bar of the simulation: this cannot be decided"
+                }
+                Agreement::Outside => "lies outside the uncertainty of the measurement",
+            };
+            let wide = error.total() > comparison.measured.uncertainty;
+            format!(
+                " The difference to the measurement, {} \u{b5}m, {verdict} (\u{b1} {} \u{b5}m){}.",
+                three_digits(comparison.difference * UM),
+                three_digits(comparison.measured.uncertainty * UM),
+                if wide { "; the error bar of the simulation is wider than that" } else { "" }
+            )
+        }
+    };
+    let steady = if run.result.steady.reached { "" } else { " The forces were not steady." };
+    format!(
+        "{start}{} \u{b1} {total} \u{b5}m; {resolved}.{compared}{steady}",
+        three_digits(mean.mean * UM)
+    )
+}
+
+fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup {
+    let interval = |mean: f64, half: f64| with_interval(mean, half);
+    html! {
+        section {
+            h2 { "Springback and forces" }
+            div.scroll { table {
+                caption { "Springback with its error bar: 95 % interval of the mean, plus the overlap of \
+                    particles and tool, plus what the spacing resolves. Forces with their 95 % interval." }
+                thead { tr {
+                    th scope="col" { "Run" } th.n scope="col" { "v" sub { "c" } " in m/min" }
+                    th.n scope="col" { "Springback in \u{b5}m" } th.n scope="col" { "interval" }
+                    th.n scope="col" { "overlap" } th.n scope="col" { "resolution" }
+                    th.n scope="col" { "Measured in \u{b5}m" }
+                    th.n scope="col" { "F" sub { "c" } " in N" } th.n scope="col" { "F" sub { "f" } " in N" }
+                } }
+                tbody { @for run in runs {
+                    @let found = run.springback;
+                    @let error = found.error;
+                    @let forces = &run.result.forces;
+                    @let compared = found.compare(measurements);
+                    tr {
+                        th scope="row" { (run.name) }
+                        td.n { (speed(found)) }
+                        td.n { (found.mean.map_or_else(|| "\u{2013}".to_owned(), |mean| interval(mean.mean * UM, error.total() * UM))) }
+                        td.n { (three_digits(error.statistical * UM)) }
+                        td.n { (three_digits(error.overlap * UM)) }
+                        td.n { (three_digits(error.resolution * UM)) }
+                        td.n { (compared.map_or_else(|| "\u{2013}".to_owned(), |c| interval(c.measured.springback * UM, c.measured.uncertainty * UM))) }
+                        td.n { (interval(forces.cutting.mean, forces.cutting.ci95)) (measured_force(compared.and_then(|c| c.measured.cutting_force))) }
+                        td.n { (interval(forces.feed.mean, forces.feed.ci95)) (measured_force(compared.and_then(|c| c.measured.normal_force))) }
+                    }
+                } }
+            } }
+        }
+    }
+}
+
+/// A measured force beside the simulated one.
+fn measured_force(force: Option<f64>) -> Markup {
+    html! { @if let Some(force) = force { br; "measured " (three_digits(force)) } }
+}
+
+fn figure(chart: &Chart<'_>, caption: &str) -> Markup {
+    html! { @if let Some(svg) = chart.svg() { figure { (PreEscaped(svg)) figcaption { (caption) } } } }
+}
+
+fn against_speed(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup {
+    let simulated = runs.iter().filter_map(|run| {
+        let found = run.springback;
+        let half = if found.error.statistical.is_finite() { found.error.total() } else { 0.0 };
+        found.mean.map(|mean| (found.cutting_speed, mean.mean, half, BLUE))
+    });
+    let measured = measurements.iter().map(|m| (m.cutting_speed, m.springback, m.uncertainty, RED));
+    let points: Vec<(f64, f64, f64, &str)> = simulated.chain(measured).collect();
+    let highest = points.iter().map(|point| point.0 * 60.0).fold(0.0, f64::max);
+    let half_width = 0.015 * highest;
+    let chart = Chart {
+        description: "Springback against cutting speed with error bars.".to_owned(),
+        x_title: "Cutting speed in m/min",
+        y_title: "Springback in \u{b5}m",
+        height: 340.0,
+        x: vec![0.0, 1.15 * highest],
+        lines: vec![
+            Line { name: "Simulated", colour: BLUE, width: 1.0, values: Vec::new() },
+            Line {
+                name: if measurements.is_empty() { "" } else { "Measured" },
+                colour: RED,
+                width: 1.0,
+                values: Vec::new(),
+            },
+        ],
+        bands: points
+            .iter()
+            .map(|&(v, mean, half, colour)| Band {
+                // Measured bars stand to the right of simulated ones.
+                from: v * 60.0 + if colour == RED { half_width } else { -half_width },
+                to: v * 60.0 + if colour == RED { 3.0 * half_width } else { half_width },
+                mean: mean * UM,
+                half_width: half * UM,
+                colour,
+                label: String::new(),
+            })
+            .collect(),
+        y_includes: points
+            .iter()
+            .flat_map(|(_, mean, half, _)| [(mean - half) * UM, (mean + half) * UM])
+            .chain([0.0])
+            .collect(),
+        ..Chart::default()
+    };
+    html! {
+        section {
+            h2 { "Against the cutting speed" }
+            (figure(&chart, "Each bar is a mean (line) with its whole error bar (box): simulated in blue, \
+                measured with its uncertainty in orange, drawn beside the speed."))
+        }
+    }
+}
+
+fn details(run: &SpringbackRun<'_>) -> Markup {
+    let found = run.springback;
+    html! {
+        section {
+            h2 { (run.name) ", " (speed(found)) " m/min" }
+            (figure(&profile(found), "Springback against the cutting distance. Blue: particles that a \
+                snapshot has seen touching the lowest part of the tool, followed until they lie clear \
+                of it. Pale: outermost particles of strips two spacings wide, whose height says how rough \
+                the surface is. Band: mean over the window with its whole error bar."))
+            p {
+                "The outermost particles have a roughness (standard deviation) of "
+                (three_digits(found.strips.roughness * UM)) " \u{b5}m and a mean height of "
+                (three_digits(found.strips.mean * UM)) " \u{b5}m, which depends on the width of the strips \
+                and is no springback. " (found.touched.len()) " particles were followed; "
+                (found.torn) " were torn out."
+            }
+            (figure(&recovery(found), "The same particles against the distance behind the tool: mean and \
+                standard deviation between particles. The surface up to the clear distance is not part of \
+                the mean."))
+            (charts::force_figure(run.run, run.result))
+            (figure(&stress(&found.stress), "Residual stress against the depth below the plane of the \
+                tool's lowest point, tension positive: layers of one spacing weighted 1, 2, 1 with their \
+                neighbours, mean over the window of the machined surface (thick) and its 95 % interval \
+                (thin). The stress normal to the surface has to vanish at it: what it is there is an \
+                error of the other two. Pressure alternates between single rows, which mean nothing \
+                alone."))
+        }
+    }
+}
+
+/// Value of the polyline through `points` at `x`; not a number outside.
+fn interpolate(points: &[(f64, f64)], x: f64) -> f64 {
+    let after = points.partition_point(|point| point.0 < x);
+    match (after.checked_sub(1).map(|k| points[k]), points.get(after)) {
+        (_, Some(&(at, value))) if at == x => value,
+        (Some((x0, y0)), Some(&(x1, y1))) => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
+        _ => f64::NAN,
+    }
+}
+
+fn profile(found: &Springback) -> Chart<'static> {
+    let touched: Vec<(f64, f64)> =
+        found.touched.iter().map(|t| (t.distance * MM, t.springback * UM)).collect();
+    let strips: Vec<(f64, f64)> = found
+        .strips
+        .distance
+        .iter()
+        .zip(&found.strips.height)
+        .map(|(distance, height)| (distance * MM, height * UM))
+        .collect();
+    let mut x: Vec<f64> = touched.iter().chain(&strips).map(|point| point.0).collect();
+    x.sort_by(f64::total_cmp);
+    x.dedup();
+    let values = |points: &[(f64, f64)]| x.iter().map(|&x| interpolate(points, x)).collect();
+    let [from, to] = found.window.map(|distance| distance * MM);
+    let half_width = found.error.total() * UM;
+    let bands = found.mean.map(|mean| Band {
+        from,
+        to,
+        mean: mean.mean * UM,
+        half_width,
+        colour: GREEN,
+        label: format!("s = {} \u{b5}m", with_interval(mean.mean * UM, half_width)),
+    });
+    Chart {
+        description: "Springback against the cutting distance.".to_owned(),
+        x_title: "Cutting distance in mm",
+        y_title: "Springback in \u{b5}m",
+        height: 360.0,
+        lines: vec![
+            Line {
+                name: "Outermost particles",
+                colour: BLUE_LIGHT,
+                width: 1.0,
+                values: values(&strips),
+            },
+            Line { name: "Touched particles", colour: BLUE, width: 2.0, values: values(&touched) },
+        ],
+        window: Some((from, to, "window")),
+        bands: bands.into_iter().collect(),
+        y_includes: vec![0.0],
+        x,
+        ..Chart::default()
+    }
+}
+
+fn recovery(found: &Springback) -> Chart<'static> {
+    let of = |sign: f64| -> Vec<f64> {
+        found.recovery.iter().map(|bin| (bin.height + sign * bin.deviation) * UM).collect()
+    };
+    let clear = found.clear_distance * UM;
+    let last = found.recovery.last().map_or(clear, |bin| bin.behind * UM);
+    Chart {
+        description: "Height of the surface against the distance behind the tool.".to_owned(),
+        x_title: "Distance behind the tool in \u{b5}m",
+        y_title: "Height above the tool's lowest point in \u{b5}m",
+        height: 300.0,
+        x: found.recovery.iter().map(|bin| bin.behind * UM).collect(),
+        lines: vec![
+            Line { name: "", colour: BLUE_LIGHT, width: 1.0, values: of(1.0) },
+            Line { name: "", colour: BLUE_LIGHT, width: 1.0, values: of(-1.0) },
+            Line { name: "Touched particles", colour: BLUE, width: 2.0, values: of(0.0) },
+        ],
+        window: Some((clear, last.max(clear), "clear of the tool")),
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+/// One stress of a layer with its interval.
+type Pick = fn(&StressBin) -> (f64, f64);
+
+fn stress(bins: &[StressBin]) -> Chart<'static> {
+    let mut lines = Vec::new();
+    let columns: [(&str, &str, Pick); 3] = [
+        ("Along the cut", BLUE, |bin| (bin.cutting, bin.cutting_ci95)),
+        ("Across", RED, |bin| (bin.across, bin.across_ci95)),
+        ("Normal to the surface", GREEN, |bin| (bin.normal, bin.normal_ci95)),
+    ];
+    for (name, colour, pick) in columns {
+        for (name, width, sign) in [("", 0.6, 1.0), ("", 0.6, -1.0), (name, 2.0, 0.0)] {
+            let value = |bin: &StressBin| {
+                let (mean, half) = pick(bin);
+                // No interval, no thin line.
+                let shift = if sign == 0.0 { 0.0 } else { sign * half };
+                let value = mean + shift;
+                if value.is_finite() { value * MPA } else { f64::NAN }
+            };
+            lines.push(Line { name, colour, width, values: bins.iter().map(value).collect() });
+        }
+    }
+    Chart {
+        description: "Residual stress against depth.".to_owned(),
+        x_title: "Depth in \u{b5}m",
+        y_title: "Residual stress in MPa",
+        height: 340.0,
+        x: bins.iter().map(|bin| bin.depth * UM).collect(),
+        lines,
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+fn definitions() -> Markup {
+    html! {
+        section {
+            h2 { "Definitions and limits" }
+            p { "A particle of the surface has touched the tool with its radius, half a spacing; its \
+                springback is the height of its centre plus that radius above the tool's lowest point once it is \
+                clear of the tool. The error bar adds the 95 % interval of the mean (correlation taken into \
+                account), the overlap of particles and tool in the contact (force over penalty \
+                stiffness), and " (three_digits(RESOLUTION_SHARE * 100.0)) " % of a spacing, the error of a \
+                released surface with a known answer (validation case springback_resolution)." }
+            p { "At a spacing of 10 \u{b5}m springback of 1 \u{b5}m is a tenth of a spacing. The smooth surface of a \
+                released block is resolved far better than that; the surface of a cut is rough by a good part \
+                of a spacing, so its mean needs many particles. Whether the spacing resolves the flow under \
+                the edge at all (five spacings across the edge radius) is not part of the error bar: only \
+                runs at several spacings can tell. Thermal expansion is not modelled." }
+        }
+    }
+}
