@@ -163,7 +163,7 @@ mod tests {
         let kinship =
             Kinship { body: &body, origin: &points, bonded: true, reach_square: f64::INFINITY };
         let mut list = NeighbourList::default();
-        build_list(&mut list, &cells, &points, &volume, kinship, smoothing);
+        build_list(&mut list, &cells, &points, &volume, kinship, smoothing, &[]);
         (list, points)
     }
 
