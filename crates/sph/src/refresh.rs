@@ -279,7 +279,11 @@ mod tests {
         assert_eq!(filled(corner, 0.25), corner);
         // An octant in space: 0.285, 0.045, 0.045 with the mean 0.125.
         let corner = [[0.125, 0.08, 0.08], [0.08, 0.125, 0.08], [0.08, 0.08, 0.125]];
-        assert_eq!(filled(corner, 0.125), corner);
+        for (row, expected) in filled(corner, 0.125).iter().zip(corner) {
+            for (value, expected) in row.iter().zip(expected) {
+                assert_relative_eq!(*value, expected, max_relative = 1e-14);
+            }
+        }
         // Nearly a line: mean 0.505, so the smaller eigenvalue becomes 0.15 x 0.505 = 0.07575.
         let line = filled([[1.0, 0.0], [0.0, 0.01]], 0.505);
         assert_relative_eq!(line[0][0], 1.0, max_relative = 1e-14);
