@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Expectation, Metric, Reference};
 use crate::error::CaseError;
-use crate::replicates::{Difference, differences};
+use crate::replicates::{Difference, differences, summary};
 use crate::verdict::Finding;
 
 /// What one run contributes to the judgement.
@@ -129,6 +129,10 @@ fn joint_finding(case: &Case, expectation: &Expectation, mut points: Vec<Point>)
         Reference::Number(known) => number(known),
         _ => "the runs among themselves".to_owned(),
     };
+    if expectation.metric.needs_replicates() {
+        let (groups, means) = summary(&names, &values);
+        return finding(expectation, groups.join(", "), means, reference, result, holds);
+    }
     finding(expectation, names.join(", "), values, reference, result, holds)
 }
 

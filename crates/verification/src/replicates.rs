@@ -44,8 +44,24 @@ impl Difference {
     }
 }
 
+/// Each group of replicates as `NAME x COUNT`, and its mean.
+pub(crate) fn summary(names: &[&str], values: &[f64]) -> (Vec<String>, Vec<f64>) {
+    let described = grouped(names, values)
+        .into_iter()
+        .map(|(stem, members)| (format!("{stem} x {}", members.len()), Group::of(&members).mean));
+    described.unzip()
+}
+
 /// Every group of replicates against the first; `names` are those of the runs.
 pub(crate) fn differences(names: &[&str], values: &[f64]) -> Vec<Difference> {
+    let groups: Vec<Group> =
+        grouped(names, values).iter().map(|(_, members)| Group::of(members)).collect();
+    let Some((first, others)) = groups.split_first() else { return Vec::new() };
+    others.iter().map(|other| first.against(other)).collect()
+}
+
+/// The values of each group, in the order in which the groups begin.
+fn grouped<'a>(names: &[&'a str], values: &[f64]) -> Vec<(&'a str, Vec<f64>)> {
     let mut groups: Vec<(&str, Vec<f64>)> = Vec::new();
     for (name, value) in names.iter().zip(values) {
         let stem = stem(name);
@@ -54,9 +70,7 @@ pub(crate) fn differences(names: &[&str], values: &[f64]) -> Vec<Difference> {
             None => groups.push((stem, vec![*value])),
         }
     }
-    let groups: Vec<Group> = groups.iter().map(|(_, members)| Group::of(members)).collect();
-    let Some((first, others)) = groups.split_first() else { return Vec::new() };
-    others.iter().map(|other| first.against(other)).collect()
+    groups
 }
 
 /// Name of a run without the number of its replicate.
@@ -102,6 +116,9 @@ mod tests {
         let names = ["a#1", "a#2", "a#3", "b#1", "b#2", "b#3"];
         let found = differences(&names, &[9.0, 10.0, 11.0, 10.0, 12.0, 14.0]);
         assert_eq!(found.len(), 1);
+        let (described, means) = summary(&names, &[9.0, 10.0, 11.0, 10.0, 12.0, 14.0]);
+        assert_eq!(described, ["a x 3", "b x 3"]);
+        assert_eq!(means, [10.0, 12.0]);
         assert_relative_eq!(found[0].difference, 0.2, max_relative = 1e-12);
         let half_width = found[0].interval * 10.0;
         assert_relative_eq!(half_width, 3.2183 * (5.0_f64 / 3.0).sqrt(), max_relative = 5e-3);
