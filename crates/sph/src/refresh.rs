@@ -212,8 +212,9 @@ struct Limits {
 /// The moment with its eigenvalues raised to [`THINNEST_MOMENT`] of their mean. Where a particle
 /// has neighbours almost on a line (crumbs at the edge, the rim of a chip) the gradient across it is
 /// read from next to nothing, B grows without need, and one such particle would shorten the time
-/// step of all to a tenth. Raised, its gradient across the line is too small; energy and momentum
-/// hold for any symmetric B.
+/// step of all to a tenth. Raised, its gradient across the line is too small: such a
+/// particle resists rigid rotation a little and angular momentum is not exact for it. Energy and
+/// momentum hold for any symmetric B.
 fn filled<const D: usize>(moment: Matrix<D>, mean: f64) -> Matrix<D> {
     let power = i32::try_from(D).expect("2 or 3");
     // In the plane the determinant is l (2 - l) mean^2 for a smallest eigenvalue of l; in space it is
