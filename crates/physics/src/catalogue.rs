@@ -1,11 +1,11 @@
 //! The catalogue: every law with its equation, parameters and source, as data.
 
-use crate::{Parameter, flow_stress, friction, heat};
+use crate::{Parameter, effects, flow_stress, friction, heat};
 
 /// One entry of the catalogue, whatever its kind.
 #[derive(Debug, Clone, Copy)]
 pub struct CatalogueEntry {
-    /// `flow_stress`, `friction` or `heat`.
+    /// `flow_stress`, `effects`, `friction` or `heat`.
     pub kind: &'static str,
     /// Name in the scenario file.
     pub key: &'static str,
@@ -33,6 +33,15 @@ pub fn entries() -> Vec<CatalogueEntry> {
         validity: law.validity,
         parameters: law.parameters,
     });
+    let effects = effects::EFFECTS.iter().map(|effect| CatalogueEntry {
+        kind: "effects",
+        key: effect.key,
+        title: effect.title,
+        equation: effect.equation,
+        source: effect.source,
+        validity: effect.validity,
+        parameters: effect.parameters,
+    });
     let friction = friction::LAWS.iter().map(|law| CatalogueEntry {
         kind: "friction",
         key: law.key,
@@ -52,7 +61,7 @@ pub fn entries() -> Vec<CatalogueEntry> {
         validity: "constant shares; conduction by Fourier's law",
         parameters: heat::PARAMETERS,
     };
-    flow.chain(friction).chain([heat]).collect()
+    flow.chain(effects).chain(friction).chain([heat]).collect()
 }
 
 #[cfg(test)]

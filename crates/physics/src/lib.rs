@@ -8,6 +8,7 @@
 //! This crate does no I/O and knows no file format, clock or environment.
 
 pub mod catalogue;
+pub mod effects;
 pub mod elasticity;
 pub mod flow_stress;
 pub mod friction;

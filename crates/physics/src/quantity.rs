@@ -23,6 +23,8 @@ pub enum Quantity {
     Rate,
     /// An absolute temperature in K.
     Temperature,
+    /// A difference of temperatures in K.
+    TemperatureDifference,
     /// A thermal conductivity in W/(m K).
     ThermalConductivity,
     /// A specific heat capacity in J/(kg K).
@@ -57,7 +59,7 @@ impl Quantity {
             Self::Density => "kg/m^3",
             Self::Stress => "Pa",
             Self::Rate => "1/s",
-            Self::Temperature => "K",
+            Self::Temperature | Self::TemperatureDifference => "K",
             Self::ThermalConductivity => "W/(m K)",
             Self::SpecificHeat => "J/(kg K)",
             Self::HeatTransfer => "W/(m^2 K)",
@@ -84,6 +86,7 @@ impl Quantity {
             Self::Stress => "stress",
             Self::Rate => "strain rate",
             Self::Temperature => "temperature",
+            Self::TemperatureDifference => "temperature difference",
             Self::ThermalConductivity => "thermal conductivity",
             Self::SpecificHeat => "specific heat",
             Self::HeatTransfer => "heat transfer coefficient",

@@ -7,6 +7,7 @@
 
 mod bodies;
 mod cut;
+mod effects;
 mod ending;
 mod field_reader;
 mod files;

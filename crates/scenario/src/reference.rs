@@ -5,7 +5,7 @@ use crate::schema::preferred;
 use crate::section::{Field, Kind, Presence, Section, range_text};
 use crate::sections;
 use crate::units;
-use sphcut_physics::{Quantity, flow_stress, friction};
+use sphcut_physics::{Quantity, effects, flow_stress, friction};
 use std::fmt::Write;
 
 const HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
@@ -204,6 +204,17 @@ fn laws(page: &mut String) {
     for law in flow_stress::LAWS {
         let about = (law.key, law.title, law.equation, law.validity, law.source);
         self::law(page, about, &sections::flow_stress("flow_stress", Some(law)));
+    }
+    page.push_str(
+        "# Effects\n\nKeys of `[effects.NAME]`. An effect acts on all materials of the scenario; several act together. \
+         Without its table an effect does not exist: the results are the same to the last bit.\n\n",
+    );
+    for effect in effects::EFFECTS {
+        line!(page, "## `[effects.{}]`: {}\n", effect.key, effect.title);
+        let (validity, source) = (effect.validity, effect.source);
+        line!(page, "`{}`\n\n{validity}. Source: {source}.\n", effect.equation);
+        line!(page, "Seen by: {}.\n", effect.signature);
+        rows(page, sections::effect(effect).fields.iter());
     }
     page.push_str("# Friction laws\n\nKeys of `friction`, after `law`.\n\n");
     for law in friction::LAWS {

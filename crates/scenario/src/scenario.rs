@@ -9,8 +9,9 @@ use crate::problem::{Mistake, Problem, Source};
 use crate::reader;
 use crate::record::Record;
 use crate::shared::{self, Resolution};
-use crate::{LoadOptions, bodies, heat_source, sections, tool, wall, warnings};
+use crate::{LoadOptions, bodies, effects, heat_source, sections, tool, wall, warnings};
 use sphcut_physics::Quantity;
+use sphcut_physics::effects::ChosenEffect;
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Dimension, Switch};
 use std::ops::Range;
@@ -276,6 +277,7 @@ struct Common {
     heat: Option<sphcut_sph::setup::Heat>,
     numerics: Option<(sphcut_physics::Values, Switch)>,
     contact: Option<(sphcut_physics::Values, Switch)>,
+    effects: Option<Vec<ChosenEffect>>,
 }
 
 impl Common {
@@ -284,6 +286,7 @@ impl Common {
             heat: shared::heat(findings, root),
             numerics: shared::numerics(findings, root),
             contact: shared::contact(findings, root),
+            effects: effects::effects(findings, root),
         }
     }
 
@@ -301,6 +304,7 @@ impl Common {
         let (contact, bonded) = self.contact?;
         Some(Setup {
             heat: self.heat?,
+            effects: self.effects?,
             numerics,
             mechanics,
             contact,
@@ -320,13 +324,14 @@ fn finished(
     stop: Stop,
     mut told: Vec<String>,
 ) -> Scenario {
+    effects::check(findings, root, &setup);
     told.extend(warnings::temperatures(&setup));
     let name = safe_name(&root.source.name);
     Scenario {
         title: root.text("title").unwrap_or_default().to_owned(),
         name,
         text: root.source.text.clone(),
-        effects: effects(&setup),
+        effects: acting(&setup),
         setup,
         output,
         stop,
@@ -356,16 +361,19 @@ fn safe_name(path: &str) -> String {
 }
 
 /// The laws and effects that act.
-fn effects(setup: &Setup) -> Vec<(String, String)> {
-    let mut effects = Vec::new();
+fn acting(setup: &Setup) -> Vec<(String, String)> {
+    let mut acting = Vec::new();
     let mut add = |kind: &str, name: &str| {
-        let effect = (kind.to_owned(), name.to_owned());
-        if !effects.contains(&effect) {
-            effects.push(effect);
+        let law = (kind.to_owned(), name.to_owned());
+        if !acting.contains(&law) {
+            acting.push(law);
         }
     };
     for material in &setup.materials {
         add("flow_stress", material.flow_stress.key);
+    }
+    for effect in &setup.effects {
+        add("effect", &effects::told(effect));
     }
     if let Some(tool) = &setup.tool {
         add("friction", tool.friction.key);
@@ -383,5 +391,5 @@ fn effects(setup: &Setup) -> Vec<(String, String)> {
     if !setup.heat_sources.is_empty() {
         add("heat", "heat_source");
     }
-    effects
+    acting
 }

@@ -5,7 +5,7 @@ use crate::section::{Field, Kind, Presence, Section, range_text};
 use crate::sections;
 use crate::units::{self, Unit};
 use serde_json::{Map, Value, json};
-use sphcut_physics::{Quantity, Range, flow_stress, friction};
+use sphcut_physics::{Quantity, Range, effects, flow_stress, friction};
 
 /// Whether what the section requires is required of the table.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -68,6 +68,10 @@ fn root_child(field: &Field) -> Option<Value> {
         }),
         "resolution" => whole(&sections::resolution(), none),
         "heat" => whole(&sections::heat(), none),
+        "effects" => whole(&sections::effects(), |field| {
+            let effect = effects::find(field.key)?;
+            Some(table(&sections::effect(effect), Completeness::Whole, |_| None))
+        }),
         "numerics" => whole(&sections::numerics(), none),
         "contact" => whole(&sections::contact(), none),
         "output" => whole(&sections::output(), none),

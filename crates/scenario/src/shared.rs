@@ -44,7 +44,7 @@ pub(crate) fn switch(on: bool) -> Switch {
 }
 
 /// Values of a parameter table from a record that has its keys; `None` after a mistake.
-fn values(record: &Record<'_>, table: &'static [Parameter]) -> Option<Values> {
+pub(crate) fn values(record: &Record<'_>, table: &'static [Parameter]) -> Option<Values> {
     let given: Vec<(&str, f64)> = table
         .iter()
         .filter_map(|parameter| Some((parameter.key, record.number(parameter.key)?)))

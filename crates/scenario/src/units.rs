@@ -199,6 +199,7 @@ pub(crate) const fn accepted_units(quantity: Quantity) -> &'static [&'static str
         Quantity::Stress => &["MPa", "GPa", "kPa", "Pa", "N/mm^2"],
         Quantity::Rate => &["1/s", "1/min"],
         Quantity::Temperature => &["K", "degC"],
+        Quantity::TemperatureDifference => &["K"],
         Quantity::ThermalConductivity => &["W/(m K)", "W/(mm K)"],
         Quantity::SpecificHeat => &["J/(kg K)", "kJ/(kg K)"],
         Quantity::HeatTransfer => &["W/(m^2 K)", "kW/(m^2 K)"],
@@ -231,6 +232,7 @@ pub(crate) const NAMED: &[Quantity] = &[
     Quantity::Power,
     Quantity::PowerPerWidth,
     Quantity::Energy,
+    Quantity::TemperatureDifference,
 ];
 
 /// Reads `text` as `quantity`.
@@ -247,6 +249,9 @@ pub(crate) fn parse(text: &str, quantity: Quantity) -> Result<Measured, UnitErro
         } else {
             UnitError::WrongDimension { found: name_of(unit.dimensions) }
         });
+    }
+    if quantity == Quantity::TemperatureDifference && unit.offset != 0.0 {
+        return Err(UnitError::WrongDimension { found: Some(Quantity::Temperature.name()) });
     }
     let si = unit.size.apply(number) + unit.offset;
     if si.is_finite() { Ok(Measured { si, unit }) } else { Err(UnitError::NotFinite) }

@@ -27,6 +27,7 @@ use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
 use crate::thermoelasticity;
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
+use sphcut_physics::effects::with_effects;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressModel;
 
@@ -486,7 +487,11 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
                 conductivity_table: thermoelasticity::varying(
                     material.tables.thermal_conductivity.as_ref(),
                 ),
-                law: (material.flow_stress.build)(&material.flow_stress_values),
+                law: with_effects(
+                    (material.flow_stress.build)(&material.flow_stress_values),
+                    &setup.effects,
+                    &setup.effect_context(),
+                ),
                 heating,
                 hourglass: option("hourglass_coefficient") * impedance,
                 hourglass_stiffness: option("hourglass_stiffness") * material.moduli.shear,

@@ -2,6 +2,7 @@
 //! the solver consumes. Plain data; building the particles is the solver's work.
 
 use crate::options;
+use sphcut_physics::effects::{ChosenEffect, EffectContext};
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressEntry;
 use sphcut_physics::friction::FrictionEntry;
@@ -48,6 +49,8 @@ pub struct Setup {
     pub sampling_interval: f64,
     /// Which of the heat mechanisms act.
     pub heat: Heat,
+    /// Optional constitutive effects of all materials, in the order of the catalogue.
+    pub effects: Vec<ChosenEffect>,
     /// Whether bodies that touch are bonded (one continuum) or meet in frictionless contact.
     pub bonded: Switch,
     /// Whether the particles move; off solves heat conduction alone.
@@ -80,6 +83,7 @@ impl Setup {
             end_time,
             sampling_interval: end_time / 100.0,
             heat: Heat::default(),
+            effects: Vec::new(),
             bonded: Switch::On,
             mechanics: Switch::On,
             numerics: Values::defaults(options::NUMERICS),
@@ -87,6 +91,12 @@ impl Setup {
             discretisation: Discretisation::default(),
             seed: 0,
         }
+    }
+
+    /// What effects may know of this run.
+    #[must_use]
+    pub fn effect_context(&self) -> EffectContext {
+        EffectContext { uncut_chip_thickness: self.uncut_chip_thickness }
     }
 }
 

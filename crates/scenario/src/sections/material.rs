@@ -2,6 +2,7 @@
 
 use super::{choice, positive};
 use crate::section::{Field, Kind, Presence, Section};
+use sphcut_physics::effects::{self, EffectEntry};
 use sphcut_physics::flow_stress::{self, FlowStressEntry};
 use sphcut_physics::friction::{self, FrictionEntry};
 use sphcut_physics::{Quantity, Range};
@@ -75,6 +76,24 @@ pub(crate) fn flow_stress(name: &str, law: Option<&'static FlowStressEntry>) -> 
     ];
     let section = Section::new(name, "When the material yields.", fields);
     law.map_or(section.clone(), |law| section.with_parameters(law.parameters))
+}
+
+/// `[effects]`: a table for each effect that acts.
+pub(crate) fn effects() -> Section {
+    let table = |effect: &&EffectEntry| {
+        Field::new(effect.key, Kind::Table, Presence::Optional, effect.title)
+    };
+    Section::new(
+        "effects",
+        "Optional effects of all materials: `[effects.NAME]` switches one on, without it it does not exist.",
+        effects::EFFECTS.iter().map(table).collect(),
+    )
+}
+
+/// `[effects.NAME]`.
+pub(crate) fn effect(effect: &'static EffectEntry) -> Section {
+    Section::new(&format!("effects.{}", effect.key), effect.title, Vec::new())
+        .with_parameters(effect.parameters)
 }
 
 /// `friction` of a tool or a wall.

@@ -10,7 +10,7 @@ pub(crate) use bodies::{
 };
 pub(crate) use cut::{boundaries, process, tool, workpiece};
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
-pub(crate) use material::{flow_stress, friction, material};
+pub(crate) use material::{effect, effects, flow_stress, friction, material};
 
 use crate::section::{Field, Kind, Presence, Section};
 use crate::units;
@@ -124,6 +124,11 @@ pub(crate) fn root() -> Section {
             table("resolution", Presence::Required, "particles and kernel")
                 .example("[resolution] with preset = \"draft\""),
             table("heat", Presence::Optional, "heat sources and conduction"),
+            table(
+                "effects",
+                Presence::Optional,
+                "optional effects of the materials: [effects.NAME]",
+            ),
             table("numerics", Presence::Optional, "discretisation and time step"),
             table("contact", Presence::Optional, "contact between particles and tool"),
             table("output", Presence::Optional, "what is recorded"),
@@ -332,6 +337,7 @@ mod tests {
             heat(),
             numerics(),
             contact(),
+            effects(),
             output(),
             stop(),
             steady(),
@@ -344,6 +350,7 @@ mod tests {
         sections.extend(VELOCITY_FIELDS.iter().map(|field| velocity(field)));
         sections.extend(HEAT_SOURCE_FORMS.iter().map(|form| heat_source(form)));
         sections.extend(flow_stress_laws::LAWS.iter().map(|law| flow_stress("flow", Some(law))));
+        sections.extend(sphcut_physics::effects::EFFECTS.iter().map(|effect| self::effect(effect)));
         sections.extend(friction_laws::LAWS.iter().map(|law| friction("friction", Some(law))));
         sections
     }
