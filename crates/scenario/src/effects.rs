@@ -20,6 +20,7 @@ pub(crate) fn effects(findings: &mut Findings, root: &Record<'_>) -> Option<Vec<
             let section = sections::effect(entry);
             let record = reader::read(findings, &root.source, table, &section, 2);
             refuse_without_cut(findings, root, entry, record.heading.clone());
+            refuse_second_share(findings, root, entry);
             let values = shared::values(&record, entry.parameters);
             Some(values.map(|values| ChosenEffect { entry, values }))
         })
@@ -58,6 +59,20 @@ pub(crate) fn check(findings: &mut Findings, root: &Record<'_>, setup: &Setup) {
     }
 }
 
+/// Two statements of the share of plastic work that becomes heat.
+fn refuse_second_share(findings: &mut Findings, root: &Record<'_>, effect: &'static EffectEntry) {
+    let constant = root.table("heat").and_then(|(heat, _)| heat.get("taylor_quinney"));
+    let Some(constant) = constant.filter(|_| effect.demands.contains(&Demand::PlasticHeating))
+    else {
+        return;
+    };
+    let mistake = Mistake::Contradiction {
+        message: format!("`taylor_quinney` has no effect beside [effects.{}]", effect.key),
+        help: "keep one of them".to_owned(),
+    };
+    findings.problem(&root.source, constant.span(), mistake);
+}
+
 /// What of the materials speaks against the effect, and what to do.
 fn contradiction(effect: &'static EffectEntry, setup: &Setup) -> Option<(String, String)> {
     let key = effect.key;
@@ -68,6 +83,11 @@ fn contradiction(effect: &'static EffectEntry, setup: &Setup) -> Option<(String,
     if setup.materials.iter().all(never_yields) {
         let message = format!("`{key}` has no effect: no material of this scenario yields");
         return Some((message, format!("remove [effects.{key}], or choose another law")));
+    }
+    let heats = effect.demands.contains(&Demand::PlasticHeating);
+    if heats && !setup.heat.plastic_heating.is_on() {
+        let message = format!("`{key}` has no effect with plastic_heating = false");
+        return Some((message, format!("remove [effects.{key}] or `plastic_heating`")));
     }
     let same = setup
         .materials

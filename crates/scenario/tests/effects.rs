@@ -1,7 +1,7 @@
 //! Effects in a small cut: without its table an effect does not exist, with vanishing values it
 //! changes no bit, and with its example it does what its source says.
 
-use sphcut_physics::effects::{Action, EFFECTS, EffectEntry, find};
+use sphcut_physics::effects::{EFFECTS, EffectEntry, find};
 use sphcut_scenario::{LoadOptions, parse};
 use sphcut_sph::{ChannelId, Sample, Simulation};
 use std::sync::OnceLock;
@@ -112,11 +112,7 @@ fn an_empty_table_of_effects_is_none() {
 
 #[test]
 fn vanishing_effects_leave_every_bit() {
-    let all: String = EFFECTS
-        .iter()
-        .filter(|entry| matches!(entry.action, Action::FlowStress(_)))
-        .map(|entry| table(entry, entry.vanishing))
-        .collect();
+    let all: String = EFFECTS.iter().map(|entry| table(entry, entry.vanishing)).collect();
     assert!(run(&format!("{CUT}{all}")).bits == base().bits);
 }
 
@@ -201,4 +197,34 @@ fn a_size_effect_raises_the_specific_cutting_force_of_thin_chips() {
     ];
     let thin = force_ratio_of_other(entry, &changes);
     assert!(thin > ratio + 0.02 && thin < 1.1, "{thin} {ratio}");
+}
+
+#[test]
+fn tanh_softening_lowers_the_cutting_force() {
+    let softening = with("tanh_softening");
+    softening.books_close();
+    let ratio = force_ratio(&softening);
+    // Strains of 1 and more at half the melting temperature are found at the tool only.
+    assert!(ratio < 0.995 && ratio > 0.9, "{ratio}");
+}
+
+#[test]
+fn less_plastic_heat_means_colder_chips_and_larger_forces() {
+    let cold = with("plastic_heat");
+    cold.books_close();
+    let interface = |outcome: &Outcome| outcome.mean(ChannelId::InterfaceTemperature);
+    assert!(interface(&cold) < interface(base()) - 10.0);
+    assert!(force_ratio(&cold) > 1.005, "{}", force_ratio(&cold));
+    // Heat over plastic work, with the friction heat that both have, lies between the shares.
+    let share = |outcome: &Outcome| {
+        outcome.last(ChannelId::HeatSupplied) / outcome.last(ChannelId::PlasticWork)
+    };
+    assert!(share(&cold) < share(base()) - 0.1, "{} {}", share(&cold), share(base()));
+}
+
+#[test]
+fn a_constant_share_is_the_taylor_quinney_coefficient() {
+    let shares = [("initial_share", 0.4), ("saturated_share", 0.4)];
+    let effect = run(&format!("{CUT}{}", table(find("plastic_heat").unwrap(), &shares)));
+    assert!(effect.bits == run(&format!("{CUT}\n[heat]\ntaylor_quinney = 0.4\n")).bits);
 }

@@ -27,7 +27,7 @@ use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
 use crate::thermoelasticity;
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
-use sphcut_physics::effects::with_effects;
+use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressModel;
 
@@ -43,8 +43,10 @@ pub(crate) struct MaterialData {
     pub(crate) heat_table: Option<TemperatureTable>,
     pub(crate) conductivity_table: Option<TemperatureTable>,
     pub(crate) law: Box<dyn FlowStressModel>,
-    /// beta / (rho_0 cp), 0 without plastic heating.
-    pub(crate) heating: f64,
+    /// beta / (rho_0 cp), 0 without plastic heating; `heat_share` takes its place.
+    pub(crate) constant_heating: f64,
+    /// beta where an effect makes it depend on strain and rate.
+    pub(crate) heat_share: Option<Box<dyn HeatShare>>,
     pub(crate) hourglass: f64,
     /// kappa G in Pa.
     pub(crate) hourglass_stiffness: f64,
@@ -165,9 +167,22 @@ impl MaterialData {
         (moduli.bulk + 4.0 / 3.0 * moduli.shear) / (self.wave_speed * self.wave_speed)
     }
 
-    /// beta, or 0 without plastic heating.
-    pub(crate) fn heating_share(&self) -> f64 {
-        self.heating * self.density * self.specific_heat
+    /// beta at a state, or 0 without plastic heating.
+    #[inline]
+    pub(crate) fn heating_share<const D: usize>(&self, point: &MaterialPoint<D>) -> f64 {
+        self.heating(point) * self.density * self.specific_heat
+    }
+
+    /// beta / (rho_0 cp) at a state, with cp at room temperature.
+    #[inline]
+    pub(crate) fn heating<const D: usize>(&self, point: &MaterialPoint<D>) -> f64 {
+        match &self.heat_share {
+            None => self.constant_heating,
+            Some(law) => {
+                let share = law.share(point.plastic_strain, point.plastic_strain_rate);
+                share / (self.density * self.specific_heat)
+            }
+        }
     }
 }
 
@@ -472,7 +487,8 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
                 .p_wave_speed(material.density * option("mass_scaling"));
             let inertial_density = material.density * option("mass_scaling");
             let impedance = inertial_density * wave_speed * smoothing_length;
-            let heating = if setup.heat.plastic_heating.is_on() {
+            let heats = setup.heat.plastic_heating.is_on();
+            let constant_heating = if heats {
                 taylor_quinney / (material.density * material.specific_heat)
             } else {
                 0.0
@@ -492,7 +508,8 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
                     &setup.effects,
                     &setup.effect_context(),
                 ),
-                heating,
+                constant_heating,
+                heat_share: heat_share(&setup.effects).filter(|_| heats),
                 hourglass: option("hourglass_coefficient") * impedance,
                 hourglass_stiffness: option("hourglass_stiffness") * material.moduli.shear,
                 linear_viscosity: option("linear_viscosity") * impedance,

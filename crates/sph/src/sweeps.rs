@@ -152,11 +152,12 @@ impl<const D: usize> Engine<D> {
                         if let Some(table) = &data.stiffness_table {
                             tally.thermoelastic += point.follow_modulus(data, table) * volume[i];
                         }
-                        let work = point.advance(&rate, &context(data, point.temperature, dt));
+                        let share = data.heating_share(point);
+                        let work = point.advance(&rate, &context(data, point, dt));
                         tally.plastic += work.plastic * volume[i];
                         tally.viscosity += work.viscosity * volume[i];
                         tally.residue += work.residue * volume[i];
-                        tally.heat += work.plastic * volume[i] * data.heating_share();
+                        tally.heat += work.plastic * volume[i] * share;
                         tally.strain = tally.strain.max(green_strain(&point.deformation));
                         tally.spread(&extended(&minus(&position[i], &reference[i])));
                         check_point(point, i, tally);
@@ -249,16 +250,20 @@ impl<const D: usize> Engine<D> {
 }
 
 #[inline]
-fn context(data: &MaterialData, temperature: f64, dt: f64) -> UpdateContext<'_> {
+fn context<'a, const D: usize>(
+    data: &'a MaterialData,
+    point: &MaterialPoint<D>,
+    dt: f64,
+) -> UpdateContext<'a> {
     UpdateContext {
         moduli: data.moduli,
         law: data.law.as_ref(),
         time_step: dt,
-        heating: data.heating_at(temperature),
+        heating: data.heating_at(point),
         heat_table: data
             .heat_table
             .as_ref()
-            .map(|table| (data.heating_share() / data.density, table)),
+            .map(|table| (data.heating_share(point) / data.density, table)),
         linear_viscosity: data.linear_viscosity,
         quadratic_viscosity: data.quadratic_viscosity,
     }

@@ -67,12 +67,14 @@ impl MaterialData {
         }
     }
 
-    /// beta / (rho_0 cp) at `temperature`.
+    /// beta / (rho_0 cp) at the state of `point`.
     #[inline]
-    pub(crate) fn heating_at(&self, temperature: f64) -> f64 {
+    pub(crate) fn heating_at<const D: usize>(&self, point: &MaterialPoint<D>) -> f64 {
         match &self.heat_table {
-            None => self.heating,
-            Some(table) => self.heating * self.specific_heat / table.value(temperature),
+            None => self.heating(point),
+            Some(table) => {
+                self.heating(point) * self.specific_heat / table.value(point.temperature)
+            }
         }
     }
 
@@ -128,7 +130,8 @@ mod tests {
             law: (flow_stress::find("elastic").unwrap().build)(&sphcut_physics::Values::defaults(
                 &[],
             )),
-            heating: 0.0,
+            constant_heating: 0.0,
+            heat_share: None,
             hourglass: 0.0,
             hourglass_stiffness: 0.0,
             linear_viscosity: 0.0,

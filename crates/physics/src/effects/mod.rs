@@ -5,10 +5,13 @@
 //! [`EffectEntry::vanishing`] names values with which it changes nothing, and the generic tests hold
 //! every effect to that.
 
+mod plastic_heat;
 mod size_effect;
 mod strain_ageing;
+mod tanh_softening;
 mod viscous_drag;
 
+pub use plastic_heat::PlasticHeat;
 pub use size_effect::SizeEffect;
 pub use strain_ageing::StrainAgeing;
 pub use viscous_drag::ViscousDrag;
@@ -34,7 +37,7 @@ pub struct EffectEntry {
     pub signature: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
-    /// Values of the parameters without default with which the effect is plain to see.
+    /// Values, of all parameters without default at least, with which the effect is plain to see.
     pub example: &'static [(&'static str, f64)],
     /// Values, beside those of `example`, with which the effect changes nothing.
     pub vanishing: &'static [(&'static str, f64)],
@@ -49,6 +52,8 @@ pub struct EffectEntry {
 pub enum Demand {
     /// A cut: the effect reads the uncut chip thickness.
     UncutChipThickness,
+    /// Heating by plastic work, without a constant `taylor_quinney`: the effect says what it is.
+    PlasticHeating,
     /// A flow-stress law other than the one named, which contains the effect already.
     OtherLawThan(&'static str),
 }
@@ -58,6 +63,8 @@ pub enum Demand {
 pub enum Action {
     /// Takes the flow-stress law and gives the one that holds instead.
     FlowStress(Wrap),
+    /// Gives the share of the plastic work that becomes heat.
+    PlasticHeat(fn(&Values) -> Box<dyn HeatShare>),
 }
 
 /// From parameters, the scenario and a flow-stress law to the law with the effect.
@@ -80,8 +87,13 @@ pub struct ChosenEffect {
 }
 
 /// All effects, in the order in which they act.
-pub const EFFECTS: &[&EffectEntry] =
-    &[&viscous_drag::ENTRY, &strain_ageing::ENTRY, &size_effect::ENTRY];
+pub const EFFECTS: &[&EffectEntry] = &[
+    &viscous_drag::ENTRY,
+    &strain_ageing::ENTRY,
+    &size_effect::ENTRY,
+    &tanh_softening::ENTRY,
+    &plastic_heat::ENTRY,
+];
 
 /// The effect named `key`, if there is one.
 #[must_use]
@@ -98,7 +110,23 @@ pub fn with_effects(
 ) -> Box<dyn FlowStressModel> {
     effects.iter().fold(base, |law, effect| match effect.entry.action {
         Action::FlowStress(wrap) => wrap(&effect.values, context, law),
+        Action::PlasticHeat(_) => law,
     })
+}
+
+/// The share of the plastic work that becomes heat, if an effect says it.
+#[must_use]
+pub fn heat_share(effects: &[ChosenEffect]) -> Option<Box<dyn HeatShare>> {
+    effects.iter().find_map(|effect| match effect.entry.action {
+        Action::PlasticHeat(build) => Some(build(&effect.values)),
+        Action::FlowStress(_) => None,
+    })
+}
+
+/// The share of the plastic work that becomes heat: a pure function of the state.
+pub trait HeatShare: Debug + Send + Sync {
+    /// beta, from 0 to 1.
+    fn share(&self, plastic_strain: f64, plastic_strain_rate: f64) -> f64;
 }
 
 /// A factor on the flow stress: a pure function of the state.

@@ -114,7 +114,7 @@ impl FlowStressLaw for JohnsonCook {
 }
 
 /// The eight Johnson-Cook parameters.
-pub(super) const PARAMETERS: [Parameter; 8] = [
+pub(crate) const PARAMETERS: [Parameter; 8] = [
     Parameter {
         key: "initial_yield",
         symbol: "A",

@@ -4,14 +4,14 @@
 //! [`FlowStressEntry`]; [`LAWS`] is the only registration.
 
 mod elastic;
-mod johnson_cook;
+pub(crate) mod johnson_cook;
 mod linear_hardening;
-mod tanh_johnson_cook;
+pub(crate) mod tanh_johnson_cook;
 
 pub use elastic::Elastic;
 pub use johnson_cook::JohnsonCook;
 pub use linear_hardening::LinearHardening;
-pub use tanh_johnson_cook::TanhJohnsonCook;
+pub use tanh_johnson_cook::{TanhJohnsonCook, TanhSoftening};
 
 use crate::radial_return::RadialReturn;
 use crate::{Parameter, Values};

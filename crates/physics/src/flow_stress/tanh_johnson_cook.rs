@@ -2,7 +2,7 @@
 
 use super::johnson_cook::{self, JohnsonCook};
 use super::{FlowState, FlowStressEntry, FlowStressLaw};
-use crate::{Parameter, Quantity, Range};
+use crate::{Parameter, Quantity, Range, Values};
 
 /// ```text
 /// sigma_y = (A + B eps_p^n / exp(eps_p^a)) (1 + C ln max(eps_p_dot/eps_dot_0, 1)) (1 - T*^m)
@@ -20,6 +20,19 @@ pub struct TanhJohnsonCook {
     pub johnson_cook: JohnsonCook,
     /// a: damping of the hardening at large strain.
     pub hardening_damping: f64,
+    /// The last factor.
+    pub softening: TanhSoftening,
+}
+
+/// The factor of strain softening.
+/// ```text
+/// D + (1 - D) tanh(1 / (eps_p + p)^r)^s,   D = 1 - (T/T_m)^d,   p = (T/T_m)^b
+/// ```
+/// With s = 0 it is 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TanhSoftening {
+    /// T_m in K.
+    pub melting_temperature: f64,
     /// b: temperature exponent of the strain offset p.
     pub offset_exponent: f64,
     /// r: strain exponent inside tanh.
@@ -30,6 +43,59 @@ pub struct TanhJohnsonCook {
     pub tanh_exponent: f64,
 }
 
+impl TanhSoftening {
+    /// From values of a table with [`SOFTENING`] and the melting temperature.
+    pub(crate) fn from_values(values: &Values) -> Self {
+        Self {
+            melting_temperature: values.get("melting_temperature"),
+            offset_exponent: values.get("offset_exponent"),
+            strain_exponent: values.get("strain_exponent"),
+            floor_exponent: values.get("floor_exponent"),
+            tanh_exponent: values.get("tanh_exponent"),
+        }
+    }
+
+    /// The factor.
+    #[inline]
+    #[must_use]
+    pub fn factor(&self, state: &FlowState) -> f64 {
+        let strain = state.plastic_strain.max(0.0);
+        let relative_temperature = (state.temperature / self.melting_temperature).clamp(0.0, 1.0);
+        let floor = 1.0 - relative_temperature.powf(self.floor_exponent);
+        let offset = relative_temperature.powf(self.offset_exponent);
+        // (eps + p)^-r grows without bound for cold, undeformed material; tanh of it is then 1.
+        let argument = (strain + offset).powf(-self.strain_exponent);
+        floor + (1.0 - floor) * argument.tanh().powf(self.tanh_exponent)
+    }
+
+    /// The factor and its derivative along `change`, as [`FlowStressLaw::flow_stress_along`].
+    #[inline]
+    #[must_use]
+    pub fn factor_along(&self, state: &FlowState, change: &FlowState) -> (f64, f64) {
+        let strain = state.plastic_strain.max(0.0);
+        let relative_temperature = (state.temperature / self.melting_temperature).clamp(0.0, 1.0);
+        let heating = if relative_temperature > 0.0 && relative_temperature < 1.0 {
+            change.temperature / state.temperature
+        } else {
+            0.0
+        };
+        let depth = relative_temperature.powf(self.floor_exponent);
+        let offset = relative_temperature.powf(self.offset_exponent);
+        let argument = (strain + offset).powf(-self.strain_exponent);
+        let tanh = argument.tanh();
+        let power = tanh.powf(self.tanh_exponent);
+        // d(ln argument) = -r d(eps + p)/(eps + p); where tanh is 1 to rounding it does not matter.
+        let mut growth = 0.0;
+        if tanh < 1.0 {
+            let widening = change.plastic_strain + self.offset_exponent * offset * heating;
+            let argument_growth = -self.strain_exponent * widening / (strain + offset);
+            growth = self.tanh_exponent * (1.0 - tanh * tanh) * argument / tanh * argument_growth;
+        }
+        let slope = depth * (self.floor_exponent * heating * (power - 1.0) + power * growth);
+        (self.factor(state), slope)
+    }
+}
+
 impl FlowStressLaw for TanhJohnsonCook {
     #[inline]
     fn flow_stress(&self, state: &FlowState) -> f64 {
@@ -38,16 +104,10 @@ impl FlowStressLaw for TanhJohnsonCook {
         let hardening = base.initial_yield
             + base.hardening_modulus * strain.powf(base.hardening_exponent)
                 / strain.powf(self.hardening_damping).exp();
-        let relative_temperature = (state.temperature / base.melting_temperature).clamp(0.0, 1.0);
-        let floor = 1.0 - relative_temperature.powf(self.floor_exponent);
-        let offset = relative_temperature.powf(self.offset_exponent);
-        // (eps + p)^-r grows without bound for cold, undeformed material; tanh of it is then 1.
-        let argument = (strain + offset).powf(-self.strain_exponent);
-        let softening = floor + (1.0 - floor) * argument.tanh().powf(self.tanh_exponent);
         hardening
             * base.rate_factor(state.plastic_strain_rate)
             * base.softening(state.temperature)
-            * softening
+            * self.softening.factor(state)
     }
 }
 
@@ -68,6 +128,14 @@ const fn exponent(
     }
 }
 
+/// b, r, d and s.
+pub(crate) const SOFTENING: [Parameter; 4] = [
+    exponent("offset_exponent", "b", 5.0, "temperature exponent of the strain offset"),
+    exponent("strain_exponent", "r", 2.0, "strain exponent inside tanh"),
+    exponent("floor_exponent", "d", 1.0, "temperature exponent of the softened level"),
+    exponent("tanh_exponent", "s", 0.05, "exponent of tanh"),
+];
+
 const PARAMETERS: [Parameter; 13] = [
     johnson_cook::PARAMETERS[0],
     johnson_cook::PARAMETERS[1],
@@ -78,10 +146,10 @@ const PARAMETERS: [Parameter; 13] = [
     johnson_cook::PARAMETERS[6],
     johnson_cook::PARAMETERS[7],
     exponent("hardening_damping", "a", 2.0, "damps the hardening at large strain"),
-    exponent("offset_exponent", "b", 5.0, "temperature exponent of the strain offset"),
-    exponent("strain_exponent", "r", 2.0, "strain exponent inside tanh"),
-    exponent("floor_exponent", "d", 1.0, "temperature exponent of the softened level"),
-    exponent("tanh_exponent", "s", 0.05, "exponent of tanh"),
+    SOFTENING[0],
+    SOFTENING[1],
+    SOFTENING[2],
+    SOFTENING[3],
 ];
 
 pub(super) const ENTRY: FlowStressEntry = FlowStressEntry {
@@ -96,10 +164,7 @@ pub(super) const ENTRY: FlowStressEntry = FlowStressEntry {
         Box::new(TanhJohnsonCook {
             johnson_cook: JohnsonCook::from_values(values),
             hardening_damping: values.get("hardening_damping"),
-            offset_exponent: values.get("offset_exponent"),
-            strain_exponent: values.get("strain_exponent"),
-            floor_exponent: values.get("floor_exponent"),
-            tanh_exponent: values.get("tanh_exponent"),
+            softening: TanhSoftening::from_values(values),
         })
     },
 };
@@ -107,7 +172,6 @@ pub(super) const ENTRY: FlowStressEntry = FlowStressEntry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Values;
     use approx::assert_relative_eq;
 
     fn titanium() -> Box<dyn super::super::FlowStressModel> {
