@@ -14,7 +14,7 @@
 //! stored energy is booked as `density_diffusion_work`.
 
 use crate::engine::Engine;
-use crate::neighbours::CHUNK;
+use crate::neighbours::{CHUNK, TURN};
 use crate::tensor::{Vector, apply, dot, minus, plus_scaled};
 use rayon::prelude::*;
 
@@ -49,6 +49,7 @@ impl<const D: usize> Engine<D> {
         let smooth: Vec<Smooth<D>> = (0..point.len())
             .into_par_iter()
             .with_min_len(CHUNK)
+            .with_max_len(TURN * CHUNK)
             .map(|i| {
                 let (index, weight) = list.row(i);
                 let mut sum = [0.0; D];
@@ -70,6 +71,7 @@ impl<const D: usize> Engine<D> {
             .point
             .par_chunks_mut(CHUNK)
             .enumerate()
+            .with_max_len(TURN)
             .map(|(chunk, points)| {
                 let mut released = 0.0;
                 for (offset, point) in points.iter_mut().enumerate() {

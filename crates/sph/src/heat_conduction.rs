@@ -14,7 +14,7 @@
 
 use crate::engine::Engine;
 use crate::laplacian;
-use crate::neighbours::CHUNK;
+use crate::neighbours::{CHUNK, TURN};
 use crate::supports::FREE;
 use crate::tensor::minus;
 use rayon::prelude::*;
@@ -54,28 +54,33 @@ impl<const D: usize> Engine<D> {
         let (list, frame, materials) = (&self.list, &self.frame, &self.materials);
         let (material, temperature, conductivity) = (&self.material, &temperature, &conductivity);
         let (reference, tensor) = (&self.reference, &self.conduction_tensor);
-        self.point.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, points)| {
-            for (offset, point) in points.iter_mut().enumerate() {
-                let i = chunk * CHUNK + offset;
-                let (index, weight) = list.row(i);
-                let mut flux = 0.0;
-                for (&j, &w) in index.iter().zip(weight) {
-                    let j = j as usize;
-                    let both = conductivity[i] + conductivity[j];
-                    let mean = if both > 0.0 {
-                        2.0 * conductivity[i] * conductivity[j] / both
-                    } else {
-                        0.0
-                    };
-                    let separation = minus(&reference[j], &reference[i]);
-                    let factor = laplacian::pair(&separation, &tensor[i], &tensor[j]);
-                    flux += w * mean * factor * (temperature[j] - temperature[i]);
+        self.point.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
+            |(chunk, points)| {
+                for (offset, point) in points.iter_mut().enumerate() {
+                    let i = chunk * CHUNK + offset;
+                    let (index, weight) = list.row(i);
+                    let mut flux = 0.0;
+                    for (&j, &w) in index.iter().zip(weight) {
+                        let j = j as usize;
+                        let both = conductivity[i] + conductivity[j];
+                        let mean = if both > 0.0 {
+                            2.0 * conductivity[i] * conductivity[j] / both
+                        } else {
+                            0.0
+                        };
+                        let separation = minus(&reference[j], &reference[i]);
+                        let factor = laplacian::pair(&separation, &tensor[i], &tensor[j]);
+                        flux += w * mean * factor * (temperature[j] - temperature[i]);
+                    }
+                    let data = &materials[material[i] as usize];
+                    point.temperature = data.heated(
+                        point.temperature,
+                        duration * flux * frame[i].volume_ratio,
+                        1.0,
+                    );
                 }
-                let data = &materials[material[i] as usize];
-                point.temperature =
-                    data.heated(point.temperature, duration * flux * frame[i].volume_ratio, 1.0);
-            }
-        });
+            },
+        );
     }
 
     /// Resets the particles of fixed-temperature supports and books the heat that takes.

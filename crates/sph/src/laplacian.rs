@@ -23,7 +23,7 @@
 //! keeps the trace of the sum. theta < 1 is needed where the neighbourhood has an edge in 3D or a
 //! corner: lines and points, so that the order stays two.
 
-use crate::neighbours::NeighbourList;
+use crate::neighbours::{CHUNK, NeighbourList, TURN};
 use crate::tensor::{Matrix, Vector, contract, dot, identity, minus, sum_scaled, zero};
 use rayon::prelude::*;
 
@@ -42,7 +42,8 @@ pub(crate) fn tensors<const D: usize>(
 ) -> Vec<Matrix<D>> {
     (0..reference.len())
         .into_par_iter()
-        .with_min_len(crate::neighbours::CHUNK)
+        .with_min_len(CHUNK)
+        .with_max_len(TURN * CHUNK)
         .map(|i| tensor(list, reference, i))
         .collect()
 }

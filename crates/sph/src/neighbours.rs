@@ -11,6 +11,9 @@ use rayon::prelude::*;
 
 /// Particles handled by one task; fixed, so that sums over tasks have one order.
 pub(crate) const CHUNK: usize = 64;
+/// Chunks that a thread takes at a time. Chunks differ in cost (plastic flow, free surfaces), and left
+/// to itself rayon hands out quarters of a sweep: one of two threads then waits for the other.
+pub(crate) const TURN: usize = 2;
 
 /// Neighbours of all particles in compressed rows.
 #[derive(Debug, Default)]
@@ -193,11 +196,13 @@ pub(crate) fn build_list<const D: usize>(
     // Counting first and filling in place afterwards needs no second copy of the list.
     list.start.clear();
     list.start.resize(positions.len() + 1, 0);
-    list.start[1..].par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, counts)| {
-        for (offset, count) in counts.iter_mut().enumerate() {
-            search(chunk * CHUNK + offset, &mut |_, _| *count += 1);
-        }
-    });
+    list.start[1..].par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
+        |(chunk, counts)| {
+            for (offset, count) in counts.iter_mut().enumerate() {
+                search(chunk * CHUNK + offset, &mut |_, _| *count += 1);
+            }
+        },
+    );
     for i in 1..list.start.len() {
         list.start[i] += list.start[i - 1];
     }
@@ -205,7 +210,7 @@ pub(crate) fn build_list<const D: usize>(
     resize_sparingly(&mut list.index, total, 0);
     resize_sparingly(&mut list.weight, total, 0.0);
     let rows = rows_of_chunks(&list.start, &mut list.index, &mut list.weight);
-    rows.into_par_iter().enumerate().for_each(|(chunk, (indices, weights))| {
+    rows.into_par_iter().enumerate().with_max_len(TURN).for_each(|(chunk, (indices, weights))| {
         let first = chunk * CHUNK;
         let mut places = indices.iter_mut().zip(weights.iter_mut());
         for i in first..(first + CHUNK).min(positions.len()) {
@@ -242,7 +247,8 @@ pub(crate) fn find_strangers<const D: usize>(
         }
         found
     };
-    let chunks: Vec<_> = positions.par_chunks(CHUNK).enumerate().map(of_chunk).collect();
+    let chunks: Vec<_> =
+        positions.par_chunks(CHUNK).enumerate().with_max_len(TURN).map(of_chunk).collect();
     chunks.concat()
 }
 

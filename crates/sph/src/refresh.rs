@@ -2,7 +2,7 @@
 
 use crate::engine::{Engine, Frame, MaterialData};
 use crate::laplacian;
-use crate::neighbours::{CHUNK, Cells, NeighbourList, build_list, find_strangers};
+use crate::neighbours::{CHUNK, Cells, NeighbourList, TURN, build_list, find_strangers};
 use crate::strangers::Kinship;
 use crate::tensor::{
     Matrix, Vector, apply, clamped_spectrum, determinant, dot, identity, inverse_nonsingular,
@@ -133,6 +133,7 @@ impl<const D: usize> Engine<D> {
         self.frame
             .par_chunks_mut(CHUNK)
             .enumerate()
+            .with_max_len(TURN)
             .map(|(chunk, frames)| {
                 let mut limits = Limits::default();
                 for (offset, frame) in frames.iter_mut().enumerate() {

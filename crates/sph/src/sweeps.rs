@@ -5,7 +5,7 @@ use crate::contact::extended;
 use crate::engine::{Engine, Exchange, MaterialData};
 use crate::error::Diverged;
 use crate::material_point::{MaterialPoint, UpdateContext};
-use crate::neighbours::{CHUNK, NeighbourList};
+use crate::neighbours::{CHUNK, NeighbourList, TURN};
 use crate::tensor::{
     Matrix, Vector, apply, contract, dot, minus, plus_scaled, product, sum_scaled, transpose, zero,
 };
@@ -140,6 +140,7 @@ impl<const D: usize> Engine<D> {
             .zip(self.force.par_chunks_mut(CHUNK))
             .zip(self.tallies.par_iter_mut())
             .enumerate()
+            .with_max_len(TURN)
             .for_each(|(chunk, (((points, exchanges), forces), tally))| {
                 *tally = Tally::default();
                 for (offset, point) in points.iter_mut().enumerate() {
@@ -227,25 +228,27 @@ impl<const D: usize> Engine<D> {
     pub(crate) fn sweep_forces(&mut self) {
         let (list, reference, velocity) = (&self.list, &self.reference, &self.velocity);
         let (exchange, reference_volume) = (&self.exchange, &self.reference_volume);
-        self.force.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, forces)| {
-            for (offset, force) in forces.iter_mut().enumerate() {
-                let i = chunk * CHUNK + offset;
-                let (index, weight) = list.row(i);
-                let (here, speed) = (reference[i], velocity[i]);
-                let mut sum = *force;
-                for (&j, &w) in index.iter().zip(weight) {
-                    let j = j as usize;
-                    let separation = minus(&reference[j], &here);
-                    let other = &exchange[j];
-                    for k in 0..D {
-                        let stress = dot(&other.flux[k], &separation);
-                        let damping = other.damping * (velocity[j][k] - speed[k]);
-                        sum[k] += w * (stress + damping - other.spring[k]);
+        self.force.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
+            |(chunk, forces)| {
+                for (offset, force) in forces.iter_mut().enumerate() {
+                    let i = chunk * CHUNK + offset;
+                    let (index, weight) = list.row(i);
+                    let (here, speed) = (reference[i], velocity[i]);
+                    let mut sum = *force;
+                    for (&j, &w) in index.iter().zip(weight) {
+                        let j = j as usize;
+                        let separation = minus(&reference[j], &here);
+                        let other = &exchange[j];
+                        for k in 0..D {
+                            let stress = dot(&other.flux[k], &separation);
+                            let damping = other.damping * (velocity[j][k] - speed[k]);
+                            sum[k] += w * (stress + damping - other.spring[k]);
+                        }
                     }
+                    *force = sum.map(|component| component * reference_volume[i]);
                 }
-                *force = sum.map(|component| component * reference_volume[i]);
-            }
-        });
+            },
+        );
     }
 }
 
