@@ -20,7 +20,7 @@ use sphcut_physics::radial_return::TrialState;
 const RATE_SMOOTHING_STEPS: f64 = 100.0;
 
 /// State of one particle as a piece of material.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct MaterialPoint<const D: usize> {
     /// Deviatoric Kirchhoff stress S in Pa (in-plane part in 2D).
     pub(crate) deviator: Matrix<D>,
