@@ -89,6 +89,7 @@ pub(crate) struct Numerics {
     pub(crate) yield_fraction: f64,
     pub(crate) mass_scaling: f64,
     pub(crate) density_diffusion: f64,
+    pub(crate) residual_density_diffusion: f64,
     pub(crate) bonding_distance: f64,
     pub(crate) support_stretch: f64,
 }
@@ -230,6 +231,7 @@ impl<const D: usize> Engine<D> {
             yield_fraction: setup.numerics.get("hourglass_yield_fraction"),
             mass_scaling: setup.numerics.get("mass_scaling"),
             density_diffusion: setup.numerics.get("density_diffusion"),
+            residual_density_diffusion: setup.numerics.get("residual_density_diffusion"),
             bonding_distance: setup.numerics.get("bonding_distance"),
             support_stretch: setup.numerics.get("support_stretch"),
         };

@@ -91,6 +91,14 @@ pub const NUMERICS: &[Parameter] = &[
         "docs/numerics.md",
     ),
     number(
+        "residual_density_diffusion",
+        "delta_r",
+        Range::closed(0.0, 1.0),
+        0.01,
+        "diffusion of the zig-zag that plastic flow leaves behind, in terms of c h_s eps_p",
+        "docs/numerics.md",
+    ),
+    number(
         "bonding_distance",
         "R_b",
         Range::closed(4.0, 1e9),
