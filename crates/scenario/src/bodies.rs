@@ -143,7 +143,12 @@ fn require_shape_keys(findings: &mut Findings, record: &Record<'_>, keys: &[&str
     }
 }
 
-fn box_shape(findings: &mut Findings, record: &Record<'_>, dimension: usize) -> Option<Shape> {
+/// The lower and the upper corner of a box in m, if they are in this order.
+pub(crate) fn corners(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    dimension: usize,
+) -> Option<([f64; 3], [f64; 3])> {
     let (min, max) = (record.vector("min")?, record.vector("max")?);
     if (0..dimension).any(|axis| min[axis] >= max[axis]) {
         let mistake = Mistake::Contradiction {
@@ -153,6 +158,11 @@ fn box_shape(findings: &mut Findings, record: &Record<'_>, dimension: usize) -> 
         findings.problem(&record.source, record.span("max"), mistake);
         return None;
     }
+    Some((min, max))
+}
+
+fn box_shape(findings: &mut Findings, record: &Record<'_>, dimension: usize) -> Option<Shape> {
+    let (min, max) = corners(findings, record, dimension)?;
     let rotation = match record.is_written("rotation") {
         true => record.number("rotation")?,
         false => 0.0,

@@ -1,5 +1,6 @@
 //! `[[heat_source]]`: heat released in the volume of the bodies.
 
+use crate::bodies;
 use crate::findings::Findings;
 use crate::problem::Mistake;
 use crate::reader;
@@ -85,15 +86,7 @@ fn region(
     record: &Record<'_>,
     dimension: usize,
 ) -> Option<HeatSourceForm> {
-    let (min, max) = (record.vector("min")?, record.vector("max")?);
-    if (0..dimension).any(|axis| min[axis] >= max[axis]) {
-        let mistake = Mistake::Contradiction {
-            message: "`max` must lie above `min` in every component".to_owned(),
-            help: "exchange or correct the corners".to_owned(),
-        };
-        findings.problem(&record.source, record.span("max"), mistake);
-        return None;
-    }
+    let (min, max) = bodies::corners(findings, record, dimension)?;
     Some(HeatSourceForm::Box { min, max })
 }
 
