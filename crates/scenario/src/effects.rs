@@ -84,6 +84,9 @@ fn contradiction(effect: &'static EffectEntry, setup: &Setup) -> Option<(String,
         let message = format!("`{key}` has no effect: no material of this scenario yields");
         return Some((message, format!("remove [effects.{key}], or choose another law")));
     }
+    if let Some(contradiction) = temperatures(setup, key) {
+        return Some(contradiction);
+    }
     let heats = effect.demands.contains(&Demand::PlasticHeating);
     if heats && !setup.heat.plastic_heating.is_on() {
         let message = format!("`{key}` has no effect with plastic_heating = false");
@@ -98,6 +101,22 @@ fn contradiction(effect: &'static EffectEntry, setup: &Setup) -> Option<(String,
         format!("the flow-stress law `{same}` contains `{key}` already"),
         format!("remove [effects.{key}], or choose the law without it"),
     ))
+}
+
+/// A melting temperature at or below the reference temperature has no meaning.
+fn temperatures(setup: &Setup, key: &str) -> Option<(String, String)> {
+    let effect = setup.effects.iter().find(|effect| effect.entry.key == key)?;
+    let of = |key: &str| effect.values.iter().find(|(parameter, _)| parameter.key == key);
+    let (reference, melting) = (of("reference_temperature")?.1, of("melting_temperature")?.1);
+    (melting <= reference).then(|| {
+        (
+            format!(
+                "melting_temperature = {melting} K is not above reference_temperature = \
+                 {reference} K"
+            ),
+            "check both temperatures and their units".to_owned(),
+        )
+    })
 }
 
 /// An effect with its parameters in SI units, for the provenance.

@@ -3,7 +3,7 @@
 
 use sphcut_physics::effects::{EFFECTS, EffectEntry, find};
 use sphcut_scenario::{LoadOptions, parse};
-use sphcut_sph::{ChannelId, Sample, Simulation};
+use sphcut_sph::{ChannelId, CheckpointState, Sample, Simulation};
 use std::sync::OnceLock;
 
 const CUT: &str = r#"
@@ -47,7 +47,7 @@ struct Outcome {
 
 impl Outcome {
     /// Mean over the travel. It is kept short: two such coarse cuts stay comparable over the first
-    /// 0.3 mm, where a stronger material by 1 % gives a larger force by 1 %. Later crumbs at the edge
+    /// 0.3 mm, where a material stronger by 1 % gives a force larger by 1 +- 0.5 %. Later crumbs at the edge
     /// make the mean over a tenth of a millimetre differ by 5 to 10 %, whatever the cause.
     fn mean(&self, channel: ChannelId) -> f64 {
         let sum: f64 = self.samples.iter().map(|sample| sample.get(channel)).sum();
@@ -79,9 +79,13 @@ fn run(text: &str) -> Outcome {
     while !simulation.is_finished() {
         samples.extend(simulation.step().unwrap().sample);
     }
-    let state = simulation.checkpoint();
-    let bits = state.reals.iter().flat_map(|(_, values)| values.iter().map(|v| v.to_bits()));
-    Outcome { samples, bits: bits.collect() }
+    Outcome { samples, bits: bits(&simulation.checkpoint()) }
+}
+
+/// Bits of a state without what only effects with memory have.
+fn bits(state: &CheckpointState) -> Vec<u64> {
+    let common = state.reals.iter().filter(|(name, _)| name != "history");
+    common.flat_map(|(_, values)| values.iter().map(|v| v.to_bits())).collect()
 }
 
 /// The cut without effects, computed once.
@@ -184,9 +188,10 @@ fn strain_ageing_raises_the_cutting_force_where_its_band_is_met() {
 fn a_size_effect_raises_the_specific_cutting_force_of_thin_chips() {
     let size = with("size_effect");
     size.books_close();
-    // sqrt(1 + 20 um/200 um) = 1.049; the additional heat takes a little back.
+    // sqrt(1 + 20 um/200 um) = 1.049; the additional heat takes a little back, and a cut of five
+    // particles leaves 0.5 %: 1.040, 1.052 and 1.043 after 0.2, 0.3 and 0.4 mm.
     let ratio = force_ratio(&size);
-    assert!(ratio > 1.03 && ratio < 1.05, "{ratio}");
+    assert!(ratio > 1.03 && ratio < 1.06, "{ratio}");
     // The same cut at half the size: sqrt(1.2) = 1.095.
     let entry = find("size_effect").unwrap();
     let changes = [
@@ -196,7 +201,7 @@ fn a_size_effect_raises_the_specific_cutting_force_of_thin_chips() {
         ("sampling_travel = \"4 um\"", "sampling_travel = \"2 um\""),
     ];
     let thin = force_ratio_of_other(entry, &changes);
-    assert!(thin > ratio + 0.02 && thin < 1.1, "{thin} {ratio}");
+    assert!(thin > ratio + 0.02 && thin < 1.11, "{thin} {ratio}");
 }
 
 #[test]
@@ -204,8 +209,9 @@ fn tanh_softening_lowers_the_cutting_force() {
     let softening = with("tanh_softening");
     softening.books_close();
     let ratio = force_ratio(&softening);
-    // Strains of 1 and more at half the melting temperature are found at the tool only.
-    assert!(ratio < 0.995 && ratio > 0.9, "{ratio}");
+    // Strains of 1 and more at half the melting temperature are found at the tool only: with the
+    // published exponent of 0.05 the force falls by less than the 0.5 % that can be told apart.
+    assert!(ratio < 0.985 && ratio > 0.9, "{ratio}");
 }
 
 #[test]
@@ -227,4 +233,69 @@ fn a_constant_share_is_the_taylor_quinney_coefficient() {
     let shares = [("initial_share", 0.4), ("saturated_share", 0.4)];
     let effect = run(&format!("{CUT}{}", table(find("plastic_heat").unwrap(), &shares)));
     assert!(effect.bits == run(&format!("{CUT}\n[heat]\ntaylor_quinney = 0.4\n")).bits);
+}
+
+#[test]
+fn kinematic_hardening_adds_to_the_force() {
+    let hardening = with("kinematic_hardening");
+    hardening.books_close();
+    // C/g = 100 MPa beside a flow stress of 900 MPa, less what the additional heat takes back.
+    let ratio = force_ratio(&hardening);
+    assert!(ratio > 1.03 && ratio < 1.11, "{ratio}");
+}
+
+#[test]
+fn damage_lowers_the_force_and_makes_it_uneven() {
+    let entry = find("damage").unwrap();
+    let damage = with("damage");
+    damage.books_close();
+    let ratio = force_ratio(&damage);
+    assert!(ratio > 0.7 && ratio < 0.95, "{ratio}");
+    // The more ductile, the closer to the cut without damage.
+    let ductile = run(&format!("{CUT}{}", table(entry, &[("failure_strain_range", 2.0)])));
+    assert!(force_ratio(&ductile) > ratio + 0.05 && force_ratio(&ductile) < 1.0);
+    // Brittle material carries until the first segment fails, then next to nothing.
+    let brittle = run(&format!("{CUT}{}", table(entry, &[("failure_strain_range", 0.1)])));
+    assert!(least_over_largest(&brittle) < 0.4, "{}", least_over_largest(&brittle));
+    assert!(least_over_largest(base()) > 0.75, "{}", least_over_largest(base()));
+}
+
+/// Smallest over largest force, each averaged over 32 um, once the tool has gone 32 um.
+fn least_over_largest(outcome: &Outcome) -> f64 {
+    let forces: Vec<f64> =
+        outcome.samples.iter().map(|sample| sample.get(ChannelId::CuttingForce)).collect();
+    let whole = forces.chunks_exact(8).skip(1);
+    let (least, largest) = whole
+        .map(|part| part.iter().sum::<f64>())
+        .fold((f64::INFINITY, 0.0), |(least, largest), sum| (sum.min(least), sum.max(largest)));
+    least / largest
+}
+
+#[test]
+fn all_effects_give_the_same_bits_at_any_thread_count_and_after_an_interruption() {
+    let all: String = EFFECTS.iter().map(|entry| table(entry, &[])).collect();
+    let text = format!("{CUT}{all}").replace("travel = \"0.3 mm\"", "travel = \"0.1 mm\"");
+    let setup = parse(&text, "cut.toml", None, &LoadOptions::default()).unwrap().setup;
+    let whole = |state: &CheckpointState| -> Vec<u64> {
+        state.reals.iter().flat_map(|(_, values)| values.iter().map(|v| v.to_bits())).collect()
+    };
+    let finish = |mut simulation: Simulation| {
+        while !simulation.is_finished() {
+            simulation.step().unwrap();
+        }
+        simulation.checkpoint()
+    };
+    let with_threads = |count: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        pool.install(|| finish(Simulation::new(setup.clone()).unwrap()))
+    };
+    let one = with_threads(1);
+    assert!(one.real("history").is_some());
+    assert!(whole(&one) == whole(&with_threads(3)));
+    let mut interrupted = Simulation::new(setup.clone()).unwrap();
+    while interrupted.time() < 0.6 * setup.end_time {
+        interrupted.step().unwrap();
+    }
+    let resumed = Simulation::restore(setup.clone(), &interrupted.checkpoint()).unwrap();
+    assert!(whole(&one) == whole(&finish(resumed)));
 }

@@ -18,6 +18,7 @@
 use crate::account::{Account, Tally};
 use crate::contact::{ContactInput, ToolContact, reduced};
 use crate::error::{Diverged, SetupError};
+use crate::history::{History, Memory};
 use crate::material_point::MaterialPoint;
 use crate::neighbours::{CHUNK, NeighbourList, Smoothing};
 use crate::setup::{HeatSource, Setup};
@@ -47,6 +48,7 @@ pub(crate) struct MaterialData {
     pub(crate) constant_heating: f64,
     /// beta where an effect makes it depend on strain and rate.
     pub(crate) heat_share: Option<Box<dyn HeatShare>>,
+    pub(crate) memory: Memory,
     pub(crate) hourglass: f64,
     /// kappa G in Pa.
     pub(crate) hourglass_stiffness: f64,
@@ -112,6 +114,8 @@ pub(crate) struct Engine<const D: usize> {
     /// Volume in the undeformed state in m^3 (m^2).
     pub(crate) volume: Vec<f64>,
     pub(crate) point: Vec<MaterialPoint<D>>,
+    /// What effects with memory know of each particle; empty without such effects.
+    pub(crate) history: Vec<History<D>>,
     /// Total force except the reaction of supports.
     pub(crate) force: Vec<Vector<D>>,
     pub(crate) frame: Vec<Frame<D>>,
@@ -260,6 +264,7 @@ impl<const D: usize> Engine<D> {
             shape: Vec::new(),
             volume: Vec::new(),
             point: Vec::new(),
+            history: Vec::new(),
             force: Vec::new(),
             frame: Vec::new(),
             exchange: Vec::new(),
@@ -311,6 +316,9 @@ impl<const D: usize> Engine<D> {
         self.reference = self.position.clone();
         self.origin = self.position.clone();
         self.shape = self.initial_shapes();
+        if self.materials.iter().any(|data| data.memory.is_needed()) {
+            self.history = vec![History::default(); count];
+        }
         self.force = vec![[0.0; D]; count];
         self.frame = vec![frame; count];
         self.exchange = vec![Exchange { flux: zero(), spring: [0.0; D], damping: 0.0 }; count];
@@ -369,7 +377,10 @@ impl<const D: usize> Engine<D> {
             + size_of::<MaterialPoint<D>>()
             + size_of::<Frame<D>>()
             + size_of::<Exchange<D>>();
-        self.id.len() * each + self.shape.len() * size_of::<Matrix<D>>() + self.list.memory()
+        self.id.len() * each
+            + self.shape.len() * size_of::<Matrix<D>>()
+            + self.history.len() * size_of::<History<D>>()
+            + self.list.memory()
     }
 
     /// Inertia of a particle in kg (kg/m).
@@ -512,6 +523,7 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
                 ),
                 constant_heating,
                 heat_share: heat_share(&setup.effects).filter(|_| heats),
+                memory: Memory::of(setup),
                 hourglass: option("hourglass_coefficient") * impedance,
                 hourglass_stiffness: option("hourglass_stiffness") * material.moduli.shear,
                 linear_viscosity: option("linear_viscosity") * impedance,

@@ -10,6 +10,7 @@ mod engine;
 pub mod error;
 mod heat_conduction;
 mod heat_source;
+mod history;
 pub mod kernel;
 mod laplacian;
 mod lattice;

@@ -14,7 +14,9 @@ use crate::tensor::{
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressModel;
-use sphcut_physics::radial_return::TrialState;
+use sphcut_physics::radial_return::{Returned, TrialState};
+
+use crate::history::{History, Memory};
 
 /// Time constant of the smoothed plastic strain rate in steps.
 const RATE_SMOOTHING_STEPS: f64 = 100.0;
@@ -117,12 +119,15 @@ pub(crate) struct UpdateContext<'a> {
     pub(crate) linear_viscosity: f64,
     /// Quadratic bulk viscosity coefficient beta rho h^2 in Pa s^2.
     pub(crate) quadratic_viscosity: f64,
+    /// Laws of what the point remembers.
+    pub(crate) memory: &'a Memory,
 }
 
 /// Energies of one update per reference volume in J/m^3.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct UpdateWork {
-    /// Mean plastic dissipation `(S_n + S_n+1)/2 : d(eps_p)`; never negative.
+    /// Mean plastic dissipation `(S_n + S_n+1)/2 : d(eps_p)`; never negative unless a back stress
+    /// exceeds the flow stress.
     pub(crate) plastic: f64,
     /// Dissipation by bulk viscosity.
     pub(crate) viscosity: f64,
@@ -132,11 +137,12 @@ pub(crate) struct UpdateWork {
 
 impl<const D: usize> MaterialPoint<D> {
     /// Advances the stress by one step of the deformation rate `F_dot` (relative to the
-    /// refreshed reference, in 1/s).
+    /// refreshed reference, in 1/s). `past` is what effects with memory know of the point.
     pub(crate) fn advance(
         &mut self,
         deformation_rate: &Matrix<D>,
         context: &UpdateContext,
+        past: Option<&mut History<D>>,
     ) -> UpdateWork {
         let dt = context.time_step;
         let moduli = self.moduli(&context.moduli);
@@ -161,7 +167,13 @@ impl<const D: usize> MaterialPoint<D> {
         let carried = rotated(&self.deviator, &rotation);
         self.offset = apply(&rotation, &self.offset);
         let trial = sum_scaled(&carried, 2.0 * shear * dt, &deviatoric_rate);
-        let increment = self.return_to_yield(&trial, context);
+        let increment = match past {
+            None => self.return_to_yield(&trial, context),
+            Some(past) => {
+                past.turn(&rotation);
+                self.return_with_memory(&trial, context, past)
+            }
+        };
 
         // Plastic part of the strain increment: D dt - (S_n+1 - S_n) / 2G, deviatoric.
         let mean = sum_scaled(&carried, 1.0, &self.deviator);
@@ -190,30 +202,48 @@ impl<const D: usize> MaterialPoint<D> {
 
     /// Replaces the deviator by `trial` returned to the yield surface; the plastic increment.
     fn return_to_yield(&mut self, trial: &Matrix<D>, context: &UpdateContext) -> f64 {
-        let dt = context.time_step;
-        // The law speaks of Cauchy stress: tau / J.
-        let equivalent = (1.5 * Self::deviator_square(trial)).sqrt() / self.volume_ratio;
-        let returned = context.law.radial_return(&TrialState {
+        let equivalent = self.equivalent(trial);
+        let returned = context.law.radial_return(&self.trial_state(equivalent, context));
+        if returned.plastic_increment > 0.0 {
+            let scale = returned.flow_stress / equivalent;
+            self.deviator = trial.map(|row| row.map(|component| component * scale));
+        } else {
+            self.deviator = *trial;
+        }
+        self.flow(&returned, context.time_step);
+        returned.plastic_increment
+    }
+
+    /// Equivalent stress of a deviator; the law speaks of Cauchy stress: tau / J.
+    #[inline]
+    pub(crate) fn equivalent(&self, deviator: &Matrix<D>) -> f64 {
+        (1.5 * Self::deviator_square(deviator)).sqrt() / self.volume_ratio
+    }
+
+    /// What the return needs to know of the point.
+    #[inline]
+    pub(crate) fn trial_state(&self, equivalent: f64, context: &UpdateContext) -> TrialState {
+        TrialState {
             equivalent_stress: equivalent,
             plastic_strain: self.plastic_strain,
             temperature: self.temperature,
             shear_modulus: self.moduli(&context.moduli).shear / self.volume_ratio,
-            time_step: dt,
+            time_step: context.time_step,
             heating: context.heating,
-            expected_increment: self.plastic_strain_rate * dt,
-        });
-        self.flow_stress = returned.flow_stress;
+            expected_increment: self.plastic_strain_rate * context.time_step,
+        }
+    }
+
+    /// Books a return.
+    #[inline]
+    pub(crate) fn flow(&mut self, returned: &Returned, dt: f64) {
         let increment = returned.plastic_increment;
+        self.flow_stress = returned.flow_stress;
         self.plastic_strain_rate +=
             (increment / dt - self.plastic_strain_rate) / RATE_SMOOTHING_STEPS;
         if increment > 0.0 {
-            let scale = returned.flow_stress / equivalent;
-            self.deviator = trial.map(|row| row.map(|component| component * scale));
             self.plastic_strain += increment;
-        } else {
-            self.deviator = *trial;
         }
-        increment
     }
 
     /// `q = -alpha rho c h tr D + beta rho h^2 (tr D)^2` in compression, linear term only in

@@ -4,6 +4,7 @@ use crate::account::Account;
 use crate::contact::{Touch, extended};
 use crate::engine::Engine;
 use crate::error::SetupError;
+use crate::history::History;
 use crate::material_point::MaterialPoint;
 use crate::neighbours::Cells;
 use crate::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};
@@ -228,6 +229,9 @@ impl<const D: usize> Engine<D> {
         real("volume", self.volume.clone());
         real("reference_volume_ratio", self.frame.iter().map(|f| f.volume_ratio).collect());
         real("point", self.point.iter().flat_map(point_to_vec).collect());
+        if !self.history.is_empty() {
+            real("history", self.history.iter().copied().flat_map(History::to_vec).collect());
+        }
         real("account", self.account.to_array().to_vec());
         real(
             "clock",
@@ -284,6 +288,11 @@ impl<const D: usize> Engine<D> {
         let width = point_to_vec(&engine.point[0]).len();
         let points = reader.reals("point", count * width)?;
         engine.point = points.chunks_exact(width).map(point_from_slice).collect();
+        if !engine.history.is_empty() {
+            let width = engine.history[0].to_vec().len();
+            let histories = reader.reals("history", count * width)?;
+            engine.history = histories.chunks_exact(width).map(History::from_slice).collect();
+        }
         let account = reader.reals("account", 21)?;
         engine.account = Account::from_array(account.try_into().expect("length was checked"));
         engine.id = reader.integers("id")?.to_vec();

@@ -112,6 +112,9 @@ impl<const D: usize> Engine<D> {
         if !self.shape.is_empty() {
             permute(&mut self.shape, order, done);
         }
+        if !self.history.is_empty() {
+            permute(&mut self.history, order, done);
+        }
         permute(&mut self.velocity, order, done);
         permute(&mut self.volume, order, done);
         permute(&mut self.point, order, done);

@@ -134,14 +134,18 @@ impl<const D: usize> Engine<D> {
         let (frame, material, volume) = (&self.frame, &self.material, &self.volume);
         let (materials, position) = (&self.materials, &self.position);
         let yield_fraction = self.numerics.yield_fraction;
+        let forgetful = if self.history.is_empty() { self.tallies.len() } else { 0 };
+        let none = (0..forgetful).into_par_iter().map(|_| None);
+        let histories = self.history.par_chunks_mut(CHUNK).map(Some).chain(none);
         self.point
             .par_chunks_mut(CHUNK)
             .zip(self.exchange.par_chunks_mut(CHUNK))
             .zip(self.force.par_chunks_mut(CHUNK))
             .zip(self.tallies.par_iter_mut())
+            .zip(histories)
             .enumerate()
             .with_max_len(TURN)
-            .for_each(|(chunk, (((points, exchanges), forces), tally))| {
+            .for_each(|(chunk, ((((points, exchanges), forces), tally), mut histories))| {
                 *tally = Tally::default();
                 for (offset, point) in points.iter_mut().enumerate() {
                     let i = chunk * CHUNK + offset;
@@ -154,7 +158,8 @@ impl<const D: usize> Engine<D> {
                             tally.thermoelastic += point.follow_modulus(data, table) * volume[i];
                         }
                         let share = data.heating_share(point);
-                        let work = point.advance(&rate, &context(data, point, dt));
+                        let past = histories.as_deref_mut().map(|of_chunk| &mut of_chunk[offset]);
+                        let work = point.advance(&rate, &context(data, point, dt), past);
                         tally.plastic += work.plastic * volume[i];
                         tally.viscosity += work.viscosity * volume[i];
                         tally.residue += work.residue * volume[i];
@@ -269,6 +274,7 @@ fn context<'a, const D: usize>(
             .map(|table| (data.heating_share(point) / data.density, table)),
         linear_viscosity: data.linear_viscosity,
         quadratic_viscosity: data.quadratic_viscosity,
+        memory: &data.memory,
     }
 }
 

@@ -132,6 +132,7 @@ mod tests {
             )),
             constant_heating: 0.0,
             heat_share: None,
+            memory: crate::history::Memory::default(),
             hourglass: 0.0,
             hourglass_stiffness: 0.0,
             linear_viscosity: 0.0,

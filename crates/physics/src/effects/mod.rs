@@ -5,12 +5,16 @@
 //! [`EffectEntry::vanishing`] names values with which it changes nothing, and the generic tests hold
 //! every effect to that.
 
+mod damage;
+mod kinematic_hardening;
 mod plastic_heat;
 mod size_effect;
 mod strain_ageing;
 mod tanh_softening;
 mod viscous_drag;
 
+pub use damage::Damage;
+pub use kinematic_hardening::KinematicHardening;
 pub use plastic_heat::PlasticHeat;
 pub use size_effect::SizeEffect;
 pub use strain_ageing::StrainAgeing;
@@ -65,6 +69,10 @@ pub enum Action {
     FlowStress(Wrap),
     /// Gives the share of the plastic work that becomes heat.
     PlasticHeat(fn(&Values) -> Box<dyn HeatShare>),
+    /// Gives every particle a back stress.
+    KinematicHardening(fn(&Values) -> KinematicHardening),
+    /// Lets every particle fail.
+    Damage(fn(&Values) -> Damage),
 }
 
 /// From parameters, the scenario and a flow-stress law to the law with the effect.
@@ -93,6 +101,8 @@ pub const EFFECTS: &[&EffectEntry] = &[
     &size_effect::ENTRY,
     &tanh_softening::ENTRY,
     &plastic_heat::ENTRY,
+    &kinematic_hardening::ENTRY,
+    &damage::ENTRY,
 ];
 
 /// The effect named `key`, if there is one.
@@ -110,7 +120,7 @@ pub fn with_effects(
 ) -> Box<dyn FlowStressModel> {
     effects.iter().fold(base, |law, effect| match effect.entry.action {
         Action::FlowStress(wrap) => wrap(&effect.values, context, law),
-        Action::PlasticHeat(_) => law,
+        _ => law,
     })
 }
 
@@ -119,7 +129,25 @@ pub fn with_effects(
 pub fn heat_share(effects: &[ChosenEffect]) -> Option<Box<dyn HeatShare>> {
     effects.iter().find_map(|effect| match effect.entry.action {
         Action::PlasticHeat(build) => Some(build(&effect.values)),
-        Action::FlowStress(_) => None,
+        _ => None,
+    })
+}
+
+/// The kinematic hardening, if there is one.
+#[must_use]
+pub fn kinematic_hardening(effects: &[ChosenEffect]) -> Option<KinematicHardening> {
+    effects.iter().find_map(|effect| match effect.entry.action {
+        Action::KinematicHardening(build) => Some(build(&effect.values)),
+        _ => None,
+    })
+}
+
+/// The damage, if there is one.
+#[must_use]
+pub fn damage(effects: &[ChosenEffect]) -> Option<Damage> {
+    effects.iter().find_map(|effect| match effect.entry.action {
+        Action::Damage(build) => Some(build(&effect.values)),
+        _ => None,
     })
 }
 

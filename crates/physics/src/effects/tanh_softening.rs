@@ -33,7 +33,7 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
         SOFTENING[2],
         SOFTENING[3],
     ],
-    example: &[("melting_temperature", 1733.0), ("tanh_exponent", 0.3)],
+    example: &[("melting_temperature", 1733.0), ("tanh_exponent", 1.0)],
     vanishing: &[("tanh_exponent", 0.0)],
     demands: &[Demand::OtherLawThan("tanh_johnson_cook")],
     action: Action::FlowStress(|values, _, base| scaled(base, TanhSoftening::from_values(values))),

@@ -1,0 +1,201 @@
+//! What effects with memory know of a particle: back stress and damage, and the return to the yield
+//! surface with them.
+//!
+//! The back stress X moves the yield surface, and damage scales the flow stress by `s <= 1`:
+//! ```text
+//! S_1 = S_trial - 2 G de_p,   X_1 = (X_0 + 2/3 C de_p) / (1 + g d),   |S_1 - X_1|_eq = s sigma_y
+//! ```
+//! With `r = 1/(1 + g d)` the plastic increment d has the direction of `Z = S_trial - r X_0`, and
+//! ```text
+//! |Z|_eq - (3 G + r C) d = s sigma_y(eps_p + d, d/dt, T + ...)
+//! ```
+//! For a given r this is the return without effects, of a material with the modulus `G + r C/3` and
+//! all stresses divided by s. It is repeated with the r of the increment found: an error of d in r
+//! comes back multiplied by at most `g |X|/(3 G + C) <= C/(3 G + C)`, so the search converges, and
+//! with steps of 1e-4 of strain and less it takes three or four rounds.
+
+use crate::material_point::{MaterialPoint, UpdateContext};
+use crate::setup::Setup;
+use crate::tensor::{Matrix, rotated, sum_scaled, zero};
+use sphcut_physics::effects::{Damage, KinematicHardening, damage, kinematic_hardening};
+use sphcut_physics::radial_return::{Returned, TrialState};
+
+/// Relative change of the increment at which the rounds end.
+const TOLERANCE: f64 = 1e-9;
+/// Each round divides the error by 1 + 3 G/C at least: enough for C up to 10 G.
+const MOST_ROUNDS: usize = 100;
+
+/// Laws of what the particles of a material remember.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Memory {
+    hardening: Option<KinematicHardening>,
+    damage: Option<Damage>,
+    /// Length over which a band localises: the particle spacing in m.
+    length: f64,
+}
+
+impl Memory {
+    /// The laws of a run.
+    pub(crate) fn of(setup: &Setup) -> Self {
+        Self {
+            hardening: kinematic_hardening(&setup.effects),
+            damage: damage(&setup.effects),
+            length: setup.particle_spacing,
+        }
+    }
+
+    /// Whether there is anything to remember.
+    pub(crate) fn is_needed(&self) -> bool {
+        self.hardening.is_some() || self.damage.is_some()
+    }
+
+    fn strength(&self, softening: f64) -> f64 {
+        self.damage.as_ref().map_or(1.0, |law| law.strength(softening))
+    }
+}
+
+/// What a particle remembers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct History<const D: usize> {
+    /// X, a deviator, as Kirchhoff stress in Pa (in-plane part in 2D).
+    pub(crate) back_stress: Matrix<D>,
+    /// D, from 0 to 1: failure begins at 1.
+    pub(crate) damage: f64,
+    /// w, from 0 to 1: share of the strength that failure has taken.
+    pub(crate) softening: f64,
+}
+
+impl<const D: usize> Default for History<D> {
+    fn default() -> Self {
+        Self { back_stress: zero(), damage: 0.0, softening: 0.0 }
+    }
+}
+
+impl<const D: usize> History<D> {
+    /// Turns with the material.
+    pub(crate) fn turn(&mut self, rotation: &Matrix<D>) {
+        self.back_stress = rotated(&self.back_stress, rotation);
+    }
+
+    /// All numbers, for the checkpoint.
+    pub(crate) fn to_vec(self) -> Vec<f64> {
+        let mut values: Vec<f64> = self.back_stress.iter().flatten().copied().collect();
+        values.extend([self.damage, self.softening]);
+        values
+    }
+
+    /// The inverse of [`History::to_vec`].
+    pub(crate) fn from_slice(values: &[f64]) -> Self {
+        Self {
+            back_stress: std::array::from_fn(|row| {
+                std::array::from_fn(|column| values[row * D + column])
+            }),
+            damage: values[D * D],
+            softening: values[D * D + 1],
+        }
+    }
+
+    /// Damage by a plastic increment at a triaxiality, a rate and a temperature.
+    fn wear(&mut self, memory: &Memory, increment: f64, state: (f64, f64, f64)) {
+        let Some(law) = &memory.damage else { return };
+        let (triaxiality, rate, temperature) = state;
+        if self.damage < 1.0 {
+            let share = increment / law.failure_strain(triaxiality, rate, temperature);
+            self.damage = (self.damage + share).min(1.0);
+        } else {
+            let share = memory.length * increment / law.failure_displacement;
+            self.softening = (self.softening + share).min(1.0);
+        }
+    }
+}
+
+impl<const D: usize> MaterialPoint<D> {
+    /// Replaces the deviator by `trial` returned to the yield surface of the past; the plastic
+    /// increment.
+    pub(crate) fn return_with_memory(
+        &mut self,
+        trial: &Matrix<D>,
+        context: &UpdateContext,
+        past: &mut History<D>,
+    ) -> f64 {
+        let memory = context.memory;
+        let strength = memory.strength(past.softening);
+        let (direction, remaining, returned) = match &memory.hardening {
+            None => {
+                let state = self.trial_state(self.equivalent(trial), context);
+                (*trial, 1.0, weakened(context, &state, strength))
+            }
+            Some(law) => self.return_to_back_stress(trial, context, past, (law, strength)),
+        };
+        let increment = returned.plastic_increment;
+        if increment > 0.0 {
+            let equivalent = self.equivalent(&direction);
+            if let Some(law) = &memory.hardening {
+                let growth = law.kinematic_modulus * increment / equivalent;
+                past.back_stress = sum_scaled(&past.back_stress, growth, &direction)
+                    .map(|row| row.map(|component| component * remaining));
+                let scale = returned.flow_stress / equivalent;
+                self.deviator = sum_scaled(&past.back_stress, scale, &direction);
+            } else {
+                let scale = returned.flow_stress / equivalent;
+                self.deviator = direction.map(|row| row.map(|component| component * scale));
+            }
+        } else {
+            self.deviator = *trial;
+        }
+        self.flow(&returned, context.time_step);
+        if increment > 0.0 {
+            let pressure = self.moduli(&context.moduli).pressure(self.volume_ratio);
+            let equivalent = self.equivalent(&self.deviator).max(f64::MIN_POSITIVE);
+            let state = (-pressure / equivalent, self.plastic_strain_rate, self.temperature);
+            past.wear(memory, increment, state);
+        }
+        increment
+    }
+
+    /// Z, r and the return along Z.
+    fn return_to_back_stress(
+        &self,
+        trial: &Matrix<D>,
+        context: &UpdateContext,
+        past: &History<D>,
+        (law, strength): (&KinematicHardening, f64),
+    ) -> (Matrix<D>, f64, Returned) {
+        let round = |remaining: f64, expected: f64| {
+            let direction = sum_scaled(trial, -remaining, &past.back_stress);
+            let mut state = self.trial_state(self.equivalent(&direction), context);
+            state.shear_modulus += remaining * law.kinematic_modulus / 3.0;
+            state.expected_increment = expected;
+            (direction, remaining, weakened(context, &state, strength))
+        };
+        let mut found = round(1.0, self.plastic_strain_rate * context.time_step);
+        for _ in 0..MOST_ROUNDS {
+            let before = found.2.plastic_increment;
+            // Whether the step is elastic is decided by the surface at its beginning.
+            if before == 0.0 {
+                break;
+            }
+            let next = round(law.remaining(before), before);
+            // What was found is confirmed, and kept: without back stress it is the plain return.
+            if (next.2.plastic_increment - before).abs() <= TOLERANCE * before {
+                break;
+            }
+            found = next;
+        }
+        found
+    }
+}
+
+/// The return with a flow stress times `strength`: all stresses are divided by it.
+fn weakened(context: &UpdateContext, state: &TrialState, strength: f64) -> Returned {
+    let returned = context.law.radial_return(&TrialState {
+        equivalent_stress: state.equivalent_stress / strength,
+        shear_modulus: state.shear_modulus / strength,
+        heating: state.heating * strength,
+        ..*state
+    });
+    Returned { flow_stress: returned.flow_stress * strength, ..returned }
+}
+
+#[cfg(test)]
+mod tests;
