@@ -2,7 +2,9 @@
 //! catalogue and tests.
 
 use crate::Quantity;
+use crate::flow_stress::FlowStressTable;
 use std::fmt;
+use std::sync::Arc;
 
 /// The interval of admissible SI values of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,11 +96,13 @@ impl fmt::Display for ParameterError {
 
 impl std::error::Error for ParameterError {}
 
-/// Checked SI values of a parameter table, in the table's order.
+/// Checked SI values of a parameter table, in the table's order; with them the table of measured
+/// values for a law that has one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
     table: &'static [Parameter],
     values: Vec<f64>,
+    table_data: Option<Arc<FlowStressTable>>,
 }
 
 impl Values {
@@ -130,7 +134,7 @@ impl Values {
                 Some(value) => values.push(value),
             }
         }
-        if errors.is_empty() { Ok(Self { table, values }) } else { Err(errors) }
+        if errors.is_empty() { Ok(Self { table, values, table_data: None }) } else { Err(errors) }
     }
 
     /// The defaults of a table in which every parameter has one.
@@ -150,6 +154,18 @@ impl Values {
     pub fn get(&self, key: &str) -> f64 {
         let index = self.table.iter().position(|parameter| parameter.key == key);
         self.values[index.unwrap_or_else(|| panic!("the parameter table has no key `{key}`"))]
+    }
+
+    /// The same values with a table of measured ones.
+    #[must_use]
+    pub fn with_table_data(self, data: Option<Arc<FlowStressTable>>) -> Self {
+        Self { table_data: data, ..self }
+    }
+
+    /// The table of measured values, if there is one.
+    #[must_use]
+    pub fn table_data(&self) -> Option<&Arc<FlowStressTable>> {
+        self.table_data.as_ref()
     }
 
     /// The table these values belong to.

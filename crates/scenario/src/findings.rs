@@ -58,6 +58,14 @@ impl Findings {
         }
     }
 
+    /// Says what the file holds that was named last under `key` of `section`.
+    pub(crate) fn resolved(&mut self, section: &str, key: &str, content: String) {
+        let named = |entry: &&mut ResolvedEntry| entry.section == section && entry.key == key;
+        if let Some(entry) = self.description.iter_mut().rev().find(named) {
+            entry.value = content;
+        }
+    }
+
     /// Notes a value that follows from others.
     pub(crate) fn derived(&mut self, section: &str, key: &str, quantity: Quantity, si: f64) {
         let value = units::significant(si);

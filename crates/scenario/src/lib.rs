@@ -6,12 +6,14 @@
 //! All mistakes of a file are reported in one go, each at its place.
 
 mod bodies;
+mod columns;
 mod cut;
 mod effects;
 mod ending;
 mod field_reader;
 mod files;
 mod findings;
+mod flow_stress_table;
 mod heat_source;
 mod library;
 mod material;
@@ -40,7 +42,8 @@ pub use files::OutsideFiles;
 pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem};
 
-pub use measured::{MeasuredSpringback, TableProblem, read_measured_springback};
+pub use columns::TableProblem;
+pub use measured::{MeasuredSpringback, read_measured_springback};
 
 pub use ending::{Output, Steady, Stop};
 pub use reference::reference;

@@ -7,9 +7,9 @@ use crate::problem::{Mistake, Source};
 use crate::reader::{self, Defaults};
 use crate::record::Record;
 use crate::section::Presence;
-use crate::{library, sections, spelling};
+use crate::{flow_stress_table, library, sections, spelling};
 use sphcut_physics::elasticity::ElasticModuli;
-use sphcut_physics::flow_stress::{self, FlowStressEntry};
+use sphcut_physics::flow_stress::{self, FlowStressEntry, FlowStressTable};
 use sphcut_physics::{ParameterError, TemperatureTable, Values};
 use sphcut_sph::setup::{Material, TemperatureTables};
 use std::ops::Range;
@@ -35,6 +35,7 @@ struct Draft {
     tables: Vec<(&'static str, TemperatureTable)>,
     law: Option<&'static FlowStressEntry>,
     law_numbers: Vec<(&'static str, f64)>,
+    law_table: Option<Arc<FlowStressTable>>,
 }
 
 impl Draft {
@@ -96,9 +97,9 @@ impl<'t> Shelf<'t> {
                 findings,
                 &root.source,
                 (table, key.span()),
-                &section,
-                name,
+                (&section, name),
                 Sources::Free,
+                surroundings,
             );
             let good = findings.problems.len() == before;
             shelf.drafts.push((name.to_owned(), good.then_some(draft)));
@@ -126,14 +127,21 @@ impl<'t> Shelf<'t> {
     fn chosen(&mut self, findings: &mut Findings, owner: &Record<'_>) -> Option<Draft> {
         if let Some(inline) = owner.table("material") {
             let name = format!("{}.material", owner.section);
-            return Some(read_draft(findings, &self.source, inline, &name, &name, Sources::Free));
+            return Some(read_draft(
+                findings,
+                &self.source,
+                inline,
+                (&name, &name),
+                Sources::Free,
+                self.surroundings,
+            ));
         }
         let name = owner.text("material")?;
         if let Some(known) = self.drafts.iter().find(|draft| draft.0 == name) {
             return known.1.clone();
         }
         let draft = match self.text(name) {
-            Ok(text) => read_file(findings, name, text),
+            Ok(text) => read_file(findings, name, text, self.surroundings),
             Err(mistake) => {
                 findings.problem(&self.source, owner.span("material"), *mistake);
                 None
@@ -194,11 +202,15 @@ impl<'t> Shelf<'t> {
         if law.map(|law| law.key) != draft.law.map(|law| law.key) {
             draft.law = law;
             draft.law_numbers.clear();
+            draft.law_table = None;
         }
         let section =
             sections::flow_stress(&name, law).all_optional(&name, "Replaces single values.");
-        reader::read_with(findings, &self.source, flow, &section, 2, Defaults::Ignore)
-            .written_numbers()
+        let record = reader::read_with(findings, &self.source, flow, &section, 2, Defaults::Ignore);
+        if let Some(table) = flow_stress_table::named(findings, &record, self.surroundings) {
+            draft.law_table = Some(table);
+        }
+        record.written_numbers()
     }
 
     /// The material for the solver; what is still missing is reported at the owner.
@@ -232,12 +244,21 @@ impl<'t> Shelf<'t> {
         let thermal_conductivity = thermal(findings, "thermal_conductivity");
         let law = draft.law?;
         let flow_stress_values = match Values::resolve(law.parameters, &draft.law_numbers) {
-            Ok(values) => values,
+            Ok(values) => values.with_table_data(draft.law_table.clone()),
             Err(errors) => {
                 report_parameters(findings, owner, law, &errors);
                 return None;
             }
         };
+        if law.table.is_some() && draft.law_table.is_none() {
+            // Only an override can leave it out: where the law is stated it is required.
+            let section =
+                sections::flow_stress(&format!("{}.flow_stress", owner.section), Some(law));
+            let field = section.field("table_file").expect("a law with a table has its file");
+            let mistake = reader::missing(&section, field);
+            findings.problem(&owner.source, owner.span("override"), mistake);
+            return None;
+        }
         check_temperatures(findings, owner, &flow_stress_values)?;
         Some(Material {
             name: draft.title.clone(),
@@ -309,7 +330,12 @@ enum Sources {
 }
 
 /// Reads a material file; its own mistakes are shown in its own text.
-fn read_file(findings: &mut Findings, name: &str, text: String) -> Option<Draft> {
+fn read_file(
+    findings: &mut Findings,
+    name: &str,
+    text: String,
+    surroundings: &Surroundings,
+) -> Option<Draft> {
     let shown = if name.ends_with(".toml") { name.to_owned() } else { format!("{name}.toml") };
     let source = Arc::new(Source { name: shown, text });
     let (document, errors) = DeTable::parse_recoverable(&source.text);
@@ -320,7 +346,8 @@ fn read_file(findings: &mut Findings, name: &str, text: String) -> Option<Draft>
     let heading = crate::first_line(&source.text);
     let (problems, entries) = (findings.problems.len(), findings.description.len());
     let table = (document.get_ref(), heading);
-    let draft = read_draft(findings, &source, table, "material", name, Sources::Required);
+    let draft =
+        read_draft(findings, &source, table, ("material", name), Sources::Required, surroundings);
     for entry in &mut findings.description[entries..] {
         entry.section = entry.section.replacen("material", &format!("material {name}"), 1);
     }
@@ -331,9 +358,9 @@ fn read_draft(
     findings: &mut Findings,
     source: &Arc<Source>,
     table: (&DeTable<'_>, Range<usize>),
-    section: &str,
-    name: &str,
+    (section, name): (&str, &str),
     sources: Sources,
+    surroundings: &Surroundings,
 ) -> Draft {
     let record = reader::read(findings, source, table, &sections::material(section), 2);
     let mut draft = Draft {
@@ -348,7 +375,9 @@ fn read_draft(
         draft.law = written.and_then(flow_stress::find);
         if draft.law.is_some() {
             let section = sections::flow_stress(&flow_section, draft.law);
-            draft.law_numbers = reader::read(findings, source, flow, &section, 2).written_numbers();
+            let record = reader::read(findings, source, flow, &section, 2);
+            draft.law_numbers = record.written_numbers();
+            draft.law_table = flow_stress_table::named(findings, &record, surroundings);
         } else {
             read_unknown_law(findings, source, flow, &flow_section);
         }
@@ -394,7 +423,7 @@ fn require_sources(
     };
     let mut keys: Vec<&'static str> =
         record.written_numbers().iter().map(|number| number.0).collect();
-    if law.is_some_and(|law| !law.parameters.is_empty()) {
+    if law.is_some_and(|law| !law.parameters.is_empty() || law.table.is_some()) {
         keys.push("flow_stress");
     }
     let heading = sources.as_ref().map_or_else(|| record.heading.clone(), |(_, span)| span.clone());

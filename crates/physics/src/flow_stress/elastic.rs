@@ -20,5 +20,6 @@ pub(super) const ENTRY: FlowStressEntry = FlowStressEntry {
     source: "definition",
     validity: "verification cases and bodies that stay elastic",
     parameters: &[],
+    table: None,
     build: |_| Box::new(Elastic),
 };

@@ -198,6 +198,7 @@ pub(super) const ENTRY: FlowStressEntry = FlowStressEntry {
     validity: "metals below melting; neglects history, recrystallisation, strain ageing and \
                coupling between strain, rate and temperature",
     parameters: &PARAMETERS,
+    table: None,
     build: |values| Box::new(JohnsonCook::from_values(values)),
 };
 

@@ -45,6 +45,7 @@ pub(super) const ENTRY: FlowStressEntry = FlowStressEntry {
             source: "0 is perfect plasticity",
         },
     ],
+    table: None,
     build: |values| {
         Box::new(LinearHardening {
             initial_yield: values.get("initial_yield"),

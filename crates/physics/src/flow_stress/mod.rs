@@ -6,11 +6,13 @@
 mod elastic;
 pub(crate) mod johnson_cook;
 mod linear_hardening;
+mod tabulated;
 pub(crate) mod tanh_johnson_cook;
 
 pub use elastic::Elastic;
 pub use johnson_cook::JohnsonCook;
 pub use linear_hardening::LinearHardening;
+pub use tabulated::{FlowStressTable, TableError, Tabulated};
 pub use tanh_johnson_cook::{TanhJohnsonCook, TanhSoftening};
 
 use crate::radial_return::RadialReturn;
@@ -73,13 +75,20 @@ pub struct FlowStressEntry {
     pub validity: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
-    /// Builds the law from checked values of `parameters`.
+    /// What the file of its table holds, for a law that has one ([`FlowStressTable`]).
+    pub table: Option<&'static str>,
+    /// Builds the law from checked values of `parameters`, and of its table if it has one.
     pub build: fn(&Values) -> Box<dyn FlowStressModel>,
 }
 
 /// All flow-stress laws.
-pub const LAWS: &[&FlowStressEntry] =
-    &[&elastic::ENTRY, &linear_hardening::ENTRY, &johnson_cook::ENTRY, &tanh_johnson_cook::ENTRY];
+pub const LAWS: &[&FlowStressEntry] = &[
+    &elastic::ENTRY,
+    &linear_hardening::ENTRY,
+    &johnson_cook::ENTRY,
+    &tanh_johnson_cook::ENTRY,
+    &tabulated::ENTRY,
+];
 
 /// The law named `key`, if there is one.
 #[must_use]

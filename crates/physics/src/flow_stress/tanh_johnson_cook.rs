@@ -160,6 +160,7 @@ pub(super) const ENTRY: FlowStressEntry = FlowStressEntry {
     source: "Sima and Ozel, Int. J. Mach. Tools Manuf. 50 (2010) 943-960",
     validity: "titanium alloys with strain softening at high temperature; exponents are fitted",
     parameters: &PARAMETERS,
+    table: None,
     build: |values| {
         Box::new(TanhJohnsonCook {
             johnson_cook: JohnsonCook::from_values(values),

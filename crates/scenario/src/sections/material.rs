@@ -74,8 +74,13 @@ pub(crate) fn flow_stress(name: &str, law: Option<&'static FlowStressEntry>) -> 
         Field::new("law", names, Presence::Required, "the flow-stress law")
             .example("\"johnson_cook\""),
     ];
-    let section = Section::new(name, "When the material yields.", fields);
-    law.map_or(section.clone(), |law| section.with_parameters(law.parameters))
+    let mut section = Section::new(name, "When the material yields.", fields);
+    let Some(law) = law else { return section };
+    if let Some(table) = law.table {
+        let file = Field::new("table_file", Kind::Path, Presence::Required, table);
+        section.fields.push(file.example("\"flow_stress.csv\""));
+    }
+    section.with_parameters(law.parameters)
 }
 
 /// `[effects]`: a table for each effect that acts.

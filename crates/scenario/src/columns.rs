@@ -1,0 +1,163 @@
+//! Comma-separated tables with a header that names columns and their units.
+
+use crate::spelling::nearest;
+use crate::units;
+use sphcut_physics::Quantity;
+use std::fmt;
+
+/// What is wrong in a table, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableProblem {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, from 1, with its name; `None` if the whole line is meant.
+    pub column: Option<(usize, String)>,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl fmt::Display for TableProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}", self.line)?;
+        if let Some((number, name)) = &self.column {
+            write!(f, ", column {number} `{name}`")?;
+        }
+        write!(f, ": {}", self.message)
+    }
+}
+
+impl std::error::Error for TableProblem {}
+
+/// A column that a table may have.
+pub(crate) struct ColumnRule {
+    pub(crate) name: &'static str,
+    pub(crate) quantity: Quantity,
+    /// An example of its unit; empty for a pure number.
+    pub(crate) unit: &'static str,
+    pub(crate) required: bool,
+    /// Whether its values must be above 0.
+    pub(crate) positive: bool,
+}
+
+impl ColumnRule {
+    /// As it stands in a header.
+    fn heading(&self) -> String {
+        if self.unit.is_empty() {
+            self.name.to_owned()
+        } else {
+            format!("{} [{}]", self.name, self.unit)
+        }
+    }
+}
+
+/// A column of the file: which of the rules it follows, and the text of its unit.
+struct Column {
+    rule: usize,
+    unit: String,
+}
+
+/// A line of a table: its number, and the SI value of each rule's column if the table has it.
+pub(crate) type Line = (usize, Vec<Option<f64>>);
+
+/// Reads a table with the columns of `rules` in any order. Empty lines and lines that begin with `#`
+/// are skipped. `nothing` says what is missing if no line follows the header.
+///
+/// # Errors
+/// The first mistake with its line and column.
+pub(crate) fn read(
+    text: &str,
+    rules: &[ColumnRule],
+    nothing: &str,
+) -> Result<Vec<Line>, TableProblem> {
+    let mut lines = text
+        .trim_start_matches('\u{feff}')
+        .lines()
+        .enumerate()
+        .map(|(index, line)| (index + 1, line.trim()))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let Some((number, line)) = lines.next() else {
+        return Err(whole(1, "the table is empty"));
+    };
+    let columns = header(number, line, rules)?;
+    let rows: Vec<Line> = lines
+        .map(|(number, line)| Ok((number, row(number, line, rules, &columns)?)))
+        .collect::<Result<_, _>>()?;
+    if rows.is_empty() { Err(whole(number, nothing)) } else { Ok(rows) }
+}
+
+/// A mistake of a whole line.
+pub(crate) fn whole(line: usize, message: impl Into<String>) -> TableProblem {
+    TableProblem { line, column: None, message: message.into() }
+}
+
+fn header(line: usize, text: &str, rules: &[ColumnRule]) -> Result<Vec<Column>, TableProblem> {
+    let mut columns: Vec<Column> = Vec::new();
+    for (index, cell) in text.split(',').map(str::trim).enumerate() {
+        let (name, rest) = cell.split_once('[').unwrap_or((cell, ""));
+        let name = crate::reader::shortened(name.trim());
+        let wrong = |message: String| TableProblem {
+            line,
+            column: Some((index + 1, name.clone())),
+            message,
+        };
+        let Some(found) = rules.iter().position(|rule| rule.name == name) else {
+            let known: Vec<&'static str> = rules.iter().map(|rule| rule.name).collect();
+            let hint = nearest(&name, known.iter().copied()).map_or_else(
+                || format!("there are {}", known.join(", ")),
+                |near| format!("did you mean `{near}`?"),
+            );
+            return Err(wrong(format!("no such column; {hint}")));
+        };
+        if columns.iter().any(|column| column.rule == found) {
+            return Err(wrong("the column is there twice".to_owned()));
+        }
+        let rule = &rules[found];
+        let unit = rest.strip_suffix(']').unwrap_or("").trim().to_owned();
+        if unit.is_empty() && !rule.unit.is_empty() {
+            return Err(wrong(format!("the unit is missing: write `{}`", rule.heading())));
+        }
+        units::parse(&format!("1 {unit}"), rule.quantity)
+            .map_err(|error| wrong(format!("`{unit}`: {error}; for example `{}`", rule.unit)))?;
+        columns.push(Column { rule: found, unit });
+    }
+    let missing = rules
+        .iter()
+        .enumerate()
+        .find(|(index, rule)| rule.required && !columns.iter().any(|found| found.rule == *index));
+    match missing {
+        Some((_, rule)) => Err(whole(line, format!("the column `{}` is missing", rule.heading()))),
+        None => Ok(columns),
+    }
+}
+
+fn row(
+    line: usize,
+    text: &str,
+    rules: &[ColumnRule],
+    columns: &[Column],
+) -> Result<Vec<Option<f64>>, TableProblem> {
+    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+    if cells.len() != columns.len() {
+        let message = format!("{} cells, but the header has {}", cells.len(), columns.len());
+        return Err(whole(line, message));
+    }
+    let mut values = vec![None; rules.len()];
+    for (index, (cell, column)) in cells.iter().zip(columns).enumerate() {
+        let rule = &rules[column.rule];
+        let wrong = |message: String| TableProblem {
+            line,
+            column: Some((index + 1, rule.name.to_owned())),
+            message: format!("`{}`: {message}", crate::reader::shortened(cell)),
+        };
+        // The unit stands in the header; a bare number is what is wanted.
+        let number: f64 = cell.parse().map_err(|_| wrong("not a number".to_owned()))?;
+        let value = units::parse(&format!("{number} {}", column.unit), rule.quantity)
+            .map_err(|error| wrong(error.to_string()))?
+            .si;
+        if rule.positive && value <= 0.0 {
+            return Err(wrong("must be above 0".to_owned()));
+        }
+        values[column.rule] = Some(value);
+    }
+    Ok(values)
+}

@@ -1,0 +1,122 @@
+//! The file of a tabulated flow stress.
+
+use crate::columns::{self, ColumnRule, TableProblem};
+use crate::files::{Surroundings, file_mistake};
+use crate::findings::Findings;
+use crate::record::Record;
+use crate::units::significant;
+use sphcut_physics::Quantity;
+use sphcut_physics::flow_stress::{FlowStressTable, TableError};
+use std::sync::Arc;
+
+/// Largest file in bytes.
+const LARGEST_TABLE: u64 = 1 << 20;
+/// Most lines of a table.
+const MOST_LINES: usize = 10_000;
+
+const fn column(name: &'static str, quantity: Quantity, unit: &'static str) -> ColumnRule {
+    let positive = !unit.is_empty();
+    ColumnRule { name, quantity, unit, required: true, positive }
+}
+
+const COLUMNS: [ColumnRule; 4] = [
+    column("plastic_strain", Quantity::Dimensionless, ""),
+    column("strain_rate", Quantity::Rate, "1/s"),
+    column("temperature", Quantity::Temperature, "degC"),
+    column("flow_stress", Quantity::Stress, "MPa"),
+];
+
+/// The table that `table_file` of a law names, if it names one that can be used.
+pub(crate) fn named(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    surroundings: &Surroundings,
+) -> Option<Arc<FlowStressTable>> {
+    let path = record.text("table_file")?;
+    let table = surroundings.read(path, LARGEST_TABLE).and_then(|text| {
+        read(&text).map_err(|problem| file_mistake(path, problem.to_string(), ""))
+    });
+    match table {
+        Ok(table) => {
+            findings.resolved(&record.section, "table_file", told(&table));
+            Some(Arc::new(table))
+        }
+        Err(mistake) => {
+            findings.problem(&record.source, record.span("table_file"), *mistake);
+            None
+        }
+    }
+}
+
+/// Reads a table of flow stress over strain, rate and temperature.
+///
+/// # Errors
+/// The first mistake with its line.
+fn read(text: &str) -> Result<FlowStressTable, TableProblem> {
+    let lines = columns::read(text, &COLUMNS, "no value follows the header")?;
+    if lines.len() > MOST_LINES {
+        return Err(columns::whole(
+            lines[MOST_LINES].0,
+            format!("more than the {MOST_LINES} values that a table may have"),
+        ));
+    }
+    let points: Vec<[f64; 4]> = lines
+        .iter()
+        .map(|(line, values)| match values.as_slice() {
+            &[Some(strain), Some(rate), Some(temperature), Some(stress)] => {
+                Ok([strain, rate, temperature, stress])
+            }
+            _ => Err(columns::whole(*line, "a needed column is missing")),
+        })
+        .collect::<Result<_, _>>()?;
+    FlowStressTable::new(&points).map_err(|error| {
+        let line = match error {
+            TableError::NotPositive(index) | TableError::Twice(index) => lines[index].0,
+            TableError::Empty | TableError::Gap(..) => lines.last().map_or(1, |line| line.0),
+        };
+        columns::whole(line, error.to_string())
+    })
+}
+
+/// The values of a table as text, in SI units: strain, rate, temperature, flow stress.
+fn told(table: &FlowStressTable) -> String {
+    let points: Vec<String> =
+        table.points().map(|point| point.map(significant).join(" ")).collect();
+    points.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "flow_stress [MPa],plastic_strain,strain_rate [1/s],temperature [degC]\n";
+
+    #[test]
+    fn a_table_is_read_in_its_units() {
+        let table = read(&format!("# tests\n{HEADER}400,0,1,20\n\n600,0.5,1,20\n")).unwrap();
+        assert_eq!(table.size(), [2, 1, 1]);
+        assert_eq!(told(&table), "0 1 293.15 4e8, 0.5 1 293.15 6e8");
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_line() {
+        for (text, expected) in [
+            (HEADER.to_owned(), "line 1: no value follows the header"),
+            (
+                HEADER.replace("[MPa]", "[K]"),
+                "line 1, column 1 `flow_stress`: `K`: this is a temperature; for example `MPa`",
+            ),
+            (format!("{HEADER}400,0,1,20\n400,0,1,20\n"), "line 3: this strain"),
+            (format!("{HEADER}400,-1,1,20\n"), "line 2: rate, temperature and flow stress must be"),
+            (format!("{HEADER}0,0,1,20\n"), "line 2, column 1 `flow_stress`: `0`: must be above 0"),
+            (
+                format!("{HEADER}400,0,1,20\n300,0,1,500\n600,0.5,1,20\n"),
+                "line 4: the table is no full grid: it has nothing at strain 0.5, rate 1 1/s and \
+                 773.15 K",
+            ),
+        ] {
+            let message = read(&text).unwrap_err().to_string();
+            assert!(message.starts_with(expected), "{message}\nnot: {expected}");
+        }
+    }
+}
