@@ -6,7 +6,7 @@ use crate::progress::seconds_to_duration;
 use crate::{loading, terminal, text};
 use sphcut_scenario::{Origin, ResolvedEntry, Scenario};
 use sphcut_sph::setup::{Dimension, Setup};
-use sphcut_sph::{Estimate, Simulation};
+use sphcut_sph::{Estimate, Simulation, ToolMeshFacts};
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
@@ -154,6 +154,9 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize) -> String {
         estimate.time_step
     );
     let _ = writeln!(page, "  about {} of memory", text::bytes(estimate.memory_bytes + BASE_BYTES));
+    if let Some(mesh) = &estimate.tool_mesh {
+        page.push_str(&tool_mesh(mesh));
+    }
     if let Some(speed) = speed {
         let updates = estimate.steps as f64 * estimate.particles as f64;
         let _ = writeln!(
@@ -162,6 +165,26 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize) -> String {
             text::duration(seconds_to_duration(updates / speed)),
             if threads == 1 { "" } else { "s" },
             text::updates(speed),
+        );
+    }
+    page
+}
+
+/// The mesh of a tool that conducts heat.
+fn tool_mesh(mesh: &ToolMeshFacts) -> String {
+    let mut page = format!(
+        "  heat in the tool: {} triangles with {} nodes, steps of {:.3e} s\n",
+        text::grouped(mesh.elements as u64),
+        text::grouped(mesh.nodes as u64),
+        mesh.time_step
+    );
+    if mesh.coating_layers > 0 {
+        let _ = writeln!(
+            page,
+            "  coating of {} um: {} triangles in {} layers",
+            text::number(mesh.coating_thickness * 1e6),
+            text::grouped(mesh.coating_elements as u64),
+            mesh.coating_layers
         );
     }
     page

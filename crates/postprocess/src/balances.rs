@@ -195,6 +195,34 @@ pub struct HeatBalance {
     pub supplied: f64,
     /// Found in the particles above their initial state.
     pub content: f64,
+    /// That of the tool, where it conducts heat.
+    pub tool: Option<ToolHeatBalance>,
+}
+
+/// Heat of the tool since the start in J, per metre of width.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToolHeatBalance {
+    /// Passed from the workpiece through the contact.
+    pub contact: f64,
+    /// Its share of the heat of friction.
+    pub friction: f64,
+    /// Through its outer boundary, negative where it leaves.
+    pub boundary: f64,
+    /// Found in the tool above its initial state.
+    pub content: f64,
+    /// Highest temperature of the tool over the run in K.
+    pub max_temperature: f64,
+}
+
+impl ToolHeatBalance {
+    /// |content - what entered| over the sum of the absolute values of what passed; `None` where
+    /// nothing did.
+    #[must_use]
+    pub fn closure(&self) -> Option<f64> {
+        let passed = self.contact.abs() + self.friction.abs() + self.boundary.abs();
+        let entered = self.contact + self.friction + self.boundary;
+        (passed > 0.0).then(|| (self.content - entered).abs() / passed)
+    }
 }
 
 impl HeatBalance {
@@ -210,6 +238,21 @@ pub(crate) fn heat(samples: &Samples) -> Option<HeatBalance> {
     Some(HeatBalance {
         supplied: last.get(ChannelId::HeatSupplied),
         content: last.get(ChannelId::HeatContent),
+        tool: tool_heat(samples),
+    })
+}
+
+/// The books of a tool that conducts heat: its temperature is above 0 K.
+fn tool_heat(samples: &Samples) -> Option<ToolHeatBalance> {
+    let last = samples.last()?;
+    let hottest = samples.channel(ChannelId::ToolMaxTemperature).iter().copied();
+    let max_temperature = hottest.fold(0.0, f64::max);
+    (max_temperature > 0.0).then(|| ToolHeatBalance {
+        contact: last.get(ChannelId::HeatIntoTool),
+        friction: last.get(ChannelId::ToolFrictionHeat),
+        boundary: last.get(ChannelId::ToolBoundaryHeat),
+        content: last.get(ChannelId::ToolHeatContent),
+        max_temperature,
     })
 }
 
@@ -252,6 +295,27 @@ mod tests {
         let energy = energy(&record(&[row]), &facts()).unwrap();
         assert_eq!(energy.supplied, 10.0);
         assert!((energy.numerical_dissipation - 0.01).abs() < 1e-15);
+    }
+
+    #[test]
+    fn heat_of_a_tool_closes_by_hand() {
+        let mut row = Sample { values: vec![0.0; CHANNELS.len()] };
+        assert_eq!(heat(&record(&[row.clone()])).unwrap().tool, None);
+        for (id, value) in [
+            (ChannelId::HeatIntoTool, 5.0),
+            (ChannelId::ToolFrictionHeat, 2.0),
+            (ChannelId::ToolBoundaryHeat, -1.0),
+            (ChannelId::ToolHeatContent, 5.92),
+            (ChannelId::ToolMaxTemperature, 700.0),
+        ] {
+            row.values[id as usize] = value;
+        }
+        let hotter = row.clone();
+        row.values[ChannelId::ToolMaxTemperature as usize] = 650.0;
+        let tool = heat(&record(&[hotter, row])).unwrap().tool.unwrap();
+        assert_eq!(tool.max_temperature, 700.0);
+        // Entered: 5 + 2 - 1 = 6, found 5.92, passed in all 8.
+        assert!((tool.closure().unwrap() - 0.01).abs() < 1e-12);
     }
 
     #[test]

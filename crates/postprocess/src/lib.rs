@@ -20,7 +20,7 @@ mod warnings;
 
 pub use balances::{
     ENERGY_TERMS, EnergyBalance, EnergyTerm, HeatBalance, MomentumBalance, MomentumBalances,
-    TermKind,
+    TermKind, ToolHeatBalance,
 };
 pub use geometry::{Chip, Contact, Geometry};
 pub use process::{

@@ -1,14 +1,14 @@
 //! `summary.json`: the result in a stable schema, for scripts. Described in
 //! `docs/summary_json.md`; a test keeps the two together.
 
-use crate::balances::{EnergyBalance, MomentumBalance, TermKind};
+use crate::balances::{EnergyBalance, MomentumBalance, TermKind, ToolHeatBalance};
 use crate::process::{Force, ProcessResult};
 use crate::warnings::Warning;
 use serde::Serialize;
 
 /// Version of the schema: the first number changes when a key changes its meaning or goes, the
 /// second when keys are added.
-pub const SCHEMA_VERSION: &str = "1.0";
+pub const SCHEMA_VERSION: &str = "1.1";
 
 /// The content of `summary.json`. A number that is not known is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -21,6 +21,7 @@ pub struct Summary {
     contact: ContactEntry,
     machined_surface: SurfaceEntry,
     balances: BalancesEntry,
+    tool_heat: ToolHeatEntry,
     extremes: ExtremesEntry,
     resolution: ResolutionEntry,
     performance: PerformanceEntry,
@@ -97,6 +98,16 @@ struct BalancesEntry {
     tool_work_j_per_mm: Option<f64>,
     energy_terms: Vec<TermEntry>,
     momentum: Option<MomentumEntry>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ToolHeatEntry {
+    max_k: Option<f64>,
+    contact_j_per_mm: Option<f64>,
+    friction_j_per_mm: Option<f64>,
+    boundary_j_per_mm: Option<f64>,
+    content_j_per_mm: Option<f64>,
+    closure: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -182,6 +193,7 @@ impl Summary {
             contact: ContactEntry::of(result),
             machined_surface: SurfaceEntry::of(result),
             balances: BalancesEntry::of(result),
+            tool_heat: ToolHeatEntry::of(result),
             extremes: ExtremesEntry::of(result),
             resolution: ResolutionEntry::of(result),
             performance: PerformanceEntry::of(result),
@@ -281,6 +293,22 @@ impl BalancesEntry {
                 cutting: ImpulseEntry::of(&m.cutting),
                 feed: ImpulseEntry::of(&m.feed),
             }),
+        }
+    }
+}
+
+impl ToolHeatEntry {
+    fn of(result: &ProcessResult) -> Self {
+        let tool = result.heat.and_then(|heat| heat.tool);
+        // Only plane tools conduct heat: their books are per metre of width.
+        let per_mm = |heat: fn(&ToolHeatBalance) -> f64| tool.map(|tool| heat(&tool) * N_PER_MM);
+        Self {
+            max_k: tool.map(|tool| tool.max_temperature),
+            contact_j_per_mm: per_mm(|tool| tool.contact),
+            friction_j_per_mm: per_mm(|tool| tool.friction),
+            boundary_j_per_mm: per_mm(|tool| tool.boundary),
+            content_j_per_mm: per_mm(|tool| tool.content),
+            closure: tool.and_then(|tool| tool.closure()),
         }
     }
 }

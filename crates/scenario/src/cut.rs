@@ -10,7 +10,9 @@ use crate::shared::{self, Resolution};
 use crate::tool::ToolShape;
 use crate::tool_geometry::shift_to_gap;
 use crate::{sections, warnings};
-use sphcut_sph::setup::{Body, Material, Setup, Support, Tool, ToolSurface, Vector, VelocityField};
+use sphcut_sph::setup::{
+    Body, Material, Setup, Support, Tool, ToolHeat, ToolSurface, Vector, VelocityField,
+};
 
 /// `[process]`.
 #[derive(Debug, Clone, Copy)]
@@ -283,6 +285,19 @@ impl Cut {
             friction: self.tool.friction.0,
             velocity_changes: Vec::new(),
             friction_values: self.tool.friction.1.clone(),
+            heat: self.tool.heat.as_ref().map(|heat| self.placed_heat(heat, shift)),
+        }
+    }
+
+    fn placed_heat(&self, heat: &ToolHeat, shift: f64) -> ToolHeat {
+        let placement = self.process.placement;
+        let [x, y] = heat.fine_centre;
+        let centre = placement.vector([x + shift, y, 0.0]);
+        let count = self.tool.polygon.len();
+        ToolHeat {
+            fine_centre: [centre[0], centre[1]],
+            outer_sides: heat.outer_sides.iter().map(|side| placement.side(*side, count)).collect(),
+            ..heat.clone()
         }
     }
 

@@ -33,6 +33,7 @@ mod shared;
 mod spelling;
 mod tool;
 mod tool_geometry;
+mod tool_heat;
 mod tool_shapes;
 mod units;
 mod wall;

@@ -37,6 +37,15 @@ impl Placement {
         }
     }
 
+    /// Where side `side` of a polygon of `count` corners is after [`Placement::polygon`].
+    pub(crate) fn side(&self, side: usize, count: usize) -> usize {
+        match self.handedness {
+            Handedness::Kept => side,
+            // Corner k becomes corner count - 1 - k, and a side begins at what was its end.
+            Handedness::Mirrored => (2 * count - 2 - side) % count,
+        }
+    }
+
     /// The rectangle from `min` to `max` of the local frame.
     pub(crate) fn rectangle(&self, min: [f64; 2], max: [f64; 2]) -> Shape {
         Shape::Box {
@@ -84,6 +93,23 @@ mod tests {
                 2.0,
                 epsilon = 1e-12
             );
+        }
+    }
+
+    #[test]
+    fn sides_are_found_again() {
+        let corners = [[0.0, 0.0], [3.0, 0.0], [4.0, 2.0], [1.0, 5.0]];
+        for handedness in [Handedness::Kept, Handedness::Mirrored] {
+            let placement = Placement { rotation: 0.3, handedness };
+            let placed = placement.polygon(&corners);
+            let length = |polygon: &[[f64; 2]], k: usize| {
+                let (a, b) = (polygon[k], polygon[(k + 1) % 4]);
+                (b[0] - a[0]).hypot(b[1] - a[1])
+            };
+            for side in 0..4 {
+                let after = length(&placed, placement.side(side, 4));
+                assert_relative_eq!(after, length(&corners, side), max_relative = 1e-12);
+            }
         }
     }
 

@@ -40,9 +40,14 @@ pub fn reference() -> String {
     page.push_str("## The top of the file\n\n");
     section(&mut page, &sections::root());
     page.push_str("# A cut\n\n");
-    for one in
-        [sections::workpiece(), sections::tool(), sections::process(), sections::boundaries()]
-    {
+    for one in [
+        sections::workpiece(),
+        sections::tool(),
+        sections::tool_heat("tool.heat"),
+        sections::coating("tool.heat.coating"),
+        sections::process(),
+        sections::boundaries(),
+    ] {
         headed(&mut page, &one, Brackets::Single);
     }
     page.push_str("# Bodies, supports, heat sources, a wall\n\n");

@@ -196,7 +196,8 @@ fn read_cut(
     }
     let common = Common::read(findings, root);
     refuse_rest(findings, root, &common);
-    let mut shelf = Shelf::new(findings, root, surroundings, common.heat_acts());
+    let mut shelf =
+        Shelf::new(findings, root, surroundings, common.heat_acts() || has_tool_heat(root));
     let workpiece = cut::workpiece(findings, root, &mut shelf);
     let process = cut::process(findings, root);
     let depth = process.map(|process| process.uncut_chip_thickness);
@@ -221,6 +222,13 @@ fn read_cut(
     Some(finished(findings, root, setup, output.output, stop, cut.warnings()))
 }
 
+/// Whether a tool or a wall conducts heat.
+fn has_tool_heat(root: &Record<'_>) -> bool {
+    ["tool", "wall"]
+        .into_iter()
+        .any(|key| root.table(key).is_some_and(|(table, _)| table.contains_key("heat")))
+}
+
 /// Without mechanics there is no cut.
 fn refuse_rest(findings: &mut Findings, root: &Record<'_>, common: &Common) {
     if common.numerics.as_ref().is_some_and(|(_, mechanics)| !mechanics.is_on()) {
@@ -243,13 +251,14 @@ fn read_bodies(
     require_sections(findings, root, &["body"]);
     let dimension = if root.count("dimension") == Some(3) { 3 } else { 2 };
     let common = Common::read(findings, root);
-    let heat = common.heat_acts() || root.is_written("heat_source");
+    let heat = common.heat_acts() || root.is_written("heat_source") || has_tool_heat(root);
     let mut shelf = Shelf::new(findings, root, surroundings, heat);
     let bodies = bodies::bodies(findings, root, &mut shelf, dimension);
     let supports = bodies::supports(findings, root, dimension);
     let sources = heat_source::heat_sources(findings, root, dimension);
-    let wall = wall::wall(findings, root, surroundings, dimension);
     let resolution = shared::resolution(findings, root, None, false);
+    let spacing = resolution.map(|resolution| resolution.particle_spacing);
+    let wall = wall::wall(findings, root, surroundings, dimension, spacing);
     let stop = read_stop(findings, root, Kind::Bodies);
     let output = read_output(findings, root, Kind::Bodies, stop.as_ref());
     let ((bodies, materials), resolution, stop, output) = (bodies?, resolution?, stop?, output?);
@@ -386,6 +395,12 @@ fn acting(setup: &Setup) -> Vec<(String, String)> {
     for (mechanism, state) in mechanisms {
         if state.is_on() {
             add("heat", mechanism);
+        }
+    }
+    if let Some(heat) = setup.tool.as_ref().and_then(|tool| tool.heat.as_ref()) {
+        add("heat", "tool");
+        if heat.coating.is_some() {
+            add("heat", "coating");
         }
     }
     if !setup.heat_sources.is_empty() {

@@ -47,7 +47,7 @@ fn root_child(field: &Field) -> Option<Value> {
         "sources" => free_texts(),
         "materials" => json!({ "type": "object", "additionalProperties": material() }),
         "workpiece" => whole(&sections::workpiece(), owner_child),
-        "tool" => whole(&sections::tool(), friction_child),
+        "tool" => whole(&sections::tool(), tool_child),
         "process" => whole(&sections::process(), none),
         "boundaries" => whole(&sections::boundaries(), none),
         "body" => list(whole(&sections::body(), owner_child)),
@@ -64,7 +64,7 @@ fn root_child(field: &Field) -> Option<Value> {
             "velocity_change" => {
                 Some(list(table(&sections::velocity_change(), Completeness::Whole, |_| None)))
             }
-            _ => friction_child(field),
+            _ => tool_child(field),
         }),
         "resolution" => whole(&sections::resolution(), none),
         "heat" => whole(&sections::heat(), none),
@@ -128,6 +128,16 @@ fn material_child(field: &Field, completeness: Completeness) -> Option<Value> {
         "sources" => Some(free_texts()),
         _ => None,
     }
+}
+
+fn tool_child(field: &Field) -> Option<Value> {
+    if field.key != "heat" {
+        return friction_child(field);
+    }
+    Some(table(&sections::tool_heat("tool.heat"), Completeness::Whole, |field| {
+        let coating = sections::coating("tool.heat.coating");
+        (field.key == "coating").then(|| table(&coating, Completeness::Whole, |_| None))
+    }))
 }
 
 fn friction_child(field: &Field) -> Option<Value> {

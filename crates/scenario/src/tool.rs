@@ -9,9 +9,10 @@ use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
 use crate::tool_geometry::EdgeGeometry;
-use crate::{sections, shared, tool_shapes, units};
+use crate::{sections, shared, tool_heat, tool_shapes, units};
 use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::{Quantity, Values};
+use sphcut_sph::setup::ToolHeat;
 
 /// `[tool]` before it is placed.
 #[derive(Debug)]
@@ -20,6 +21,8 @@ pub(crate) struct ToolShape {
     /// Counter-clockwise, in m, its lowest point at the depth of cut.
     pub(crate) polygon: Vec<[f64; 2]>,
     pub(crate) friction: (&'static FrictionEntry, Values),
+    /// Its places as those of the polygon.
+    pub(crate) heat: Option<ToolHeat>,
     /// What the user should know about it.
     pub(crate) notes: Vec<String>,
 }
@@ -53,7 +56,36 @@ pub(crate) fn tool(
         }
         None => from_angles(findings, &record, process, sizes, &mut notes)?,
     };
-    Some(ToolShape { edge_radius, polygon, friction: friction?, notes })
+    let around = heat_surroundings(&record, &polygon, whole, process?, sizes?.0);
+    let heat = tool_heat::tool_heat(findings, &record, &around)?;
+    Some(ToolShape { edge_radius, polygon, friction: friction?, heat, notes })
+}
+
+/// Uncut chip thicknesses from the edge within which a chip touches the rake face.
+const LONGEST_CONTACT: f64 = 5.0;
+
+/// What the heat of the tool needs to know of its shape.
+fn heat_surroundings<'a>(
+    record: &Record<'_>,
+    polygon: &'a [[f64; 2]],
+    whole: Option<&str>,
+    process: Process,
+    particle_spacing: f64,
+) -> tool_heat::Surroundings<'a> {
+    let lowest = polygon.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+    let deepest = polygon.iter().filter(|point| point[1] == lowest);
+    let foremost = deepest.map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
+    let count = polygon.len();
+    let reach = LONGEST_CONTACT * process.uncut_chip_thickness;
+    tool_heat::Surroundings {
+        polygon: Some(polygon),
+        centre: [foremost, lowest],
+        // The corners of a tool of angles end with those of rake face, back and flank.
+        outer_sides: whole.is_none().then(|| vec![count - 3, count - 2]),
+        fine_reach: reach + record.number("edge_radius").unwrap_or(0.0),
+        particle_spacing,
+        dimension: 2,
+    }
 }
 
 /// The tool of plane faces and a rounded edge.

@@ -181,7 +181,8 @@ pub fn self_intersection(polygon: &[[f64; 2]]) -> Option<(usize, usize)> {
     None
 }
 
-type Side = ([f64; 2], [f64; 2]);
+/// A segment by its ends.
+pub(crate) type Side = ([f64; 2], [f64; 2]);
 
 /// Whether two closed segments share a point.
 fn cross(first: Side, second: Side) -> bool {
@@ -205,7 +206,8 @@ fn segment_distance(first: Side, second: Side) -> f64 {
         .min(point_distance(second.1, first))
 }
 
-fn point_distance(point: [f64; 2], (a, b): Side) -> f64 {
+/// Distance of a point from a segment.
+pub(crate) fn point_distance(point: [f64; 2], (a, b): Side) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let to_point = [point[0] - a[0], point[1] - a[1]];
     let length_squared = along[0] * along[0] + along[1] * along[1];

@@ -7,7 +7,7 @@ use crate::mesh::Mesh;
 use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
-use crate::{sections, shared, tool};
+use crate::{sections, shared, tool, tool_heat};
 use sphcut_physics::{Values, friction};
 use sphcut_sph::setup::{Tool, ToolSurface, VelocityChange};
 
@@ -17,6 +17,7 @@ pub(crate) fn wall(
     root: &Record<'_>,
     surroundings: &Surroundings,
     dimension: usize,
+    particle_spacing: Option<f64>,
 ) -> Option<Option<Tool>> {
     let Some(table) = root.table("wall") else { return Some(None) };
     let record = reader::read(findings, &root.source, table, &sections::wall(), dimension);
@@ -36,13 +37,28 @@ pub(crate) fn wall(
     };
     let velocity_changes = velocity_changes(findings, &record, dimension);
     let (friction, friction_values) = friction?;
+    let surface = surface?;
+    let point = record.vector("point")?;
+    let around = tool_heat::Surroundings {
+        polygon: match &surface {
+            ToolSurface::Polygon(corners) => Some(corners),
+            _ => None,
+        },
+        centre: [point[0], point[1]],
+        outer_sides: None,
+        fine_reach: f64::INFINITY,
+        particle_spacing: particle_spacing?,
+        dimension,
+    };
+    let heat = tool_heat::tool_heat(findings, &record, &around)?;
     Some(Some(Tool {
-        surface: surface?,
+        surface,
         velocity,
         velocity_changes: velocity_changes?,
         edge_radius: None,
         friction,
         friction_values,
+        heat,
     }))
 }
 

@@ -31,6 +31,8 @@ enum FacetKind {
     Plane,
 }
 
+/// Overlap at the start, in radii of a particle, that rounding may make.
+const OVERLAP_TOLERANCE: f64 = 1e-6;
 /// Half-extent that stands for "everywhere" in the box of a plane, in m.
 const FAR: f64 = 1e6;
 
@@ -380,7 +382,7 @@ impl<const D: usize> ToolContact<D> {
 
     /// An error if any particle overlaps the tool by more than rounding.
     pub(crate) fn check_start(&self, positions: &[Vector<D>]) -> Result<(), SetupError> {
-        let tolerance = 1e-6 * self.radius;
+        let tolerance = OVERLAP_TOLERANCE * self.radius;
         let mut deepest: Option<(f64, Vector3)> = None;
         let mut count = 0;
         for position in positions {
@@ -482,6 +484,19 @@ impl<const D: usize> ToolContact<D> {
         let size = sticking.min(limit);
         let friction_force = if speed > 0.0 { slip.map(|v| -v / speed * size) } else { [0.0; D] };
         Touch { particle, normal_force, friction_force }
+    }
+
+    /// Particles that lie on the tool, or overlap it by no more than rounding: those that exchange heat
+    /// with it where nothing moves.
+    pub(crate) fn resting(&self, positions: &[Vector<D>], time: f64) -> Vec<u32> {
+        let displacement = self.displacement(time);
+        let reach = (1.0 + OVERLAP_TOLERANCE) * self.radius;
+        let facets = |c: &Candidate| &self.candidate_facets[c.first as usize..c.last as usize];
+        let lies = |c: &&Candidate| {
+            let x = sub(&extended(&positions[c.particle as usize]), &displacement);
+            self.surface.nearest_of(&x, facets(c)).is_some_and(|near| near.distance <= reach)
+        };
+        self.candidates.iter().filter(lies).map(|candidate| candidate.particle).collect()
     }
 
     /// Follows a reordering of the particles: `new_place[old]`.

@@ -26,6 +26,7 @@ use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
 use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
 use crate::thermoelasticity;
+use crate::tool_heat::{ToolHeat, in_tool};
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
@@ -133,6 +134,8 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) materials: Vec<MaterialData>,
     pub(crate) holds: Vec<Hold<D>>,
     pub(crate) tool: Option<ToolContact<D>>,
+    /// Heat in the tool, where it is asked for.
+    pub(crate) tool_heat: Option<ToolHeat>,
     pub(crate) heat_sources: Vec<HeatSource>,
     pub(crate) account: Account,
     pub(crate) time: f64,
@@ -252,6 +255,10 @@ impl<const D: usize> Engine<D> {
             .as_ref()
             .map(|tool| ToolContact::new(tool, setup.particle_spacing, stiffest, contact_stiffness))
             .transpose()?;
+        let described = setup.tool.as_ref().and_then(|tool| Some((tool, tool.heat.as_ref()?)));
+        let tool_heat = described
+            .map(|(tool, heat)| ToolHeat::new(tool, heat, setup.particle_spacing))
+            .transpose()?;
         Ok(Self {
             id: Vec::new(),
             body: Vec::new(),
@@ -279,6 +286,7 @@ impl<const D: usize> Engine<D> {
             materials,
             holds: Hold::all(setup),
             tool,
+            tool_heat,
             heat_sources: setup.heat_sources.clone(),
             account: Account::default(),
             time: 0.0,
@@ -332,7 +340,9 @@ impl<const D: usize> Engine<D> {
         self.step += 1;
         if !self.mechanics {
             self.time += dt;
+            self.rest_on_tool(dt);
             self.conduct_when_due(dt);
+            self.heat_tool_when_due(dt);
             passed(Stage::Diffusion);
             return Ok(());
         }
@@ -355,6 +365,7 @@ impl<const D: usize> Engine<D> {
         passed(Stage::Motion);
         self.diffuse_density_when_due(dt);
         self.conduct_when_due(dt);
+        self.heat_tool_when_due(dt);
         passed(Stage::Diffusion);
         if self.refresh_is_due() {
             self.refresh();
@@ -377,7 +388,8 @@ impl<const D: usize> Engine<D> {
             + size_of::<MaterialPoint<D>>()
             + size_of::<Frame<D>>()
             + size_of::<Exchange<D>>();
-        self.id.len() * each
+        let tool = self.tool_heat.as_ref().map_or(0, ToolHeat::memory);
+        tool + self.id.len() * each
             + self.shape.len() * size_of::<Matrix<D>>()
             + self.history.len() * size_of::<History<D>>()
             + self.list.memory()
@@ -473,12 +485,18 @@ impl<const D: usize> Engine<D> {
                 self.account.tool_impulse[k] += impulse;
                 self.account.tool_work += impulse * tool_velocity[k];
             }
+            let mut rubbed = 0.0;
             if self.friction_heats {
                 let data = &self.materials[self.material[i] as usize];
                 let heat = self.friction_heat_share * friction;
                 self.point[i].temperature =
                     data.heated(self.point[i].temperature, heat, self.volume[i]);
                 self.account.heat_supplied += heat;
+                rubbed = friction - heat;
+            }
+            if let Some(heat) = &mut self.tool_heat {
+                let place = in_tool(&self.position[i], &tool.displacement(self.time));
+                heat.touch(touch.particle, place, duration, rubbed);
             }
         }
     }

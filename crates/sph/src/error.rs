@@ -27,6 +27,11 @@ pub enum SetupError {
         /// What is wrong, with the number of the facet.
         reason: String,
     },
+    /// Heat in the tool cannot be computed.
+    ToolHeat {
+        /// What is wrong.
+        reason: String,
+    },
     /// A stored state does not belong to this setup.
     Checkpoint {
         /// What does not fit.
@@ -52,6 +57,7 @@ impl fmt::Display for SetupError {
                 position[1] * 1e3
             ),
             Self::ToolSurface { reason } => write!(f, "the tool's surface is unusable: {reason}"),
+            Self::ToolHeat { reason } => write!(f, "heat in the tool: {reason}"),
             Self::Checkpoint { reason } => write!(f, "the checkpoint does not fit: {reason}"),
         }
     }

@@ -29,6 +29,7 @@ mod supports;
 mod sweeps;
 mod tensor;
 mod thermoelasticity;
+mod tool_heat;
 mod tool_motion;
 
 pub use error::{Diverged, SetupError};
@@ -36,3 +37,4 @@ pub use observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};
 pub use setup::Setup;
 pub use simulation::{Estimate, Simulation, StepReport};
 pub use stage::Stage;
+pub use tool_heat::ToolMeshFacts;

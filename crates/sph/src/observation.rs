@@ -57,7 +57,12 @@ channels! {
     ThermoelasticWork "thermoelastic_work" "J" "stored elastic energy released because the modulus fell with temperature since the start";
     EnergyError "energy_error" "J" "work done on the workpiece minus all terms above, initial kinetic energy included: what nobody accounts for";
     HeatContent "heat_content" "J" "thermal energy above the initial state";
-    HeatSupplied "heat_supplied" "J" "heat from plastic work, friction, heat sources and fixed-temperature boundaries since the start";
+    HeatSupplied "heat_supplied" "J" "heat from plastic work, friction, heat sources and fixed-temperature boundaries since the start, less what passed into the tool";
+    HeatIntoTool "heat_into_tool" "J" "heat that passed from the workpiece through the contact into the tool since the start; friction heat not included";
+    ToolFrictionHeat "tool_friction_heat" "J" "the tool's share of the heat of friction since the start, where the tool conducts heat";
+    ToolBoundaryHeat "tool_boundary_heat" "J" "heat through the outer boundary into the tool since the start, negative where it leaves";
+    ToolHeatContent "tool_heat_content" "J" "thermal energy of the tool above its initial state";
+    ToolMaxTemperature "tool_max_temperature" "K" "highest temperature of the tool; 0 where it does not conduct heat";
     MaxTemperature "max_temperature" "K" "highest temperature";
     MinTemperature "min_temperature" "K" "lowest temperature";
     MaxPlasticStrain "max_plastic_strain" "" "highest equivalent plastic strain";
@@ -125,6 +130,12 @@ pub struct Snapshot {
     pub neighbours: Vec<u32>,
     /// Outline of the tool (2D: closed polygon; 3D: vertices of its triangles, three by three) in m.
     pub tool: Vec<Vector>,
+    /// Nodes of the tool's mesh in m; empty where the tool does not conduct heat, as are the next two.
+    pub tool_nodes: Vec<Vector>,
+    /// Nodes of its triangles, three by three.
+    pub tool_elements: Vec<u32>,
+    /// Temperature of its nodes in K.
+    pub tool_temperature: Vec<f64>,
 }
 
 /// Everything needed to go on with the same bits, as named arrays.

@@ -10,6 +10,7 @@ use crate::neighbours::Cells;
 use crate::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};
 use crate::setup::{Setup, ToolSurface, Vector as Vector3};
 use crate::tensor::{Matrix, Vector, dot};
+use crate::tool_heat::ToolHeat;
 
 impl<const D: usize> Engine<D> {
     /// Kinetic energy with the inertia as scaled.
@@ -123,6 +124,13 @@ impl<const D: usize> Engine<D> {
         set(ChannelId::EnergyError, supplied - found);
         set(ChannelId::HeatContent, self.heat_content() - account.initial_heat);
         set(ChannelId::HeatSupplied, account.heat_supplied);
+        if let Some(heat) = &self.tool_heat {
+            set(ChannelId::HeatIntoTool, heat.books.contact);
+            set(ChannelId::ToolFrictionHeat, heat.books.friction);
+            set(ChannelId::ToolBoundaryHeat, heat.books.boundary);
+            set(ChannelId::ToolHeatContent, heat.content());
+            set(ChannelId::ToolMaxTemperature, heat.hottest());
+        }
     }
 
     fn sample_extremes(&self, set: &mut impl FnMut(ChannelId, f64)) {
@@ -177,6 +185,11 @@ impl<const D: usize> Engine<D> {
             tool: self.tool_outline(setup),
             ..Snapshot::default()
         };
+        if let Some(heat) = &self.tool_heat {
+            let shift = self.tool.as_ref().map_or([0.0; 3], |tool| tool.displacement(self.time));
+            (snapshot.tool_nodes, snapshot.tool_elements, snapshot.tool_temperature) =
+                heat.picture(shift);
+        }
         for i in order {
             let (point, data) = (&self.point[i], &self.materials[self.material[i] as usize]);
             let pressure = point.moduli(&data.moduli).pressure(point.volume_ratio)
@@ -252,6 +265,9 @@ impl<const D: usize> Engine<D> {
             "touches",
             touches.iter().flat_map(|t| [t.normal_force, t.friction_force].concat()).collect(),
         );
+        for (name, values) in self.tool_heat.iter().flat_map(ToolHeat::checkpoint) {
+            real(name, values);
+        }
         let mut integer =
             |name: &str, values: Vec<u64>| state.integers.push((name.to_owned(), values));
         integer("id", self.id.clone());
@@ -301,6 +317,9 @@ impl<const D: usize> Engine<D> {
         engine.hold = narrow(reader.integers("hold")?)?;
         engine.restore_clock(&reader)?;
         engine.restore_touches(&reader)?;
+        if let Some(heat) = &mut engine.tool_heat {
+            heat.restore(|name| state.real(name), count)?;
+        }
         Ok(engine)
     }
 

@@ -125,6 +125,9 @@ impl<const D: usize> Engine<D> {
                 new_place[old as usize] = place as u32;
             }
             tool.reorder(&new_place);
+            if let Some(heat) = &mut self.tool_heat {
+                heat.reorder(&new_place);
+            }
         }
     }
 
@@ -188,7 +191,9 @@ impl<const D: usize> Engine<D> {
         self.conduction_interval = thermal;
         let sources = self.heat_sources.iter().map(|source| source.longest_step(self.spacing));
         let moving = sources.fold(f64::INFINITY, f64::min);
-        self.time_step = if self.mechanics { mechanical } else { thermal.min(self.longest_step) };
+        let tool = self.tool_heat.as_ref().map_or(f64::INFINITY, |heat| heat.interval);
+        let resting = thermal.min(self.longest_step).min(tool);
+        self.time_step = if self.mechanics { mechanical } else { resting };
         self.time_step = self.time_step.min(moving);
     }
 }

@@ -5,6 +5,7 @@ use crate::error::{Diverged, SetupError};
 use crate::observation::{CheckpointState, Sample, Snapshot};
 use crate::setup::{Dimension, Setup};
 use crate::stage::Stage;
+use crate::tool_heat::{ToolHeat, ToolMeshFacts};
 
 /// What one step tells its caller.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +31,8 @@ pub struct Estimate {
     pub steps: u64,
     /// Memory of the solver's arrays in bytes.
     pub memory_bytes: u64,
+    /// The mesh of a tool that conducts heat.
+    pub tool_mesh: Option<ToolMeshFacts>,
 }
 
 #[derive(Debug)]
@@ -150,6 +153,7 @@ impl Simulation {
             // Exact while the time step keeps its first value; crowding shortens it later.
             steps: (self.setup.end_time / engine.time_step).ceil() as u64,
             memory_bytes: engine.memory() as u64,
+            tool_mesh: engine.tool_heat.as_ref().map(ToolHeat::facts),
         })
     }
 

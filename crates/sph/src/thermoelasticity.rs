@@ -59,6 +59,11 @@ impl MaterialData {
         }
     }
 
+    /// cp at `temperature` in J/(kg K).
+    pub(crate) fn specific_heat_at(&self, temperature: f64) -> f64 {
+        self.heat_table.as_ref().map_or(self.specific_heat, |table| table.value(temperature))
+    }
+
     /// The heat in J that takes `volume` in m^3 (undeformed) from one temperature to another.
     pub(crate) fn heat_between(&self, from: f64, to: f64, volume: f64) -> f64 {
         match &self.heat_table {

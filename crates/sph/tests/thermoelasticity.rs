@@ -72,6 +72,7 @@ fn impact(tables: TemperatureTables) -> Setup {
     });
     let coulomb = friction::find("coulomb").unwrap();
     setup.tool = Some(Tool {
+        heat: None,
         surface: ToolSurface::HalfSpace {
             point: [-0.5 * SPACING, 0.0, 0.0],
             normal: [1.0, 0.0, 0.0],

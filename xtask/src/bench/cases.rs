@@ -53,6 +53,7 @@ fn cut(spacing: f64) -> Setup {
     let coefficient = [("friction_coefficient", 0.25)];
     let law = friction::find("shear_capped_coulomb").expect(PART);
     setup.tool = Some(Tool {
+        heat: None,
         surface: ToolSurface::Polygon(wedge(0.6 * spacing)),
         velocity: [speed, 0.0, 0.0],
         velocity_changes: Vec::new(),
@@ -140,6 +141,7 @@ fn taylor_bar() -> Setup {
     });
     let wall = friction::find("coulomb").expect(PART);
     setup.tool = Some(Tool {
+        heat: None,
         surface: ToolSurface::HalfSpace {
             point: [0.0, 0.0, -0.6 * spacing],
             normal: [0.0, 0.0, 1.0],

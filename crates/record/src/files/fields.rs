@@ -79,14 +79,18 @@ impl Field {
     }
 }
 
-/// Whether all quantities of the particles are there for every particle.
+/// Whether all quantities of the particles are there for every particle, and the mesh of the tool is whole.
 pub(crate) fn is_complete(snapshot: &Snapshot) -> bool {
     let count = |field: &Field| match field.column(snapshot) {
         Column::Reals(values) => values.len() / field.width(),
         Column::Longs(values) => values.len(),
         Column::Shorts(values) => values.len(),
     };
-    PARTICLE_FIELDS.iter().all(|field| count(field) == snapshot.id.len())
+    let nodes = snapshot.tool_nodes.len();
+    let mesh = snapshot.tool_temperature.len() == nodes
+        && snapshot.tool_elements.len().is_multiple_of(3)
+        && snapshot.tool_elements.iter().all(|node| (*node as usize) < nodes);
+    mesh && PARTICLE_FIELDS.iter().all(|field| count(field) == snapshot.id.len())
 }
 
 fn chunked<const N: usize>(values: &[f64]) -> Option<Vec<[f64; N]>> {
@@ -122,9 +126,12 @@ pub(crate) const PARTICLE_FIELDS: &[Field] = fields! {
     Short neighbours "" "number of neighbours";
 };
 
-/// The outline of the tool: one field with its own number of entries.
+/// Outline and heat of the tool: fields with their own numbers of entries.
 pub(crate) const TOOL_FIELDS: &[Field] = fields! {
     Vector tool "m" "outline of the tool: closed polygon (2D) or vertices of its triangles, three by three (3D)";
+    Vector tool_nodes "m" "nodes of the tool's mesh, where it conducts heat";
+    Short tool_elements "" "nodes of the triangles of that mesh, three by three";
+    Real tool_temperature "K" "temperature of its nodes";
 };
 
 /// All columns of a snapshot.

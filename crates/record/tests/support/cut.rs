@@ -86,5 +86,6 @@ fn wedge() -> Tool {
         edge_radius: None,
         friction: law,
         friction_values: Values::resolve(law.parameters, &[("friction_coefficient", 0.2)]).unwrap(),
+        heat: None,
     }
 }

@@ -183,6 +183,9 @@ pub fn snapshot_of(state: &[f64], time: f64, step: u64) -> Snapshot {
         contact_force: state.iter().map(|x| [*x, -x, 0.0]).collect(),
         neighbours: (0..state.len() as u32).map(|i| 20 + i).collect(),
         tool: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]],
+        tool_nodes: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+        tool_elements: vec![0, 1, 2, 0, 2, 3],
+        tool_temperature: vec![300.0, 310.5, 320.0, 330.25],
     }
 }
 

@@ -225,6 +225,7 @@ pub(crate) fn wall() -> Section {
                 Presence::Derived("no friction"),
                 "friction between wall and bodies",
             ),
+            super::heat_table(),
         ],
     )
 }

@@ -109,6 +109,7 @@ pub(crate) fn tool() -> Section {
                 "friction between tool and workpiece",
             )
             .example("friction = { law = \"coulomb\", friction_coefficient = 0.3 }"),
+            super::heat_table(),
         ],
     )
 }

@@ -8,7 +8,7 @@ use sphcut_physics::friction::{self, FrictionEntry};
 use sphcut_physics::{Quantity, Range};
 
 /// A positive quantity or a table of it over the temperature.
-fn tabulated(quantity: Quantity, max: f64) -> Kind {
+pub(super) fn tabulated(quantity: Quantity, max: f64) -> Kind {
     Kind::Tabulated(quantity, Range::above(0.0, max))
 }
 

@@ -4,6 +4,7 @@ mod bodies;
 mod cut;
 mod heat_source;
 mod material;
+mod tool_heat;
 
 pub(crate) use bodies::{
     SHAPE_KEYS, VELOCITY_FIELDS, body, support, velocity, velocity_change, wall,
@@ -11,6 +12,7 @@ pub(crate) use bodies::{
 pub(crate) use cut::{boundaries, process, tool, workpiece};
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use material::{effect, effects, flow_stress, friction, material};
+pub(crate) use tool_heat::{coating, tool_heat};
 
 use crate::section::{Field, Kind, Presence, Section};
 use crate::units;
@@ -49,6 +51,12 @@ const fn between(quantity: Quantity, min: f64, max: f64) -> Kind {
 fn temperature(key: &'static str, presence: Presence, meaning: &'static str) -> Field {
     Field::new(key, positive(Quantity::Temperature, HOTTEST), presence, meaning)
         .example("\"293.15 K\"")
+}
+
+/// Heat of a tool or a wall.
+fn heat_table() -> Field {
+    let meaning = "conduction of heat in it, in the plane";
+    Field::new("heat", Kind::Table, Presence::Derived("it takes no heat"), meaning)
 }
 
 fn mesh_file(meaning: &'static str) -> Field {
@@ -346,6 +354,8 @@ mod tests {
             wall(),
             velocity_change(),
             material("material"),
+            tool_heat("tool.heat"),
+            coating("tool.heat.coating"),
         ];
         sections.extend(VELOCITY_FIELDS.iter().map(|field| velocity(field)));
         sections.extend(HEAT_SOURCE_FORMS.iter().map(|form| heat_source(form)));

@@ -1,0 +1,184 @@
+//! `[tool.heat]` and `[wall.heat]`: heat in the tool.
+
+use crate::findings::Findings;
+use crate::problem::Mistake;
+use crate::reader;
+use crate::record::Record;
+use crate::sections;
+use crate::tool_geometry::point_distance;
+use sphcut_physics::{Quantity, TemperatureTable};
+use sphcut_sph::setup::{Coating, OuterBoundary, ROOM_TEMPERATURE, ThermalMaterial, ToolHeat};
+
+/// What of the tool is known where its heat is read.
+pub(crate) struct Surroundings<'a> {
+    /// The outline, counter-clockwise; `None` where the tool has none.
+    pub(crate) polygon: Option<&'a [[f64; 2]]>,
+    /// The cutting edge, or the point of a wall.
+    pub(crate) centre: [f64; 2],
+    /// Sides at which the tool is cut off, where its shape says so.
+    pub(crate) outer_sides: Option<Vec<usize>>,
+    /// Without the key, in m.
+    pub(crate) fine_reach: f64,
+    pub(crate) particle_spacing: f64,
+    pub(crate) dimension: usize,
+}
+
+/// `heat` of `owner`: `Some(None)` where it is not written, `None` after a mistake.
+pub(crate) fn tool_heat(
+    findings: &mut Findings,
+    owner: &Record<'_>,
+    around: &Surroundings<'_>,
+) -> Option<Option<ToolHeat>> {
+    let Some(table) = owner.table("heat") else { return Some(None) };
+    let name = format!("{}.heat", owner.section);
+    let record = reader::read(findings, &owner.source, table, &sections::tool_heat(&name), 2);
+    let coating = coating(findings, &record);
+    let outer = outer(findings, &record);
+    let refusal = match around {
+        Surroundings { dimension: 3, .. } => Some((
+            "heat in a tool is computed in the plane only: not with dimension = 3",
+            "remove this table: the tool then takes no heat",
+        )),
+        Surroundings { polygon: None, .. } => Some((
+            "a half space has no mesh to conduct heat in",
+            "give the wall a `mesh_file`, for example a rectangle as a Gmsh line loop",
+        )),
+        _ => None,
+    };
+    if let Some((message, help)) = refusal {
+        let mistake = Mistake::Contradiction { message: message.to_owned(), help: help.to_owned() };
+        findings.problem(&record.source, record.heading.clone(), mistake);
+        return None;
+    }
+    let outer_sides = outer_sides(findings, &record, around, outer?)?;
+    let element_size = match record.is_written("element_size") {
+        true => record.number("element_size")?,
+        false => {
+            let size = 0.5 * around.particle_spacing;
+            findings.derived(&name, "element_size", Quantity::Length, size);
+            size
+        }
+    };
+    let fine_reach = match record.is_written("fine_reach") {
+        true => record.number("fine_reach")?,
+        false => {
+            if around.fine_reach.is_finite() {
+                findings.derived(&name, "fine_reach", Quantity::Length, around.fine_reach);
+            }
+            around.fine_reach
+        }
+    };
+    Some(Some(ToolHeat {
+        substrate: thermal_material(&record)?,
+        coating: coating?,
+        temperature: record.number("temperature")?,
+        contact_conductance: record.number("contact_conductance")?,
+        outer_sides,
+        outer: outer?,
+        fine_centre: around.centre,
+        fine_reach,
+        element_size,
+    }))
+}
+
+fn coating(findings: &mut Findings, heat: &Record<'_>) -> Option<Option<Coating>> {
+    let Some(table) = heat.table("coating") else { return Some(None) };
+    let name = format!("{}.coating", heat.section);
+    let record = reader::read(findings, &heat.source, table, &sections::coating(&name), 2);
+    Some(Some(Coating {
+        thickness: record.number("thickness")?,
+        material: thermal_material(&record)?,
+    }))
+}
+
+fn thermal_material(record: &Record<'_>) -> Option<ThermalMaterial> {
+    Some(ThermalMaterial {
+        density: record.number("density")?,
+        specific_heat: property(record, "specific_heat")?,
+        thermal_conductivity: property(record, "thermal_conductivity")?,
+    })
+}
+
+/// A table over temperature; one value is a table of one pair.
+fn property(record: &Record<'_>, key: &str) -> Option<TemperatureTable> {
+    if let Some(value) = record.number(key) {
+        let table = TemperatureTable::new(&[(ROOM_TEMPERATURE, value)]);
+        return Some(table.expect("the range of the key is above zero"));
+    }
+    record.written_tables().into_iter().find(|(known, _)| *known == key).map(|(_, table)| table)
+}
+
+fn outer(findings: &mut Findings, record: &Record<'_>) -> Option<OuterBoundary> {
+    let kind = record.text("outer")?;
+    let idle: &[(&str, &str)] = match kind {
+        "adiabatic" => &[
+            ("outer_temperature", "no heat passes adiabatic sides"),
+            ("film_coefficient", "no heat passes adiabatic sides"),
+        ],
+        "fixed" => &[("film_coefficient", "the sides keep their temperature")],
+        _ => &[],
+    };
+    for (key, why) in idle.iter().filter(|(key, _)| record.is_written(key)) {
+        let mistake = Mistake::Contradiction {
+            message: format!("`{key}` has no effect with outer = \"{kind}\": {why}"),
+            help: "remove it, or choose outer = \"convective\"".to_owned(),
+        };
+        findings.problem(&record.source, record.span(key), mistake);
+    }
+    let temperature = match record.is_written("outer_temperature") {
+        true => record.number("outer_temperature"),
+        false => record.number("temperature"),
+    };
+    if kind == "convective" && record.lacks("film_coefficient") {
+        let section = sections::tool_heat(&record.section);
+        let field = section.field("film_coefficient").expect("a key of the section");
+        findings.problem(&record.source, record.heading.clone(), reader::missing(&section, field));
+    }
+    Some(match kind {
+        "adiabatic" => OuterBoundary::Adiabatic,
+        "fixed" => OuterBoundary::Fixed(temperature?),
+        _ => OuterBoundary::Convective {
+            film_coefficient: record.number("film_coefficient")?,
+            ambient: temperature?,
+        },
+    })
+}
+
+/// The sides at which the tool is cut off.
+fn outer_sides(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    around: &Surroundings<'_>,
+    outer: OuterBoundary,
+) -> Option<Vec<usize>> {
+    let polygon = around.polygon?;
+    if !record.is_written("outer_distance") {
+        if let Some(known) = &around.outer_sides {
+            return Some(known.clone());
+        }
+        if outer == OuterBoundary::Adiabatic && record.lacks("coating") {
+            return Some(Vec::new());
+        }
+        let section = sections::tool_heat(&record.section);
+        let field = section.field("outer_distance").expect("a key of the section");
+        findings.problem(&record.source, record.heading.clone(), reader::missing(&section, field));
+        return None;
+    }
+    let distance = record.number("outer_distance")?;
+    let next = |side: usize| polygon[(side + 1) % polygon.len()];
+    let away = |side: usize| point_distance(around.centre, (polygon[side], next(side)));
+    let sides: Vec<usize> = (0..polygon.len()).filter(|side| away(*side) >= distance).collect();
+    if sides.is_empty() && outer != OuterBoundary::Adiabatic {
+        let farthest = (0..polygon.len()).map(away).fold(0.0, f64::max);
+        let mistake = Mistake::Contradiction {
+            message: format!(
+                "no side of the tool lies as far away as outer_distance: the farthest is {} mm away",
+                crate::units::significant(farthest * 1e3)
+            ),
+            help: "choose a smaller distance, or outer = \"adiabatic\"".to_owned(),
+        };
+        findings.problem(&record.source, record.span("outer_distance"), mistake);
+        return None;
+    }
+    Some(sides)
+}

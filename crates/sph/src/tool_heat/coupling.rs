@@ -1,0 +1,131 @@
+//! The tool's heat in the time loop: who touches, when a step is due, what a checkpoint holds.
+
+use super::{Exposure, Partner, ToolHeat};
+use crate::engine::Engine;
+use crate::error::SetupError;
+use crate::setup::Vector as Vector3;
+use crate::tensor::Vector;
+
+/// Names of the arrays of a checkpoint.
+const TEMPERATURE: &str = "tool_temperature";
+const BOOKS: &str = "tool_heat_books";
+const EXPOSURES: &str = "tool_exposures";
+/// Numbers of an exposure in its array.
+const EXPOSURE_WIDTH: usize = 5;
+
+impl<const D: usize> Engine<D> {
+    /// Particles at rest on the tool, for a run without mechanics.
+    pub(crate) fn rest_on_tool(&mut self, duration: f64) {
+        let (Some(tool), Some(heat)) = (&self.tool, &mut self.tool_heat) else { return };
+        for particle in tool.resting(&self.position, self.time) {
+            let position = &self.position[particle as usize];
+            heat.touch(particle, in_tool(position, &tool.displacement(self.time)), duration, 0.0);
+        }
+    }
+
+    /// Lets the tool conduct and exchange heat once its own step is over.
+    pub(crate) fn heat_tool_when_due(&mut self, elapsed: f64) {
+        let Some(mut heat) = self.tool_heat.take() else { return };
+        if heat.is_due_after(elapsed) {
+            let leaving = heat.step(|particle| {
+                let i = particle as usize;
+                let data = &self.materials[self.material[i] as usize];
+                let temperature = self.point[i].temperature;
+                let table = data.conductivity_table.as_ref();
+                Partner {
+                    temperature,
+                    capacity: self.mass(i) * data.specific_heat_at(temperature),
+                    conductivity: table.map_or(data.conductivity, |table| table.value(temperature)),
+                }
+            });
+            for (particle, amount) in leaving {
+                let i = particle as usize;
+                let data = &self.materials[self.material[i] as usize];
+                self.point[i].temperature =
+                    data.heated(self.point[i].temperature, -amount, self.volume[i]);
+                self.account.heat_supplied -= amount;
+            }
+        }
+        self.tool_heat = Some(heat);
+    }
+}
+
+/// A particle's place in the frame of the tool.
+pub(crate) fn in_tool<const D: usize>(position: &Vector<D>, displacement: &Vector3) -> [f64; 2] {
+    [position[0] - displacement[0], position[1] - displacement[1]]
+}
+
+impl ToolHeat {
+    /// Follows a reordering of the particles: `new_place[old]`.
+    pub(crate) fn reorder(&mut self, new_place: &[u32]) {
+        self.exposures = std::mem::take(&mut self.exposures)
+            .into_iter()
+            .map(|(particle, exposure)| (new_place[particle as usize], exposure))
+            .collect();
+    }
+
+    /// Named arrays with the whole state.
+    pub(crate) fn checkpoint(&self) -> [(&'static str, Vec<f64>); 3] {
+        let books = &self.books;
+        let exposures = self.exposures.iter().flat_map(|(particle, exposure)| {
+            [
+                // Exact: fewer than 2^53 particles.
+                f64::from(*particle),
+                exposure.duration,
+                exposure.place,
+                exposure.drift,
+                exposure.friction,
+            ]
+        });
+        [
+            (TEMPERATURE, self.temperature.clone()),
+            (BOOKS, vec![books.contact, books.friction, books.boundary, self.pending]),
+            (EXPOSURES, exposures.collect()),
+        ]
+    }
+
+    /// Takes the state of [`ToolHeat::checkpoint`]; `read` gives an array by name, `particles` is
+    /// their number.
+    ///
+    /// # Errors
+    /// An array that is missing or does not fit.
+    pub(crate) fn restore<'a>(
+        &mut self,
+        read: impl Fn(&str) -> Option<&'a [f64]>,
+        particles: usize,
+    ) -> Result<(), SetupError> {
+        let damaged = |name: &str| SetupError::Checkpoint {
+            reason: format!("`{name}` is missing or does not fit the tool"),
+        };
+        let temperature = read(TEMPERATURE).filter(|values| values.len() == self.temperature.len());
+        self.temperature = temperature.ok_or_else(|| damaged(TEMPERATURE))?.to_vec();
+        let books = read(BOOKS).filter(|values| values.len() == 4);
+        let books = books.ok_or_else(|| damaged(BOOKS))?;
+        self.books.contact = books[0];
+        self.books.friction = books[1];
+        self.books.boundary = books[2];
+        self.pending = books[3];
+        let (rows, rest) =
+            read(EXPOSURES).ok_or_else(|| damaged(EXPOSURES))?.as_chunks::<EXPOSURE_WIDTH>();
+        if !rest.is_empty() || rows.iter().any(|row| !(row[0] >= 0.0 && row[0] < particles as f64))
+        {
+            return Err(damaged(EXPOSURES));
+        }
+        self.exposures = rows
+            .iter()
+            .map(|&[particle, duration, place, drift, friction]| {
+                (particle as u32, Exposure { duration, place, drift, friction })
+            })
+            .collect();
+        Ok(())
+    }
+
+    /// Nodes moved by `displacement`, elements and temperatures of the nodes, for a snapshot.
+    pub(crate) fn picture(&self, displacement: Vector3) -> (Vec<Vector3>, Vec<u32>, Vec<f64>) {
+        let moved = |node: &[f64; 2]| {
+            [node[0] + displacement[0], node[1] + displacement[1], displacement[2]]
+        };
+        let nodes = self.mesh.nodes.iter().map(moved).collect();
+        (nodes, self.mesh.elements.iter().flatten().copied().collect(), self.temperature.clone())
+    }
+}
