@@ -17,10 +17,13 @@ const PICTURE_WIDTH: u32 = 1000;
 const ANIMATION_WIDTH: u32 = 960;
 /// Size of the window about the cutting edge in uncut chip thicknesses.
 const WINDOW: [f64; 2] = [11.5, 7.6];
+/// The same of the close-up of a tool that conducts heat.
+const CLOSE_UP: [f64; 2] = [3.6, 2.4];
 /// Chip farther than this from the edge, in the same unit, may lie outside the window.
 const FARTHEST: f64 = 7.5;
 
 /// A picture file with what it shows.
+#[derive(Clone)]
 pub(crate) struct Picture {
     pub title: String,
     /// For people who cannot see it.
@@ -65,6 +68,12 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
         media_type: "image/png",
         bytes: render_snapshot(&last, field, &options),
     });
+    let mut fields = fields.to_vec();
+    if let Some(range) = tool_range(&last) {
+        let view = edge(run, &last).zip(run.facts.uncut_chip_thickness).map(close_up).or(view);
+        let options = PictureOptions { view, range: Some(range), ..options.clone() };
+        fields.insert(1, tool_picture(&last, &options));
+    }
     let layers = (run.snapshots.len() > 1).then(|| Picture {
         title: "Particles by their place before the cut: layers of three spacings, every fourth \
                 column marked"
@@ -100,7 +109,31 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
         media_type: "image/gif",
         bytes,
     });
-    Ok(Pictures { animation, whole: Some(still), fields: fields.into(), layers })
+    Ok(Pictures { animation, whole: Some(still), fields, layers })
+}
+
+/// Ends of a colour bar for the tool alone; `None` where it does not conduct heat.
+fn tool_range(snapshot: &Snapshot) -> Option<(f64, f64)> {
+    let temperatures = || snapshot.tool_temperature.iter().copied();
+    let low = temperatures().reduce(f64::min)?;
+    let high = temperatures().reduce(f64::max)?;
+    // A tool that nothing has heated yet still needs a bar.
+    Some((low, high.max(low + 1.0)))
+}
+
+/// The tool in colours that show its own differences, which the chip's drown.
+fn tool_picture(snapshot: &Snapshot, options: &PictureOptions) -> Picture {
+    let (low, high) = options.range.unwrap_or_default();
+    Picture {
+        title: "Temperature in K at the edge, colours for the tool".to_owned(),
+        description: format!(
+            "Temperature of the tool, between {} and {}; particles beyond have the colours of the ends.",
+            crate::text::three_digits(low),
+            crate::text::three_digits(high)
+        ),
+        media_type: "image/png",
+        bytes: render_snapshot(snapshot, Field::Temperature, options),
+    }
 }
 
 /// A view and a colour bar that suit the whole run.
@@ -130,17 +163,8 @@ fn description(field: Field, snapshot: &Snapshot) -> String {
 /// no cut in the plane.
 fn about_edge(run: &Run, snapshot: &Snapshot) -> Option<View> {
     let thickness = run.facts.uncut_chip_thickness?;
-    run.facts.tool_velocity?;
+    let edge = edge(run, snapshot)?;
     let (cutting, feed) = (run.facts.frame.cutting, run.facts.frame.feed);
-    let depth = |p: &[f64; 3]| p.iter().zip(feed).map(|(x, f)| x * f).sum::<f64>();
-    let ahead = |p: &[f64; 3]| p.iter().zip(cutting).map(|(x, c)| x * c).sum::<f64>();
-    let deepest = snapshot.tool.iter().map(depth).max_by(f64::total_cmp)?;
-    // Of the two ends of a wear land the foremost, whatever the rounding of a turned set-up.
-    let edge = snapshot
-        .tool
-        .iter()
-        .filter(|corner| depth(corner) >= deepest - 1e-9 * thickness)
-        .max_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
     // The chip lies ahead of the edge and above it.
     let centre = [0, 1].map(|k| edge[k] + thickness * (1.4 * cutting[k] - 1.8 * feed[k]));
     let mut view = View::about(centre, WINDOW[0] * thickness, WINDOW[1] * thickness);
@@ -155,4 +179,26 @@ fn about_edge(run: &Run, snapshot: &Snapshot) -> Option<View> {
         }
     }
     Some(view)
+}
+
+/// A window about the edge in which a coating can be seen.
+fn close_up((edge, thickness): ([f64; 3], f64)) -> View {
+    View::about([edge[0], edge[1]], CLOSE_UP[0] * thickness, CLOSE_UP[1] * thickness)
+}
+
+/// The lowest point of the tool; `None` where there is no cut in the plane.
+fn edge(run: &Run, snapshot: &Snapshot) -> Option<[f64; 3]> {
+    let thickness = run.facts.uncut_chip_thickness?;
+    run.facts.tool_velocity?;
+    let (cutting, feed) = (run.facts.frame.cutting, run.facts.frame.feed);
+    let depth = |p: &[f64; 3]| p.iter().zip(feed).map(|(x, f)| x * f).sum::<f64>();
+    let ahead = |p: &[f64; 3]| p.iter().zip(cutting).map(|(x, c)| x * c).sum::<f64>();
+    let deepest = snapshot.tool.iter().map(depth).max_by(f64::total_cmp)?;
+    // Of the two ends of a wear land the foremost, whatever the rounding of a turned set-up.
+    snapshot
+        .tool
+        .iter()
+        .filter(|corner| depth(corner) >= deepest - 1e-9 * thickness)
+        .max_by(|a, b| ahead(a).total_cmp(&ahead(b)))
+        .copied()
 }

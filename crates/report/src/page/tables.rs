@@ -3,7 +3,9 @@
 use super::charts::term_colour;
 use crate::text::{grouped, percent, three_digits, with_interval};
 use maud::{Markup, html};
-use sphcut_postprocess::{EnergyBalance, Force, MomentumBalance, ProcessResult, TermKind};
+use sphcut_postprocess::{
+    EnergyBalance, Force, MomentumBalance, ProcessResult, TermKind, ToolHeatBalance,
+};
 use sphcut_record::{Run, Setting};
 
 const UM: f64 = 1e6;
@@ -252,7 +254,23 @@ pub(super) fn balances(run: &Run, result: &ProcessResult) -> Markup {
                     @if let Some(closure) = heat.closure() { "; difference " (percent(closure)) }
                     "."
                 }
+                @if let Some(tool) = heat.tool { (tool_heat(run, &tool)) }
             }
+        }
+    }
+}
+
+/// Where the heat of the tool comes from.
+fn tool_heat(run: &Run, tool: &ToolHeatBalance) -> Markup {
+    let heat = three_digits;
+    html! {
+        p {
+            "Tool: " (heat(tool.contact)) " J through the contact, " (heat(tool.friction))
+            " J of friction, " (heat(tool.boundary)) " J through its outer sides; found in it: "
+            (heat(tool.content)) " J"
+            @if run.facts.dimension == 2 { " (per m of width)" }
+            @if let Some(closure) = tool.closure() { "; difference " (percent(closure)) }
+            ". Highest temperature of the tool: " (heat(tool.max_temperature)) " K."
         }
     }
 }

@@ -78,6 +78,20 @@ impl Field {
         }
     }
 
+    /// The values of the elements of the tool, as far as the tool has this quantity: the mean of the
+    /// corners of each.
+    pub(crate) fn tool_values(self, snapshot: &Snapshot) -> Vec<f64> {
+        if self != Self::Temperature {
+            return Vec::new();
+        }
+        let corner = |node: &u32| snapshot.tool_temperature.get(*node as usize).copied();
+        let mean = |element: &[u32]| {
+            let sum: Option<f64> = element.iter().map(corner).sum();
+            sum.map_or(f64::NAN, |sum| sum / 3.0)
+        };
+        snapshot.tool_elements.chunks_exact(3).map(mean).collect()
+    }
+
     /// The colour at a share of the colour bar. The darkest tenth of the map is left out: it
     /// cannot be told from black on paper.
     pub(crate) fn colour_at(self, share: f64) -> Rgb {

@@ -30,7 +30,7 @@ pub fn render_layers(first: &Snapshot, snapshot: &Snapshot, options: &PictureOpt
         .collect();
     let colour = |id: &u64| start.get(id).map_or(UNKNOWN, |at| grid_colour(*at, first));
     let colours: Vec<Rgb> = snapshot.id.iter().map(colour).collect();
-    draw_scene(&layout, snapshot, &colours, options).png()
+    draw_scene(&layout, snapshot, [&colours, &[]], options).png()
 }
 
 fn grid_colour(start: [f64; 2], first: &Snapshot) -> Rgb {

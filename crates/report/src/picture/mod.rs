@@ -82,20 +82,22 @@ pub(crate) fn draw(snapshot: &Snapshot, field: Field, options: &PictureOptions) 
     let range = options.range.unwrap_or_else(|| field.range([snapshot]));
     let values = field.values(snapshot);
 
-    let mut canvas = draw_scene(&layout, snapshot, &colours(&values, field, range), options);
+    let tool = colours(&field.tool_values(snapshot), field, range);
+    let material = colours(&values, field, range);
+    let mut canvas = draw_scene(&layout, snapshot, [&material, &tool], options);
     draw_colour_bar(&mut canvas, &layout, &ColourBar { field, range, values: &values });
     canvas
 }
 
-/// The picture without a colour bar.
+/// The picture without a colour bar: colours of the particles and of the elements of the tool.
 fn draw_scene(
     layout: &Layout,
     snapshot: &Snapshot,
-    colours: &[Rgb],
+    [colours, tool]: [&[Rgb]; 2],
     options: &PictureOptions,
 ) -> Canvas {
     let mut canvas = Canvas::new(layout.width, layout.height);
-    let plot = draw_plot(layout, &Coloured { snapshot, colours }, options.style);
+    let plot = draw_plot(layout, &Coloured { snapshot, colours }, tool, options.style);
     for (row, source) in plot.pixels.chunks_exact(plot.width).enumerate() {
         let start = (layout.plot.y0 + row) * canvas.width + layout.plot.x0;
         canvas.pixels[start..start + plot.width].copy_from_slice(source);
@@ -155,14 +157,14 @@ fn colours(values: &[f64], field: Field, range: (f64, f64)) -> Vec<Rgb> {
     values.iter().map(colour).collect()
 }
 
-fn draw_plot(layout: &Layout, particles: &Coloured<'_>, style: Style) -> Canvas {
+fn draw_plot(layout: &Layout, particles: &Coloured<'_>, tool: &[Rgb], style: Style) -> Canvas {
     let (width, height) = (layout.plot.x1 - layout.plot.x0, layout.plot.y1 - layout.plot.y0);
     let mut fine = Canvas::new(width * OVERSAMPLING, height * OVERSAMPLING);
     let scale = layout.mapping.scale * OVERSAMPLING as f64;
     let mapping = Mapping { view: layout.mapping.view, scale };
     raster::draw_particles(&mut fine, &mapping, particles, style);
     let line_width = layout.font / 9.0 * OVERSAMPLING as f64;
-    raster::draw_tool(&mut fine, &mapping, particles.snapshot, line_width);
+    raster::draw_tool(&mut fine, &mapping, particles.snapshot, tool, line_width);
     raster::reduce(&fine, OVERSAMPLING)
 }
 

@@ -107,11 +107,13 @@ fn overlap(centre: f64, radius: f64, size: usize) -> std::ops::Range<usize> {
     low as usize..high as usize
 }
 
-/// The tool: a closed polygon in the plane, triangles in space; grey with an outline.
+/// The tool: a closed polygon in the plane, triangles in space; grey with an outline, or in the colours of
+/// its elements.
 pub(super) fn draw_tool(
     canvas: &mut Canvas,
     mapping: &Mapping,
     snapshot: &Snapshot,
+    elements: &[Rgb],
     line_width: f64,
 ) {
     let corners: Vec<[f64; 2]> =
@@ -121,14 +123,38 @@ pub(super) fn draw_tool(
         return;
     }
     fill_polygon(canvas, &corners, TOOL_FILL);
+    for (element, colour) in snapshot.tool_elements.chunks_exact(3).zip(elements) {
+        fill_triangle(canvas, mapping, snapshot, element, *colour);
+    }
     for (k, &corner) in corners.iter().enumerate() {
         canvas.line(corner, corners[(k + 1) % corners.len()], line_width, TOOL_EDGE);
     }
 }
 
+/// One element of the tool's mesh in one colour.
+fn fill_triangle(
+    canvas: &mut Canvas,
+    mapping: &Mapping,
+    snapshot: &Snapshot,
+    element: &[u32],
+    colour: Rgb,
+) {
+    let corner = |node: &u32| {
+        let place = snapshot.tool_nodes.get(*node as usize).copied().unwrap_or_default();
+        mapping.pixel(place[0], place[1])
+    };
+    let corners: Vec<[f64; 2]> = element.iter().map(corner).collect();
+    fill_polygon(canvas, &corners, colour);
+}
+
 /// Fills a polygon by the even-odd rule at pixel centres.
 fn fill_polygon(canvas: &mut Canvas, corners: &[[f64; 2]], colour: Rgb) {
-    for row in 0..canvas.height {
+    let heights = || corners.iter().map(|corner| corner[1]);
+    let (low, high) =
+        (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    // Rows whose middle lies between the lowest and the highest corner.
+    let row = |y: f64| (y + 0.5).floor().clamp(0.0, canvas.height as f64) as usize;
+    for row in row(low)..row(high) {
         let mut crossings = crossings_at(corners, row as f64 + 0.5);
         crossings.sort_by(f64::total_cmp);
         for pair in crossings.chunks_exact(2) {
