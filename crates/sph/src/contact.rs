@@ -302,6 +302,8 @@ pub(crate) struct Touch<const D: usize> {
     pub(crate) particle: u32,
     pub(crate) normal_force: Vector<D>,
     pub(crate) friction_force: Vector<D>,
+    /// Friction over the law's limit: 1 slides, less sticks.
+    pub(crate) friction_use: f64,
 }
 
 /// The tool in contact with particles.
@@ -363,6 +365,12 @@ impl<const D: usize> ToolContact<D> {
             candidate_facets: Vec::new(),
             touches: Vec::new(),
         })
+    }
+
+    /// Friction of `touch` over the shear strength sigma_y / sqrt(3) of the particle: Tresca's m.
+    pub(crate) fn shear_friction_factor(&self, touch: &Touch<D>, flow_stress: f64) -> f64 {
+        let friction = crate::tensor::dot(&touch.friction_force, &touch.friction_force).sqrt();
+        friction / self.area * 3.0_f64.sqrt() / flow_stress
     }
 
     /// Displacement of the tool at `time`.
@@ -483,7 +491,9 @@ impl<const D: usize> ToolContact<D> {
         let sticking = input.inertia * speed / time_step;
         let size = sticking.min(limit);
         let friction_force = if speed > 0.0 { slip.map(|v| -v / speed * size) } else { [0.0; D] };
-        Touch { particle, normal_force, friction_force }
+        // Without friction nothing holds the particle: it slides.
+        let friction_use = if limit > 0.0 { size / limit } else { 1.0 };
+        Touch { particle, normal_force, friction_force, friction_use }
     }
 
     /// Particles that lie on the tool, or overlap it by no more than rounding: those that exchange heat

@@ -126,6 +126,12 @@ pub struct Snapshot {
     pub temperature: Vec<f64>,
     /// Contact force of the tool on the particle in N (N/m in 2D).
     pub contact_force: Vec<Vector>,
+    /// Friction over the most that the friction law allows there: 1 slides, less sticks; 0 without
+    /// contact. Not a number where a record does not hold it.
+    pub friction_use: Vec<f64>,
+    /// Friction over the shear strength sigma_y / sqrt(3) of the particle (m of Tresca's law); 0 without
+    /// contact. Not a number where a record does not hold it.
+    pub shear_friction_factor: Vec<f64>,
     /// Number of neighbours.
     pub neighbours: Vec<u32>,
     /// Outline of the tool (2D: closed polygon; 3D: vertices of its triangles, three by three) in m.

@@ -172,10 +172,17 @@ impl<const D: usize> Engine<D> {
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by_key(|&i| self.id[i]);
         let mut contact = vec![[0.0; 3]; count];
-        for touch in self.tool.iter().flat_map(|tool| &tool.touches) {
-            contact[touch.particle as usize] = extended(&std::array::from_fn::<f64, D, _>(|k| {
+        let mut friction_use = vec![0.0; count];
+        let mut shear_friction = vec![0.0; count];
+        let touches = self.tool.iter().flat_map(|tool| tool.touches.iter().map(move |t| (tool, t)));
+        for (tool, touch) in touches {
+            let particle = touch.particle as usize;
+            contact[particle] = extended(&std::array::from_fn::<f64, D, _>(|k| {
                 touch.normal_force[k] + touch.friction_force[k]
             }));
+            friction_use[particle] = touch.friction_use;
+            shear_friction[particle] =
+                tool.shear_friction_factor(touch, self.point[particle].flow_stress);
         }
         let mut snapshot = Snapshot {
             time: self.time,
@@ -207,6 +214,8 @@ impl<const D: usize> Engine<D> {
             snapshot.plastic_strain_rate.push(point.plastic_strain_rate);
             snapshot.temperature.push(point.temperature);
             snapshot.contact_force.push(contact[i]);
+            snapshot.friction_use.push(friction_use[i]);
+            snapshot.shear_friction_factor.push(shear_friction[i]);
             snapshot.neighbours.push(self.list.count(i));
         }
         snapshot
@@ -268,6 +277,7 @@ impl<const D: usize> Engine<D> {
         for (name, values) in self.tool_heat.iter().flat_map(ToolHeat::checkpoint) {
             real(name, values);
         }
+        real("friction_use", touches.iter().map(|t| t.friction_use).collect());
         let mut integer =
             |name: &str, values: Vec<u64>| state.integers.push((name.to_owned(), values));
         integer("id", self.id.clone());
@@ -352,16 +362,19 @@ impl<const D: usize> Engine<D> {
         let Some(tool) = &mut self.tool else { return Ok(()) };
         let touched = reader.state.integer("touched").ok_or_else(|| missing("touched"))?;
         let forces = reader.reals("touches", touched.len() * 2 * D)?;
+        let uses = reader.reals("friction_use", touched.len())?;
         tool.touches = touched
             .iter()
             .zip(forces.chunks_exact(2 * D))
-            .map(|(&particle, force)| {
+            .zip(uses)
+            .map(|((&particle, force), &friction_use)| {
                 let particle =
                     u32::try_from(particle).ok().filter(|p| (*p as usize) < reader.count);
                 Ok(Touch {
                     particle: particle.ok_or_else(|| missing("touched"))?,
                     normal_force: std::array::from_fn(|k| force[k]),
                     friction_force: std::array::from_fn(|k| force[D + k]),
+                    friction_use,
                 })
             })
             .collect::<Result<_, SetupError>>()?;

@@ -1,6 +1,6 @@
 //! The layout of `run.h5`; `docs/run_h5.md` describes it for readers in other languages.
 
-use super::fields::{Column, Field, all_fields, is_complete};
+use super::fields::{Column, Field, LATER, all_fields, is_complete};
 use super::hdf::{Array, Attribute, HdfReader, HdfWriter, Shape};
 use super::{origin, run_h5_attributes as attributes};
 use crate::{Facts, Outcome, Performance, Provenance, Run, RunError, Samples};
@@ -229,8 +229,14 @@ pub(crate) fn read_snapshot(path: &Path, number: usize) -> Result<Snapshot, RunE
         particle_spacing: reader.real(&group, "particle_spacing")?,
         ..Snapshot::default()
     };
+    let there = reader.arrays(&group)?;
     for field in all_fields() {
-        read_field(&reader, &group, field, &mut snapshot)?;
+        if LATER.contains(&field.name) && !there.iter().any(|name| name == field.name) {
+            let unknown = vec![f64::NAN; snapshot.id.len() * field.width()];
+            field.set_reals(&mut snapshot, unknown).ok_or_else(|| reader.damaged(field.name))?;
+        } else {
+            read_field(&reader, &group, field, &mut snapshot)?;
+        }
     }
     if is_complete(&snapshot) {
         Ok(snapshot)

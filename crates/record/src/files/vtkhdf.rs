@@ -145,6 +145,8 @@ mod tests {
             plastic_strain_rate: filled(50.0),
             temperature: filled(60.0),
             contact_force: vectors(2.0),
+            friction_use: filled(0.0),
+            shear_friction_factor: filled(0.0),
             neighbours: (0..particles).collect(),
             ..Snapshot::default()
         }
