@@ -54,11 +54,11 @@ fn temperature(result: &ProcessResult) -> String {
 
 fn shape(result: &ProcessResult) -> String {
     let mut parts = Vec::new();
-    if let Some(chip) = &result.geometry.chip {
+    if let Ok(chip) = &result.geometry.chip {
         let ratio = chip.compression_ratio;
         parts.push(format!("{:.3} mm thick ({ratio:.2} h)", chip.thickness * 1e3));
     }
-    if let Some(contact) = &result.geometry.contact {
+    if let Ok(contact) = &result.geometry.contact {
         parts.push(format!("{:.3} mm in contact with the tool", contact.length() * 1e3));
     }
     if parts.is_empty() {

@@ -54,14 +54,20 @@ pub(crate) struct ChipContext {
     pub tool_velocity: Vector,
 }
 
+impl ChipContext {
+    /// Height above which material is chip.
+    pub fn floor(&self, spacing: f64) -> f64 {
+        self.surface + (0.25 * self.uncut_chip_thickness).max(2.0 * spacing)
+    }
+}
+
 /// Measures the chip; `None` while there is too little of it.
 pub(crate) fn measure(
     snapshot: &Snapshot,
     cloud: &Cloud,
     context: &ChipContext,
 ) -> Option<ChipShape> {
-    let margin = (0.25 * context.uncut_chip_thickness).max(2.0 * cloud.spacing);
-    let floor = context.surface + margin;
+    let floor = context.floor(cloud.spacing);
     let chip: Vec<usize> =
         (0..cloud.points.len()).filter(|&i| cloud.points[i][1] > floor).collect();
     let lines: Vec<f64> =

@@ -4,8 +4,15 @@
 //! of it; the contact length is the length of what is covered at least once. It is told apart
 //! by the outward normal of the outline: rake side where it points along the cutting direction,
 //! flank side where it points against it.
+//!
+//! **Sticking and sliding** divide the rake side as Zorev (1963) does, by stress: a particle sticks where
+//! the shear stress reaches the shear strength sigma_y / sqrt(3) of the chip (95 % of it count), so that the
+//! chip shears inside, or where it does not slip at all (friction below what the law allows). The
+//! sticking part is the length that such particles cover, the sliding part is the rest: there
+//! friction follows the law of sliding. Of the sticking part, the length without slip is told on its own.
 
-use crate::cloud::{CutPlane, Point, difference};
+use crate::cloud::Cloud;
+use crate::outline::{Foot, Outline};
 use sphcut_sph::Snapshot;
 
 /// Lengths of contact in m.
@@ -15,10 +22,15 @@ pub(crate) struct ContactShape {
     pub rake: f64,
     /// Flank face and the part of the edge that faces the machined surface.
     pub flank: f64,
+    /// The part of `rake` that is covered by particles that stick. Not a number where the record
+    /// does not tell.
+    pub sticking: f64,
+    /// The part of `sticking` without slip.
+    pub without_slip: f64,
 }
 
 impl ContactShape {
-    /// Both together.
+    /// Rake and flank together.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.rake + self.flank
@@ -28,95 +40,86 @@ impl ContactShape {
 /// Forces below this share of the largest one are no contact.
 const NEGLIGIBLE_FORCE: f64 = 1e-6;
 
-/// Measures the contact; `None` without an outline.
-pub(crate) fn measure(snapshot: &Snapshot, plane: CutPlane) -> Option<ContactShape> {
-    let corners: Vec<Point> = snapshot.tool.iter().map(|c| plane.project(c)).collect();
-    if corners.len() < 3 {
-        return None;
-    }
-    let sides = sides(&corners);
+/// Share of the shear strength at which the chip shears inside.
+const SHEARS_INSIDE: f64 = 0.95;
+
+/// A particle that touches the tool.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touching {
+    /// Its index in the snapshot.
+    pub particle: usize,
+    /// Where on the outline.
+    pub foot: Foot,
+}
+
+/// The particles on which the tool presses, loose ones left out.
+pub(crate) fn touching(snapshot: &Snapshot, cloud: &Cloud, outline: &Outline) -> Vec<Touching> {
     let size = |i: usize| snapshot.contact_force[i].iter().map(|f| f * f).sum::<f64>().sqrt();
-    let forces: Vec<f64> = (0..snapshot.contact_force.len()).map(size).collect();
-    let limit = NEGLIGIBLE_FORCE * forces.iter().copied().fold(0.0, f64::max);
-    let mut covered: Vec<(f64, f64)> = (0..forces.len())
-        .filter(|&i| forces[i] > limit)
-        .map(|i| plane.project(&snapshot.position[i]))
-        .filter(|point| point.iter().all(|x| x.is_finite()))
-        .map(|point| {
-            let arc = nearest_arc(&sides, point);
-            let half = 0.5 * snapshot.particle_spacing;
-            (arc - half, arc + half)
-        })
-        .collect();
-    covered.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut shape = ContactShape::default();
-    let mut end = f64::NEG_INFINITY;
-    for (from, to) in covered {
-        add_piece(&sides, (from.max(end), to), &mut shape);
-        end = end.max(to);
-    }
-    Some(shape)
-}
-
-/// A side of the outline.
-struct Side {
-    from: Point,
-    to: Point,
-    start: f64,
-    length: f64,
-    faces_cut: bool,
-}
-
-fn sides(corners: &[Point]) -> Vec<Side> {
-    // The direction in which the outline runs tells which side is outside: twice the signed area.
-    let next = |k: usize| corners[(k + 1) % corners.len()];
-    let area: f64 =
-        corners.iter().enumerate().map(|(k, a)| a[0] * next(k)[1] - a[1] * next(k)[0]).sum();
-    let mut start = 0.0;
-    corners
+    let largest = cloud.source.iter().map(|&i| size(i)).fold(0.0, f64::max);
+    let limit = NEGLIGIBLE_FORCE * largest;
+    cloud
+        .source
         .iter()
-        .enumerate()
-        .map(|(k, &from)| {
-            let to = next(k);
-            let along = difference(to, from);
-            let length = along[0].hypot(along[1]);
-            // Outward normal of a counter-clockwise outline: (dy, -dx).
-            let side = Side { from, to, start, length, faces_cut: along[1] * area > 0.0 };
-            start += length;
-            side
-        })
+        .zip(&cloud.points)
+        .filter(|(particle, _)| size(**particle) > limit)
+        .map(|(&particle, &point)| Touching { particle, foot: outline.foot(point) })
         .collect()
 }
 
-/// Arc length along the outline of the point of it that is nearest.
-fn nearest_arc(sides: &[Side], point: Point) -> f64 {
-    let mut best = (f64::INFINITY, 0.0);
-    for side in sides.iter().filter(|side| side.length > 0.0) {
-        let along = difference(side.to, side.from);
-        let offset = difference(point, side.from);
-        let share =
-            ((offset[0] * along[0] + offset[1] * along[1]) / side.length.powi(2)).clamp(0.0, 1.0);
-        let gap = (offset[0] - share * along[0]).hypot(offset[1] - share * along[1]);
-        if gap < best.0 {
-            best = (gap, side.start + share * side.length);
-        }
+/// Measures the contact of the particles `touching`.
+pub(crate) fn measure(
+    snapshot: &Snapshot,
+    touching: &[Touching],
+    outline: &Outline,
+) -> ContactShape {
+    let covered = |chosen: &dyn Fn(&Touching) -> bool| {
+        covered(outline, touching.iter().filter(|t| chosen(t)), snapshot.particle_spacing)
+    };
+    let [rake, flank] = covered(&|_| true);
+    let [sticking, _] = covered(&|t| sticks(snapshot, t.particle));
+    let [without_slip, _] = covered(&|t| snapshot.friction_use[t.particle] < 1.0);
+    let told = touching.iter().all(|t| is_told(snapshot, t.particle));
+    let if_told = |length: f64| if told { length } else { f64::NAN };
+    ContactShape { rake, flank, sticking: if_told(sticking), without_slip: if_told(without_slip) }
+}
+
+/// Whether a particle in contact does not slip, or the chip shears inside.
+pub(crate) fn sticks(snapshot: &Snapshot, particle: usize) -> bool {
+    snapshot.friction_use[particle] < 1.0
+        || snapshot.shear_friction_factor[particle] >= SHEARS_INSIDE
+}
+
+/// Whether the record tells.
+pub(crate) fn is_told(snapshot: &Snapshot, particle: usize) -> bool {
+    !snapshot.friction_use[particle].is_nan() && !snapshot.shear_friction_factor[particle].is_nan()
+}
+
+/// Length of the outline that is covered at least once: rake and flank side.
+fn covered<'a>(
+    outline: &Outline,
+    touching: impl Iterator<Item = &'a Touching>,
+    spacing: f64,
+) -> [f64; 2] {
+    let half = 0.5 * spacing;
+    let mut pieces: Vec<(f64, f64)> =
+        touching.map(|touching| (touching.foot.arc - half, touching.foot.arc + half)).collect();
+    pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut lengths = [0.0; 2];
+    let mut end = f64::NEG_INFINITY;
+    for (from, to) in pieces {
+        add_piece(outline, (from.max(end), to), &mut lengths);
+        end = end.max(to);
     }
-    best.1
+    lengths
 }
 
 /// Adds a piece of the outline to the sides it lies on; beyond the ends of the outline it wraps.
-fn add_piece(sides: &[Side], piece: (f64, f64), shape: &mut ContactShape) {
-    let perimeter = sides.iter().map(|side| side.length).sum::<f64>();
-    for shift in [-perimeter, 0.0, perimeter] {
-        for side in sides {
+fn add_piece(outline: &Outline, piece: (f64, f64), lengths: &mut [f64; 2]) {
+    for shift in [-outline.perimeter, 0.0, outline.perimeter] {
+        for side in &outline.sides {
             let from = (piece.0 + shift).max(side.start);
             let to = (piece.1 + shift).min(side.start + side.length);
-            let length = (to - from).max(0.0);
-            if side.faces_cut {
-                shape.rake += length;
-            } else {
-                shape.flank += length;
-            }
+            lengths[usize::from(!side.faces_cut())] += (to - from).max(0.0);
         }
     }
 }
@@ -124,18 +127,48 @@ fn add_piece(sides: &[Side], piece: (f64, f64), shape: &mut ContactShape) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::CutPlane;
     use crate::synthetic::SyntheticCut;
     use sphcut_sph::setup::CuttingFrame;
+
+    fn measured(snapshot: &Snapshot) -> Option<ContactShape> {
+        let plane = CutPlane::new(CuttingFrame::default());
+        let outline = Outline::of(snapshot, plane)?;
+        let touching = touching(snapshot, &Cloud::new(snapshot, plane), &outline);
+        Some(measure(snapshot, &touching, &outline))
+    }
 
     #[test]
     fn the_drawn_contact_length_is_found() {
         let cut = SyntheticCut::default();
         let snapshot = cut.snapshot(1.2e-3);
-        let contact = measure(&snapshot, CutPlane::new(CuttingFrame::default())).unwrap();
+        let contact = measured(&snapshot).unwrap();
         // One row of particles of 0.12 mm; the ends may be off by half a spacing each, and the
         // row starts at the tip, around which half a spacing counts as flank.
         assert!((contact.total() - cut.contact_length).abs() < cut.particle_spacing, "{contact:?}");
         assert!(contact.flank <= 0.5 * cut.particle_spacing, "{contact:?}");
+        // The first 40 um stick, the first 20 without slip: half a spacing to either side belongs
+        // to them as well.
+        let within = |length: f64, drawn: f64| (length - drawn).abs() < cut.particle_spacing;
+        assert!(within(contact.sticking, cut.sticking_length), "{contact:?}");
+        assert!(within(contact.without_slip, 0.5 * cut.sticking_length), "{contact:?}");
+    }
+
+    #[test]
+    fn loose_particles_at_the_tool_are_no_contact_and_old_records_do_not_tell_what_sticks() {
+        let cut = SyntheticCut { disorder: 0.0, ..SyntheticCut::default() };
+        let mut snapshot = cut.snapshot(0.6e-3);
+        let before = measured(&snapshot).unwrap();
+        // A crumb that touches the rake face 0.5 mm above the edge, with a large force.
+        let crumb = snapshot.id.len() - 1;
+        let (sine, cosine) = cut.rake_angle.sin_cos();
+        snapshot.position[crumb] =
+            [0.6e-3 - sine * 0.5e-3 + cosine * 5e-6, -0.1e-3 + cosine * 0.5e-3, 0.0];
+        snapshot.contact_force[crumb] = [1e6, 0.0, 0.0];
+        assert_eq!(measured(&snapshot).unwrap(), before);
+        snapshot.friction_use.fill(f64::NAN);
+        let old = measured(&snapshot).unwrap();
+        assert_eq!((old.rake, old.sticking.is_nan()), (before.rake, true));
     }
 
     #[test]
@@ -147,15 +180,23 @@ mod tests {
             tool: vec![[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [0.0, 10.0, 0.0]],
             ..Snapshot::default()
         };
-        for (y, force) in [(2.0, 1.0), (2.0, 1.0), (2.5, 1.0), (7.0, 2.0), (8.5, 0.0)] {
-            snapshot.position.push([10.3, y, 0.0]);
+        // A row of material beside it holds them together.
+        let row = (0..40).map(|k| ([11.3, 0.25 * f64::from(k)], 0.0, 0.0));
+        let touching =
+            [(2.0, 1.0, 1.0), (2.0, 1.0, 1.0), (2.5, 1.0, 0.3), (7.0, 2.0, 1.0), (8.5, 0.0, 0.0)];
+        let touching = touching.map(|(y, force, used)| ([10.3, y], force, used));
+        for ([x, y], force, used) in row.chain(touching) {
+            snapshot.position.push([x, y, 0.0]);
             snapshot.contact_force.push([force, 0.0, 0.0]);
+            snapshot.friction_use.push(used);
+            snapshot.shear_friction_factor.push(0.3);
         }
-        let contact = measure(&snapshot, CutPlane::new(CuttingFrame::default())).unwrap();
-        // [1.5, 3.0] and [6.5, 7.5].
+        let contact = measured(&snapshot).unwrap();
+        // [1.5, 3.0] and [6.5, 7.5]; of them [2.0, 3.0] sticks.
         assert!((contact.rake - 2.5).abs() < 1e-12, "{contact:?}");
+        assert!((contact.sticking - 1.0).abs() < 1e-12, "{contact:?}");
         assert_eq!(contact.flank, 0.0);
         snapshot.tool.clear();
-        assert_eq!(measure(&snapshot, CutPlane::new(CuttingFrame::default())), None);
+        assert_eq!(measured(&snapshot), None);
     }
 }

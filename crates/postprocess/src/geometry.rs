@@ -3,25 +3,63 @@
 use crate::chip::{self, ChipContext, ChipShape};
 use crate::cloud::{Cloud, CutPlane};
 use crate::contact::{self, ContactShape};
+use crate::interface::{self, Interface};
+use crate::missing::Missing;
+use crate::outline::Outline;
 use crate::process::Window;
+use crate::segments::{self, SegmentContext, Segments, deviation};
+use crate::shear_zone::{self, ShearZone};
 use crate::statistics::{mean, median, quantile};
 use crate::surface::{self, MachinedSurface, SurfaceContext};
 use sphcut_record::{Run, RunError};
 use sphcut_sph::{ChannelId, Snapshot};
 
 /// What the snapshots show. Plane runs only; in three dimensions only the counts are filled.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
-    /// The chip; `None` where there is none or too little of it.
-    pub chip: Option<Chip>,
-    /// Length of contact between tool and workpiece; `None` without contact.
-    pub contact: Option<Contact>,
+    /// The chip.
+    pub chip: Result<Chip, Missing>,
+    /// Effective rake angle in rad: of the tool's side one uncut chip thickness (or two edge radii) above
+    /// its lowest point.
+    pub rake_angle: Option<f64>,
+    /// Shear angle in rad from the chip thickness: tan phi = cos gamma / (lambda_h - sin gamma).
+    pub shear_angle: Result<f64, Missing>,
+    /// The primary shear zone.
+    pub shear_zone: Result<ShearZone, Missing>,
+    /// Thickness along the free side of the chip in the last snapshot: place before the cut along the
+    /// cutting direction, thickness; in m. Empty without a chip.
+    pub thickness_along: Vec<[f64; 2]>,
+    /// The teeth of a segmented chip, in the last snapshot.
+    pub segments: Result<Segments, Missing>,
+    /// Length of contact between tool and workpiece.
+    pub contact: Result<Contact, Missing>,
+    /// Stress and temperature along the rake side.
+    pub interface: Result<Interface, Missing>,
     /// The machined surface in the last snapshot.
     pub surface: Option<MachinedSurface>,
     /// Particles in the last snapshot that hang together with fewer than twenty others.
     pub loose_particles: usize,
     /// Snapshots within the window that were measured.
     pub snapshots: usize,
+}
+
+impl Geometry {
+    /// Nothing, for one reason.
+    fn without(reason: &Missing) -> Self {
+        Self {
+            chip: Err(reason.clone()),
+            rake_angle: None,
+            shear_angle: Err(reason.clone()),
+            shear_zone: Err(reason.clone()),
+            thickness_along: Vec::new(),
+            segments: Err(reason.clone()),
+            contact: Err(reason.clone()),
+            interface: Err(reason.clone()),
+            surface: None,
+            loose_particles: 0,
+            snapshots: 0,
+        }
+    }
 }
 
 /// The chip, mean over the snapshots of the window.
@@ -50,6 +88,10 @@ pub struct Contact {
     pub flank: f64,
     /// Standard deviation of the total between the snapshots.
     pub deviation: f64,
+    /// The part of the rake side that sticks; `None` where the record does not tell.
+    pub sticking: Option<f64>,
+    /// The part of that without slip.
+    pub without_slip: Option<f64>,
 }
 
 impl Contact {
@@ -65,10 +107,13 @@ pub(crate) fn measure(run: &Run, window: &Window) -> Result<Geometry, RunError> 
     let (Some(thickness), Some(tool_velocity)) =
         (run.facts.uncut_chip_thickness, run.facts.tool_velocity)
     else {
-        return Ok(Geometry::default());
+        return Ok(Geometry::without(&Missing::NoCut));
     };
-    if run.facts.dimension != 2 || run.snapshots.is_empty() {
-        return Ok(Geometry::default());
+    if run.facts.dimension != 2 {
+        return Ok(Geometry::without(&Missing::NotPlane));
+    }
+    if run.snapshots.is_empty() {
+        return Ok(Geometry::without(&Missing::NoSnapshots));
     }
     let plane = CutPlane::new(run.facts.frame);
     let first = run.snapshots.get(0)?;
@@ -76,24 +121,50 @@ pub(crate) fn measure(run: &Run, window: &Window) -> Result<Geometry, RunError> 
     let context = ChipContext { plane, surface, uncut_chip_thickness: thickness, tool_velocity };
     let last = run.snapshots.len() - 1;
     let mut found = Found::default();
-    let mut geometry = Geometry::default();
+    let mut geometry = Geometry::without(&Missing::NoRakeFace);
     for (number, info) in run.snapshots.index().iter().enumerate() {
         if number != last && info.time < window.start_time {
             continue;
         }
         let snapshot = run.snapshots.get(number)?;
         let cloud = Cloud::new(&snapshot, plane);
-        found.chips.extend(chip::measure(&snapshot, &cloud, &context));
-        found.contacts.extend(contact::measure(&snapshot, plane).filter(|c| c.total() > 0.0));
+        let outline = Outline::of(&snapshot, plane);
+        found.visit(&snapshot, &cloud, outline.as_ref(), &context);
         geometry.snapshots += 1;
         if number == last {
             geometry.loose_particles = cloud.loose;
             geometry.surface = machined_surface(run, &snapshot, &cloud, &context);
+            if let Some(outline) = outline {
+                let radius = run.facts.edge_radius.unwrap_or(0.0);
+                geometry.rake_angle = outline.rake_angle(thickness.max(2.0 * radius));
+                let cut_in_window = SegmentContext {
+                    first: &first,
+                    chip: &context,
+                    range: [outline.front - (window.end - window.start), outline.front],
+                    cutting_speed: run.facts.cutting_speed(),
+                };
+                (geometry.thickness_along, geometry.segments) =
+                    segments::measure(&snapshot, &cloud, &cut_in_window);
+            }
         }
     }
-    geometry.chip = found.chip(thickness, run.facts.cutting_speed());
+    let speed = run.facts.cutting_speed();
+    geometry.chip = found.chip(thickness, speed);
     geometry.contact = found.contact();
+    geometry.interface = found.interface.finish(run.facts.particle_spacing);
+    geometry.shear_zone = found.shear_zone.finish(run.facts.particle_spacing, thickness, speed);
+    geometry.shear_angle = match (&geometry.chip, geometry.rake_angle) {
+        (Ok(chip), Some(rake)) => Ok(shear_angle(chip.compression_ratio, rake)),
+        (Err(reason), _) => Err(reason.clone()),
+        (Ok(_), None) => Err(Missing::NoRakeFace),
+    };
     Ok(geometry)
+}
+
+/// phi of one plane of shear between an uncut chip and one `ratio` (lambda_h) times as thick that slides up
+/// a face with the rake angle gamma: tan phi = cos gamma / (lambda_h - sin gamma) (Merchant 1945).
+fn shear_angle(ratio: f64, rake: f64) -> f64 {
+    rake.cos().atan2(ratio - rake.sin())
 }
 
 /// Height of the surface before the cut: of a hundred strips the median of the highest particle,
@@ -149,17 +220,35 @@ fn machined_surface(
 struct Found {
     chips: Vec<ChipShape>,
     contacts: Vec<ContactShape>,
+    interface: interface::Collector,
+    shear_zone: shear_zone::Collector,
 }
 
 impl Found {
-    fn chip(&self, uncut_chip_thickness: f64, cutting_speed: f64) -> Option<Chip> {
+    fn visit(
+        &mut self,
+        snapshot: &Snapshot,
+        cloud: &Cloud,
+        outline: Option<&Outline>,
+        context: &ChipContext,
+    ) {
+        self.chips.extend(chip::measure(snapshot, cloud, context));
+        let Some(outline) = outline else { return };
+        let touching = contact::touching(snapshot, cloud, outline);
+        let contact = contact::measure(snapshot, &touching, outline);
+        self.contacts.extend((contact.total() > 0.0).then_some(contact));
+        self.interface.visit(snapshot, &touching, outline, context.plane);
+        self.shear_zone.visit(snapshot, cloud, outline, context.uncut_chip_thickness);
+    }
+
+    fn chip(&self, uncut_chip_thickness: f64, cutting_speed: f64) -> Result<Chip, Missing> {
         let of = |pick: fn(&ChipShape) -> f64| self.chips.iter().map(pick).collect::<Vec<f64>>();
         let thickness = of(|chip| chip.thickness);
         if thickness.is_empty() {
-            return None;
+            return Err(Missing::ChipTooShort);
         }
         let speed = mean(&of(|chip| chip.speed));
-        Some(Chip {
+        Ok(Chip {
             thickness: mean(&thickness),
             thickness_deviation: deviation(&thickness),
             quartiles: [mean(&of(|chip| chip.thin)), mean(&of(|chip| chip.thick))],
@@ -169,30 +258,35 @@ impl Found {
         })
     }
 
-    fn contact(&self) -> Option<Contact> {
+    fn contact(&self) -> Result<Contact, Missing> {
+        if self.contacts.is_empty() {
+            return Err(Missing::NoContact);
+        }
         let of =
             |pick: fn(&ContactShape) -> f64| self.contacts.iter().map(pick).collect::<Vec<f64>>();
-        (!self.contacts.is_empty()).then(|| Contact {
+        let told = |length: f64| (!length.is_nan()).then_some(length);
+        Ok(Contact {
             rake: mean(&of(|contact| contact.rake)),
             flank: mean(&of(|contact| contact.flank)),
             deviation: deviation(&of(ContactShape::total)),
+            sticking: told(mean(&of(|contact| contact.sticking))),
+            without_slip: told(mean(&of(|contact| contact.without_slip))),
         })
     }
-}
-
-/// Standard deviation; 0 for fewer than two values.
-fn deviation(values: &[f64]) -> f64 {
-    if values.len() < 2 {
-        return 0.0;
-    }
-    let centre = mean(values);
-    let sum: f64 = values.iter().map(|v| (v - centre).powi(2)).sum();
-    (sum / (values.len() - 1) as f64).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_shear_angle_of_known_chips() {
+        // lambda_h = 1 and gamma = 0: 45 degrees; lambda_h = 2 and gamma = 10 degrees:
+        // atan(0.98481 / (2 - 0.17365)) = atan(0.53922) = 28.334 degrees.
+        assert!((shear_angle(1.0, 0.0).to_degrees() - 45.0).abs() < 1e-12);
+        let rake = 10_f64.to_radians();
+        assert!((shear_angle(2.0, rake).to_degrees() - 28.334).abs() < 1e-3);
+    }
 
     #[test]
     fn the_machined_surface_begins_behind_the_wear_land() {

@@ -8,7 +8,12 @@ mod chip;
 mod cloud;
 mod contact;
 mod geometry;
+mod interface;
+mod missing;
+mod outline;
 mod process;
+mod segments;
+mod shear_zone;
 pub mod springback;
 mod statistics;
 pub mod steady;
@@ -23,10 +28,14 @@ pub use balances::{
     TermKind, ToolHeatBalance,
 };
 pub use geometry::{Chip, Contact, Geometry};
+pub use interface::{Interface, InterfaceBin};
+pub use missing::Missing;
 pub use process::{
     Extremes, Force, Forces, ProcessResult, Resolution, Temperatures, Window, evaluate,
     evaluate_with,
 };
+pub use segments::Segments;
+pub use shear_zone::ShearZone;
 pub use summary::{SCHEMA_VERSION, Summary, summary_json};
 pub use surface::MachinedSurface;
 pub use warnings::Warning;

@@ -2,6 +2,8 @@
 
 use crate::balances::{self, EnergyBalance, HeatBalance, MomentumBalances};
 use crate::geometry::{self, Geometry};
+use crate::missing::Missing;
+use crate::springback::{self, SpringbackError, StressBin};
 use crate::steady::{
     MeanInterval, Series, SteadyOptions, SteadyState, detect, mean_interval, window_mean,
 };
@@ -24,6 +26,8 @@ pub struct ProcessResult {
     pub forces: Forces,
     /// Chip, contact and machined surface from the snapshots.
     pub geometry: Geometry,
+    /// Residual stress below the machined surface against depth.
+    pub residual_stress: Result<Vec<StressBin>, Missing>,
     /// Temperatures.
     pub temperature: Temperatures,
     /// Smallest and largest values over the run.
@@ -148,6 +152,7 @@ pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResu
         feed_steady: verdict(ChannelId::FeedForce),
         forces: forces(samples, &window, &run.facts),
         geometry: geometry::measure(run, &window)?,
+        residual_stress: Err(Missing::NoCut),
         temperature: temperatures(samples, &window),
         extremes: extremes(samples),
         energy: balances::energy(samples, &run.facts),
@@ -159,8 +164,27 @@ pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResu
         steady,
         window,
     };
+    result.residual_stress = residual_stress(run, &result)?;
     result.warnings = warnings::collect(run, &result);
     Ok(result)
+}
+
+/// The profile that `sphcut springback` shows, or why there is none.
+fn residual_stress(
+    run: &Run,
+    result: &ProcessResult,
+) -> Result<Result<Vec<StressBin>, Missing>, RunError> {
+    Ok(match springback::measure(run, result) {
+        Ok(found) if found.stress.is_empty() => {
+            Err(Missing::Surface("no material was found below the machined surface".to_owned()))
+        }
+        Ok(found) => Ok(found.stress),
+        Err(SpringbackError::Record(error)) => return Err(error),
+        Err(SpringbackError::NotPlane) => Err(Missing::NotPlane),
+        Err(SpringbackError::NoCut) => Err(Missing::NoCut),
+        Err(SpringbackError::NoSnapshots) => Err(Missing::NoSnapshots),
+        Err(reason) => Err(Missing::Surface(reason.to_string())),
+    })
 }
 
 impl ProcessResult {

@@ -1,9 +1,12 @@
 //! `summary.json`: the result in a stable schema, for scripts. Described in
 //! `docs/summary_json.md`; a test keeps the two together.
 
+mod measures;
+
 use crate::balances::{EnergyBalance, MomentumBalance, TermKind, ToolHeatBalance};
 use crate::process::{Force, ProcessResult};
 use crate::warnings::Warning;
+use measures::{ChipEntry, ContactEntry, InterfaceEntry, ResidualStressEntry, ShearZoneEntry};
 use serde::Serialize;
 
 /// Version of the schema: the first number changes when a key changes its meaning or goes, the
@@ -18,8 +21,11 @@ pub struct Summary {
     steady: SteadyEntry,
     temperature: TemperatureEntry,
     chip: ChipEntry,
+    shear_zone: ShearZoneEntry,
     contact: ContactEntry,
+    interface: InterfaceEntry,
     machined_surface: SurfaceEntry,
+    residual_stress: ResidualStressEntry,
     balances: BalancesEntry,
     tool_heat: ToolHeatEntry,
     extremes: ExtremesEntry,
@@ -62,24 +68,6 @@ struct TemperatureEntry {
     interface_mean_k: Option<f64>,
     interface_ci95_k: Option<f64>,
     interface_max_k: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct ChipEntry {
-    thickness_mm: Option<f64>,
-    thickness_deviation_mm: Option<f64>,
-    thickness_quartiles_mm: Option<[f64; 2]>,
-    compression_ratio: Option<f64>,
-    compression_ratio_by_speed: Option<f64>,
-    snapshots: usize,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct ContactEntry {
-    length_mm: Option<f64>,
-    rake_mm: Option<f64>,
-    flank_mm: Option<f64>,
-    deviation_mm: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -189,9 +177,12 @@ impl Summary {
             },
             steady: SteadyEntry::of(result),
             temperature: TemperatureEntry::of(result),
-            chip: ChipEntry::of(result),
-            contact: ContactEntry::of(result),
+            chip: ChipEntry::of(&result.geometry),
+            shear_zone: ShearZoneEntry::of(&result.geometry),
+            contact: ContactEntry::of(&result.geometry),
+            interface: InterfaceEntry::of(&result.geometry),
             machined_surface: SurfaceEntry::of(result),
+            residual_stress: ResidualStressEntry::of(result),
             balances: BalancesEntry::of(result),
             tool_heat: ToolHeatEntry::of(result),
             extremes: ExtremesEntry::of(result),
@@ -237,32 +228,6 @@ impl TemperatureEntry {
             interface_mean_k: temperature.interface.map(|interval| interval.mean),
             interface_ci95_k: temperature.interface.map(|interval| interval.half_width),
             interface_max_k: temperature.interface_max,
-        }
-    }
-}
-
-impl ChipEntry {
-    fn of(result: &ProcessResult) -> Self {
-        let chip = result.geometry.chip;
-        Self {
-            thickness_mm: chip.map(|c| c.thickness * MM_PER_M),
-            thickness_deviation_mm: chip.map(|c| c.thickness_deviation * MM_PER_M),
-            thickness_quartiles_mm: chip.map(|c| c.quartiles.map(|q| q * MM_PER_M)),
-            compression_ratio: chip.map(|c| c.compression_ratio),
-            compression_ratio_by_speed: chip.map(|c| c.speed_ratio),
-            snapshots: chip.map_or(0, |c| c.snapshots),
-        }
-    }
-}
-
-impl ContactEntry {
-    fn of(result: &ProcessResult) -> Self {
-        let contact = result.geometry.contact;
-        Self {
-            length_mm: contact.map(|c| c.length() * MM_PER_M),
-            rake_mm: contact.map(|c| c.rake * MM_PER_M),
-            flank_mm: contact.map(|c| c.flank * MM_PER_M),
-            deviation_mm: contact.map(|c| c.deviation * MM_PER_M),
         }
     }
 }

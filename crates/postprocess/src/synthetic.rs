@@ -4,8 +4,10 @@
 //! The picture is Merchant's: a chip of constant thickness that leaves a plane of shear and
 //! slides up a flat rake face.
 
+mod field;
+
 use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Setting, Snapshots};
-use sphcut_sph::setup::{CuttingFrame, Dimension, Vector};
+use sphcut_sph::setup::{CuttingFrame, Dimension};
 use sphcut_sph::{CHANNELS, ChannelId, Sample, Setup, Snapshot};
 
 /// Geometry and state of a hand-drawn cut. Lengths in m, angles in rad.
@@ -23,6 +25,18 @@ pub struct SyntheticCut {
     pub cutting_speed: f64,
     /// Length of the rake face that touches the chip.
     pub contact_length: f64,
+    /// The part of it next to the edge where the chip sticks.
+    pub sticking_length: f64,
+    /// Temperature of the contact at its far end over that at the edge, both above ambient.
+    pub contact_warming: f64,
+    /// Largest plastic strain rate in the shear plane in 1/s.
+    pub shear_rate: f64,
+    /// Width over which it falls to half on both sides together (a Gaussian).
+    pub shear_width: f64,
+    /// Distance between the teeth along the chip; 0 for a smooth chip.
+    pub tooth_pitch: f64,
+    /// Height from valley to tip.
+    pub tooth_height: f64,
     /// Length of the workpiece along x; its left end is at x = 0.
     pub length: f64,
     /// Height of the workpiece; its upper surface is at y = 0.
@@ -58,6 +72,12 @@ impl Default for SyntheticCut {
             chip_thickness: 0.22e-3,
             cutting_speed: 2.5,
             contact_length: 0.12e-3,
+            sticking_length: 0.04e-3,
+            contact_warming: 1.0,
+            shear_rate: 5e4,
+            shear_width: 40e-6,
+            tooth_pitch: 0.0,
+            tooth_height: 0.0,
             length: 2.5e-3,
             height: 0.5e-3,
             particle_spacing: 10e-6,
@@ -91,13 +111,7 @@ impl SyntheticCut {
     /// The particles after `travel` metres of the tool, which starts at x = 0.
     #[must_use]
     pub fn snapshot(&self, travel: f64) -> Snapshot {
-        let mut field = Field { cut: self, travel, snapshot: self.empty_snapshot(travel) };
-        field.fill_workpiece();
-        field.fill_chip();
-        field.scatter_loose_particles();
-        let mut snapshot = field.snapshot;
-        turn(&mut snapshot, self.orientation);
-        snapshot
+        field::drawn(self, travel, self.empty_snapshot(travel))
     }
 
     fn empty_snapshot(&self, travel: f64) -> Snapshot {
@@ -247,192 +261,6 @@ impl SyntheticCut {
         set(ChannelId::MinNeighbours, 9.0);
         set(ChannelId::TimeStep, 1e-9);
         Sample { values }
-    }
-}
-
-/// A snapshot in the making.
-struct Field<'a> {
-    cut: &'a SyntheticCut,
-    travel: f64,
-    snapshot: Snapshot,
-}
-
-/// State of one particle.
-#[derive(Clone, Copy)]
-struct State {
-    velocity: [f64; 2],
-    temperature: f64,
-    plastic_strain: f64,
-    von_mises_stress: f64,
-    contact_force: [f64; 2],
-    /// Along the cutting direction; half of it across.
-    residual_stress: f64,
-}
-
-impl Field<'_> {
-    fn fill_workpiece(&mut self) {
-        let cut = self.cut;
-        let spacing = cut.particle_spacing;
-        let (columns, rows) =
-            ((cut.length / spacing).round() as usize, (cut.height / spacing).round() as usize);
-        let tip = [self.travel, -cut.uncut_chip_thickness];
-        let slope = cut.shear_angle().tan();
-        for column in 0..columns {
-            for row in 0..rows {
-                let x = (column as f64 + 0.5) * spacing;
-                let y = -(row as f64 + 0.5) * spacing;
-                let ahead = x - tip[0] > (y - tip[1]) / slope;
-                if y > tip[1] && !ahead {
-                    continue;
-                }
-                let offset = [x - tip[0], y - tip[1]];
-                self.push([x, y + self.rise(offset)], self.workpiece_state(offset));
-            }
-        }
-    }
-
-    /// The springback at a place relative to the tool's tip: full down to the depth of one uncut
-    /// chip thickness, none from two on.
-    fn rise(&self, offset: [f64; 2]) -> f64 {
-        let cut = self.cut;
-        let share = (2.0 + offset[1] / cut.uncut_chip_thickness).clamp(0.0, 1.0);
-        let recovered = 1.0 - (offset[0].min(0.0) / cut.recovery_length).exp();
-        cut.springback * share * recovered
-    }
-
-    fn workpiece_state(&self, offset: [f64; 2]) -> State {
-        let cut = self.cut;
-        let distance = offset[0].hypot(offset[1]);
-        let near = (-distance / (0.8 * cut.uncut_chip_thickness)).exp();
-        let burnished = if offset[0] < 0.0 {
-            (offset[1] / (0.15 * cut.uncut_chip_thickness)).exp()
-        } else {
-            0.0
-        };
-        let residual = if offset[0] < 0.0 {
-            cut.residual_stress * (offset[1] / cut.residual_depth).exp()
-        } else {
-            0.0
-        };
-        // The first row under the tip touches it.
-        let spacing = cut.particle_spacing;
-        let touches = offset[0].abs() < spacing && offset[1] < 0.0 && offset[1] > -spacing;
-        State {
-            velocity: [0.2 * cut.cutting_speed * near, 0.1 * cut.cutting_speed * near],
-            temperature: AMBIENT + 450.0 * near + 200.0 * burnished,
-            plastic_strain: 0.8 * near * near + 1.2 * burnished,
-            von_mises_stress: 9e8 * near + 2e8 * burnished,
-            contact_force: [0.0, if touches { -cut.flank_force } else { 0.0 }],
-            residual_stress: residual,
-        }
-    }
-
-    fn fill_chip(&mut self) {
-        let cut = self.cut;
-        let spacing = cut.particle_spacing;
-        let tilt = (cut.shear_angle() - cut.rake_angle).tan();
-        let length = self.travel * cut.uncut_chip_thickness / cut.chip_thickness;
-        let (across, along_row) = (spacing * cut.chip_stretch, spacing / cut.chip_stretch);
-        let layers = (cut.chip_thickness / across).round() as usize;
-        for layer in 0..layers {
-            let from_rake = (layer as f64 + 0.5) * across;
-            let start = from_rake * tilt;
-            let count = (length / along_row).round() as usize;
-            for k in 0..count {
-                let along = start + (k as f64 + 0.5) * along_row;
-                self.push(self.chip_point(along, from_rake), self.chip_state(along, from_rake));
-            }
-        }
-    }
-
-    /// The point `along` the rake face from the tip and `from_rake` away from it.
-    fn chip_point(&self, along: f64, from_rake: f64) -> [f64; 2] {
-        let (sine, cosine) = self.cut.rake_angle.sin_cos();
-        [
-            self.travel - sine * along + cosine * from_rake,
-            -self.cut.uncut_chip_thickness + cosine * along + sine * from_rake,
-        ]
-    }
-
-    fn chip_state(&self, along: f64, from_rake: f64) -> State {
-        let cut = self.cut;
-        let (sine, cosine) = cut.rake_angle.sin_cos();
-        let speed = cut.cutting_speed * cut.uncut_chip_thickness / cut.chip_thickness;
-        let in_contact = along < cut.contact_length && from_rake < 0.75 * cut.particle_spacing;
-        let depth = (from_rake - 0.5 * cut.particle_spacing) / (0.15 * cut.chip_thickness);
-        let layer = (-depth.max(0.0)).exp();
-        let hot = INTERFACE_TEMPERATURE - 620.0;
-        let normal_force = if in_contact { 5e3 } else { 0.0 };
-        State {
-            velocity: [cut.cutting_speed - sine * speed, cosine * speed],
-            temperature: 620.0 + hot * if in_contact { 1.0 } else { 0.9 * layer },
-            plastic_strain: 1.6 + 3.0 * layer,
-            von_mises_stress: 7.5e8 * (-along / 0.4e-3).exp() + 1e8,
-            contact_force: [cosine * normal_force, sine * normal_force],
-            residual_stress: 0.0,
-        }
-    }
-
-    /// Single particles above the workpiece, far from each other.
-    fn scatter_loose_particles(&mut self) {
-        for k in 0..self.cut.loose_particles {
-            let x = 0.1e-3 + 0.21e-3 * k as f64;
-            let y = 0.25e-3 + 0.05e-3 * (k % 5) as f64;
-            let state = State {
-                velocity: [1.0, 2.0],
-                temperature: 1500.0,
-                plastic_strain: 9.0,
-                von_mises_stress: 0.0,
-                contact_force: [0.0; 2],
-                residual_stress: 0.0,
-            };
-            self.push([x, y], state);
-        }
-    }
-
-    fn push(&mut self, point: [f64; 2], state: State) {
-        let snapshot = &mut self.snapshot;
-        let k = snapshot.id.len() as u64;
-        let shift = |salt: u64| {
-            self.cut.disorder * self.cut.particle_spacing * (uniform(2 * k + salt) - 0.5)
-        };
-        snapshot.id.push(k);
-        snapshot.body.push(0);
-        snapshot.position.push([point[0] + shift(0), point[1] + shift(1), 0.0]);
-        snapshot.velocity.push([state.velocity[0], state.velocity[1], 0.0]);
-        let residual = state.residual_stress;
-        snapshot.stress.push([residual, 0.0, 0.5 * residual, 0.0, 0.0, 0.0]);
-        snapshot.von_mises_stress.push(state.von_mises_stress);
-        snapshot.pressure.push(0.5 * state.von_mises_stress);
-        snapshot.density.push(7850.0);
-        snapshot.plastic_strain.push(state.plastic_strain);
-        snapshot.plastic_strain_rate.push(0.0);
-        snapshot.temperature.push(state.temperature);
-        snapshot.contact_force.push([state.contact_force[0], state.contact_force[1], 0.0]);
-        snapshot.neighbours.push(28);
-    }
-}
-
-/// Turns positions, velocities, forces and the tool about the origin.
-fn turn(snapshot: &mut Snapshot, angle: f64) {
-    let (sine, cosine) = angle.sin_cos();
-    let turn_one = |v: &mut Vector| {
-        *v = [cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1], v[2]];
-    };
-    for vectors in [
-        &mut snapshot.position,
-        &mut snapshot.velocity,
-        &mut snapshot.contact_force,
-        &mut snapshot.tool,
-    ] {
-        vectors.iter_mut().for_each(turn_one);
-    }
-    // sigma' = Q sigma Q^T of a stress with xx and zz alone.
-    for stress in &mut snapshot.stress {
-        let along = stress[0];
-        stress[0] = cosine * cosine * along;
-        stress[1] = sine * sine * along;
-        stress[3] = sine * cosine * along;
     }
 }
 

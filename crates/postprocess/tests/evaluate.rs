@@ -1,8 +1,8 @@
 //! A drawn run with known answers, from the record to `summary.json`.
 
 use serde_json::Value;
-use sphcut_postprocess::synthetic::{AMBIENT, SyntheticCut};
-use sphcut_postprocess::{ProcessResult, Warning, evaluate, summary_json};
+use sphcut_postprocess::synthetic::{AMBIENT, INTERFACE_TEMPERATURE, SyntheticCut};
+use sphcut_postprocess::{Missing, ProcessResult, Warning, evaluate, summary_json};
 use sphcut_record::{Outcome, Run, Setting};
 use sphcut_sph::ChannelId;
 
@@ -53,6 +53,78 @@ fn the_drawn_cut_is_found_in_its_record() {
     assert!((result.energy.unwrap().numerical_dissipation - 0.069).abs() < 1e-9);
     assert!(result.momentum.unwrap().closure().unwrap() < 1e-9);
     assert_eq!(result.warnings, []);
+}
+
+#[test]
+fn chip_and_surface_are_found_in_the_record() {
+    let cut = SyntheticCut { residual_stress: -300e6, disorder: 0.0, ..drawn() };
+    let run = cut.run(2.0e-3, 41);
+    let result = evaluate(&run).unwrap();
+    let geometry = &result.geometry;
+    assert!((geometry.rake_angle.unwrap().to_degrees() - 5.0).abs() < 1e-9);
+    // tan phi = cos 5 / (2.2 - sin 5) = 0.99619 / 2.11284: phi = 25.244 degrees. A thickness that is 2 %
+    // wrong makes it half a degree.
+    let angle = geometry.shear_angle.clone().unwrap().to_degrees();
+    assert!((angle - 25.244).abs() < 0.5, "{angle}");
+    let zone = geometry.shear_zone.clone().unwrap();
+    assert!((zone.angle.to_degrees() - 25.244).abs() < 1.5, "{zone:?}");
+    assert!((zone.width / 40e-6 - 1.0).abs() < 0.08, "{zone:?}");
+    let contact = geometry.contact.clone().unwrap();
+    assert!((contact.sticking.unwrap() - 40e-6).abs() < 10e-6, "{contact:?}");
+    assert!((contact.without_slip.unwrap() - 20e-6).abs() < 10e-6, "{contact:?}");
+    let interface = geometry.interface.clone().unwrap();
+    // 98 % of 120 um; the first 40 um stick. Bins of 10 um move with the particles in them.
+    assert!((interface.contact_length - 117.6e-6).abs() < 2e-6, "{interface:?}");
+    assert!((interface.sticking_length.unwrap() - 40e-6).abs() < 5e-6, "{interface:?}");
+    assert!((interface.mean_temperature - INTERFACE_TEMPERATURE).abs() < 1e-6, "{interface:?}");
+    assert!(matches!(geometry.segments, Err(Missing::Continuous { .. })));
+    let stress = result.residual_stress.unwrap();
+    for bin in stress.iter().filter(|bin| bin.depth < 100e-6) {
+        // -300 MPa exp(-depth / 50 um), smoothed over dx: (10 / 100 um)^2 = 1 % too much.
+        let drawn = -300e6 * (-bin.depth / 50e-6).exp();
+        assert!((bin.cutting / drawn - 1.0).abs() < 0.03, "{bin:?}");
+        assert!((bin.across / bin.cutting - 0.5).abs() < 1e-9, "{bin:?}");
+    }
+}
+
+#[test]
+fn a_serrated_chip_gives_its_pitch_and_frequency() {
+    let cut = SyntheticCut {
+        tooth_pitch: 100e-6,
+        tooth_height: 90e-6,
+        particle_spacing: 6e-6,
+        height: 0.3e-3,
+        ..drawn()
+    };
+    let result = evaluate(&cut.run(2.0e-3, 11)).unwrap();
+    let found = result.geometry.segments.unwrap();
+    // 100 um in the chip, 220 um before the cut; 2.5 m/s / 220 um = 11.4 kHz.
+    assert!((found.pitch / 100e-6 - 1.0).abs() < 0.05, "{found:?}");
+    assert!((found.frequency / 11_364.0 - 1.0).abs() < 0.05, "{found:?}");
+}
+
+#[test]
+fn what_cannot_be_told_is_null_with_a_reason() {
+    // 0.2 mm of travel make 0.09 mm of chip, 0.22 mm thick.
+    let value: Value =
+        serde_json::from_str(&summary_json(&evaluate(&drawn().run(0.2e-3, 5)).unwrap())).unwrap();
+    for (group, key) in [
+        (&value["chip"], "thickness_mm"),
+        (&value["chip"], "shear_angle_deg"),
+        (&value["chip"]["segmentation"], "pitch_mm"),
+        (&value["residual_stress"], "surface"),
+    ] {
+        assert!(group[key].is_null(), "{key}");
+        assert!(group["reason"].as_str().is_some_and(|reason| reason.len() > 20), "{key}");
+    }
+    assert!(value["chip"]["reason"].as_str().unwrap().contains("too short"));
+    assert!(value["shear_zone"]["reason"].is_null());
+    let still = SyntheticCut { shear_rate: 0.0, contact_length: 0.0, ..drawn() };
+    let value: Value =
+        serde_json::from_str(&summary_json(&evaluate(&still.run(2.0e-3, 11)).unwrap())).unwrap();
+    assert!(value["shear_zone"]["reason"].as_str().unwrap().contains("5 % of v_c / h"));
+    assert!(value["contact"]["reason"].as_str().unwrap().contains("nothing touches"));
+    assert!(value["interface"]["mean_temperature_k"].is_null());
 }
 
 #[test]
@@ -120,7 +192,7 @@ fn a_run_without_samples_or_tool_is_evaluated_too() {
     run.facts.tool_velocity = None;
     let result = evaluate(&run).unwrap();
     assert_eq!(result.energy, None);
-    assert_eq!(result.geometry.chip, None);
+    assert_eq!(result.geometry.chip, Err(Missing::NoCut));
     let value: Value = serde_json::from_str(&summary_json(&result)).unwrap();
     assert!(value["balances"]["energy_closure"].is_null());
     assert!(value["forces"]["cutting"]["ci95_n"].is_null());

@@ -75,7 +75,7 @@ fn the_page_shows_every_picture_and_has_no_errors_in_a_browser() {
     let document = String::from_utf8_lossy(&output.stdout);
     let log = String::from_utf8_lossy(&output.stderr);
     assert!(
-        document.contains("8/8 images, 4 charts, overflow false"),
+        document.contains("8/8 images, 9 charts, overflow false"),
         "{:?}\n{log}",
         document.find("data-probe").map(|at| &document[at..at + 80])
     );
@@ -95,6 +95,9 @@ fn the_page_loads_nothing_and_escapes_what_it_is_given() {
     assert!(page.contains("A cut drawn by hand &lt;&amp;&gt;"));
     assert!(!page.contains("hand <&>"));
     for text in ["Before you use these numbers", "How to reproduce", "sphcut run drawn.toml"] {
+        assert!(page.contains(text), "{text}");
+    }
+    for text in ["Shear angle", "Strain rate in it", "Sticking part", "the chip is continuous"] {
         assert!(page.contains(text), "{text}");
     }
     for (_, _, title) in sphcut_postprocess::ENERGY_TERMS {

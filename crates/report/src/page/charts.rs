@@ -7,11 +7,11 @@ use sphcut_postprocess::{ENERGY_TERMS, Force, ProcessResult, TermKind};
 use sphcut_record::{Facts, Run};
 use sphcut_sph::ChannelId;
 
-const BLUE: &str = "#0072b2";
+pub(super) const BLUE: &str = "#0072b2";
 const BLUE_LIGHT: &str = "#9cc7e2";
-const RED: &str = "#d55e00";
+pub(super) const RED: &str = "#d55e00";
 const RED_LIGHT: &str = "#f0b890";
-const GREEN: &str = "#009e73";
+pub(super) const GREEN: &str = "#009e73";
 const INK: &str = "#22262b";
 /// Share of the record averaged for the smooth line of a force.
 const SMOOTHING: f64 = 0.02;
@@ -63,7 +63,7 @@ pub(super) fn force_figure(run: &Run, result: &ProcessResult) -> Markup {
     )
 }
 
-fn figure(svg: Option<String>, caption: &str) -> Markup {
+pub(super) fn figure(svg: Option<String>, caption: &str) -> Markup {
     html! {
         @if let Some(svg) = svg {
             figure { (PreEscaped(svg)) figcaption { (caption) } }

@@ -1,6 +1,7 @@
 //! `report.html`: one page that needs nothing but itself.
 
 mod charts;
+mod measures;
 mod springback;
 mod tables;
 
@@ -71,6 +72,7 @@ fn page(run: &Run, result: &ProcessResult, pictures: &Pictures) -> Markup {
                     (tables::key_figures(run, result))
                     (cut(pictures))
                     (tables::results(run, result))
+                    (measures::section(run, result))
                     (charts::section(run, result))
                     (tables::balances(run, result))
                     (tables::setup(run, result))

@@ -350,7 +350,8 @@ fn recovery(found: &Springback) -> Chart<'static> {
 /// One stress of a layer with its interval.
 type Pick = fn(&StressBin) -> (f64, f64);
 
-fn stress(bins: &[StressBin]) -> Chart<'static> {
+/// Residual stress against depth.
+pub(super) fn stress(bins: &[StressBin]) -> Chart<'static> {
     let mut lines = Vec::new();
     let columns: [(&str, &str, Pick); 3] = [
         ("Along the cut", BLUE, |bin| (bin.cutting, bin.cutting_ci95)),

@@ -8,7 +8,7 @@ use sphcut_postprocess::{
 };
 use sphcut_record::{Run, Setting};
 
-const UM: f64 = 1e6;
+pub(super) const UM: f64 = 1e6;
 
 /// The five numbers one looks for first.
 pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
@@ -20,12 +20,12 @@ pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
             @if ProcessResult::is_cut(run) {
                 (figure("Cutting force F_c", &force(&result.forces.cutting), "N/mm"))
                 (figure("Feed force F_f", &force(&result.forces.feed), "N/mm"))
-                @if let Some(chip) = geometry.chip {
+                @if let Ok(chip) = &geometry.chip {
                     (figure("Chip thickness", &three_digits(chip.thickness * UM), "\u{b5}m"))
                     (figure("Chip compression ratio", &three_digits(chip.compression_ratio), ""))
                 }
-                @if let Some(contact) = geometry.contact {
-                    (figure("Contact length", &three_digits(contact.length() * UM), "\u{b5}m"))
+                @if let Ok(interface) = &geometry.interface {
+                    (figure("Contact length", &three_digits(interface.contact_length * UM), "\u{b5}m"))
                 }
                 @if let Some(interface) = result.temperature.interface {
                     (figure("Contact temperature", &three_digits(interface.mean), "K"))
@@ -52,18 +52,23 @@ fn symbol(name: &str) -> Markup {
 }
 
 /// A row of a table of results.
-struct Row {
+pub(super) struct Row {
     name: &'static str,
     value: String,
     unit: &'static str,
     note: String,
 }
 
-fn row(name: &'static str, value: String, unit: &'static str, note: impl Into<String>) -> Row {
+pub(super) fn row(
+    name: &'static str,
+    value: String,
+    unit: &'static str,
+    note: impl Into<String>,
+) -> Row {
     Row { name, value, unit, note: note.into() }
 }
 
-fn table(caption: &str, rows: &[Row]) -> Markup {
+pub(super) fn table(caption: &str, rows: &[Row]) -> Markup {
     html! {
         div.scroll {
             table.results {
@@ -84,12 +89,11 @@ fn table(caption: &str, rows: &[Row]) -> Markup {
     }
 }
 
-/// Forces, chip, contact, temperatures, extremes.
+/// Forces, temperatures, extremes.
 pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
     let mut rows = Vec::new();
     if ProcessResult::is_cut(run) {
         rows.extend(force_rows(result));
-        rows.extend(geometry_rows(result));
     }
     rows.extend(state_rows(result));
     html! {
@@ -116,41 +120,6 @@ fn force_rows(result: &ProcessResult) -> Vec<Row> {
         let (mean, half_width) = (force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3);
         rows.push(row(name, with_interval(force.mean, force.ci95), "N", "for the width of cut"));
         rows.push(row(per_width, with_interval(mean, half_width), "N/mm", ""));
-    }
-    rows
-}
-
-fn geometry_rows(result: &ProcessResult) -> Vec<Row> {
-    let geometry = &result.geometry;
-    let mut rows = Vec::new();
-    if let Some(chip) = geometry.chip {
-        let [thin, thick] = chip.quartiles.map(|q| three_digits(q * UM));
-        let note = format!(
-            "middle half of the local thickness {thin} to {thick} \u{b5}m; {} snapshots",
-            chip.snapshots
-        );
-        let thickness = with_interval(chip.thickness * UM, chip.thickness_deviation * UM);
-        rows.push(row("Chip thickness", thickness, "\u{b5}m", note));
-        let note = format!("{} from the speed of the chip", three_digits(chip.speed_ratio));
-        rows.push(row("Chip compression ratio", three_digits(chip.compression_ratio), "", note));
-    }
-    if let Some(contact) = geometry.contact {
-        let note = format!(
-            "rake side {} \u{b5}m, flank side {} \u{b5}m",
-            three_digits(contact.rake * UM),
-            three_digits(contact.flank * UM)
-        );
-        let length = with_interval(contact.length() * UM, contact.deviation * UM);
-        rows.push(row("Contact length", length, "\u{b5}m", note));
-    }
-    if let Some(surface) = geometry.surface {
-        let note = format!(
-            "steps along {} mm: {} \u{b5}m",
-            three_digits(surface.length * 1e3),
-            three_digits(surface.jump * UM)
-        );
-        let error = three_digits(surface.depth_error * UM);
-        rows.push(row("Height error of the surface", error, "\u{b5}m", note));
     }
     rows
 }

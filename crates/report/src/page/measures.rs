@@ -1,0 +1,298 @@
+//! Chip, shear zone, contact and machined surface: one table and their figures.
+
+use super::charts::{BLUE, GREEN, RED, figure};
+use super::springback::stress;
+use super::tables::{Row, UM, row, table};
+use crate::chart::{Chart, Line};
+use crate::text::{grouped, percent, three_digits, with_interval};
+use maud::{Markup, html};
+use sphcut_postprocess::{Geometry, Interface, Missing, ProcessResult, ShearZone};
+use sphcut_record::Run;
+
+const NONE: &str = "\u{2013}";
+const MICROMETRE: &str = "\u{b5}m";
+const MPA: f64 = 1e-6;
+/// How far across the shear zone the figure reaches, in widths of the zone.
+const SHOWN: f64 = 2.0;
+
+/// What the snapshots of a plane cut show.
+pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
+    if !ProcessResult::is_cut(run) {
+        return html! {};
+    }
+    let geometry = &result.geometry;
+    let mut rows = chip_rows(geometry);
+    rows.extend(shear_rows(geometry));
+    rows.extend(contact_rows(geometry));
+    rows.extend(surface_rows(result));
+    html! {
+        section {
+            h2 { "Chip and surface" }
+            (table("Means over the snapshots of the window, \u{b1} standard deviation between them; \
+                definitions and sources: docs/chip.md.", &rows))
+            (figures(result))
+        }
+    }
+}
+
+/// A row without a value: the reason in place of the note.
+fn missing(name: &'static str, reason: &Missing) -> Row {
+    row(name, NONE.to_owned(), "", reason.to_string())
+}
+
+fn degrees(angle: f64) -> String {
+    three_digits(angle.to_degrees())
+}
+
+fn chip_rows(geometry: &Geometry) -> Vec<Row> {
+    let mut rows = Vec::new();
+    match &geometry.chip {
+        Err(reason) => rows.push(missing("Chip thickness", reason)),
+        Ok(chip) => {
+            let [thin, thick] = chip.quartiles.map(|q| three_digits(q * UM));
+            let note = format!(
+                "middle half of the local thickness {thin} to {thick} \u{b5}m; {} snapshots",
+                chip.snapshots
+            );
+            let thickness = with_interval(chip.thickness * UM, chip.thickness_deviation * UM);
+            rows.push(row("Chip thickness", thickness, MICROMETRE, note));
+            let note = format!("{} from the speed of the chip", three_digits(chip.speed_ratio));
+            rows.push(row(
+                "Chip compression ratio",
+                three_digits(chip.compression_ratio),
+                "",
+                note,
+            ));
+        }
+    }
+    match &geometry.shear_angle {
+        Err(reason) => rows.push(missing("Shear angle", reason)),
+        Ok(angle) => {
+            let rake = geometry.rake_angle.map_or_else(|| NONE.to_owned(), degrees);
+            let note = format!("from the chip thickness; effective rake angle {rake}\u{b0}");
+            rows.push(row("Shear angle", degrees(*angle), "\u{b0}", note));
+        }
+    }
+    match &geometry.segments {
+        Err(reason) => rows.push(missing("Segmentation pitch", reason)),
+        Ok(found) => {
+            let pitch = with_interval(found.pitch * UM, found.pitch_deviation * UM);
+            let note = format!(
+                "{} teeth; {} \u{b5}m before the cut",
+                found.teeth,
+                three_digits(found.undeformed_pitch * UM)
+            );
+            rows.push(row("Segmentation pitch", pitch, MICROMETRE, note));
+            let note = format!(
+                "degree of segmentation {}: tips {} \u{b5}m, valleys {} \u{b5}m thick",
+                percent(found.degree()),
+                three_digits(found.tip_thickness * UM),
+                three_digits(found.valley_thickness * UM)
+            );
+            let frequency = three_digits(found.frequency * 1e-3);
+            rows.push(row("Segmentation frequency", frequency, "kHz", note));
+        }
+    }
+    rows
+}
+
+fn shear_rows(geometry: &Geometry) -> Vec<Row> {
+    let zone = match &geometry.shear_zone {
+        Err(reason) => return vec![missing("Shear zone", reason)],
+        Ok(zone) => zone,
+    };
+    let note = format!(
+        "highest {}; as engineering shear {}",
+        rate(zone.peak_rate),
+        rate(zone.shear_strain_rate())
+    );
+    vec![
+        row("Angle of the shear zone", degrees(zone.angle), "\u{b0}", "line of fastest shear"),
+        row(
+            "Width of the shear zone",
+            three_digits(zone.width * UM),
+            MICROMETRE,
+            "over which the strain rate exceeds half of its highest value",
+        ),
+        row("Strain rate in it", rate(zone.strain_rate), "1/s", note),
+    ]
+}
+
+/// A strain rate to three digits.
+fn rate(rate: f64) -> String {
+    let step = 10.0_f64.powf((rate.abs().max(1.0).log10().floor() - 2.0).max(0.0));
+    grouped(((rate / step).round() * step) as u64)
+}
+
+fn contact_rows(geometry: &Geometry) -> Vec<Row> {
+    let mut rows = Vec::new();
+    match &geometry.contact {
+        Err(reason) => rows.push(missing("Covered length of the tool", reason)),
+        Ok(contact) => {
+            let note = format!(
+                "rake side {} \u{b5}m, flank side {} \u{b5}m",
+                three_digits(contact.rake * UM),
+                three_digits(contact.flank * UM)
+            );
+            let length = with_interval(contact.length() * UM, contact.deviation * UM);
+            rows.push(row("Covered length of the tool", length, MICROMETRE, note));
+        }
+    }
+    match &geometry.interface {
+        Err(reason) => rows.push(missing("Interface temperature", reason)),
+        Ok(interface) => {
+            let length = three_digits(interface.contact_length * UM);
+            let note = "up the rake side from the lowest point: carries 98 % of the normal force";
+            rows.push(row("Contact length", length, MICROMETRE, note));
+            match interface.sticking_length {
+                Some(sticking) => {
+                    let note =
+                        "shear stress at the chip's shear strength, or no slip; the rest slides";
+                    rows.push(row("Sticking part", three_digits(sticking * UM), MICROMETRE, note));
+                }
+                None => rows.push(missing("Sticking part", &Missing::StickingNotRecorded)),
+            }
+            let mean = three_digits(interface.mean_temperature);
+            rows.push(row("Interface temperature", mean, "K", "mean over the rake side's contact"));
+            let highest = with_interval(interface.max_temperature, interface.max_deviation);
+            rows.push(row("Highest of it", highest, "K", "hottest particle in contact"));
+        }
+    }
+    rows
+}
+
+fn surface_rows(result: &ProcessResult) -> Vec<Row> {
+    let mut rows = Vec::new();
+    if let Some(surface) = result.geometry.surface {
+        let note = format!(
+            "steps along {} mm: {} \u{b5}m",
+            three_digits(surface.length * 1e3),
+            three_digits(surface.jump * UM)
+        );
+        let error = three_digits(surface.depth_error * UM);
+        rows.push(row("Height error of the surface", error, MICROMETRE, note));
+    }
+    match result.residual_stress.as_deref() {
+        Err(reason) => rows.push(missing("Residual stress", reason)),
+        Ok([first, ..]) => {
+            let note = format!(
+                "along the cut, {} \u{b5}m below the surface; across {} MPa",
+                three_digits(first.depth * UM),
+                three_digits(first.across * MPA)
+            );
+            rows.push(row("Residual stress", three_digits(first.cutting * MPA), "MPa", note));
+        }
+        Ok([]) => {}
+    }
+    rows
+}
+
+fn figures(result: &ProcessResult) -> Markup {
+    let geometry = &result.geometry;
+    html! {
+        @if let Ok(interface) = &geometry.interface {
+            (figure(stresses(interface).svg(), "Normal and shear stress of the chip on the rake side against \
+                the length along the outline from the tool's lowest point: mean over the snapshots."))
+            (figure(temperature(interface).svg(), "Temperature of the particles in contact along the \
+                rake side."))
+        }
+        @if let Ok(zone) = &geometry.shear_zone {
+            (figure(across(zone).svg(), "Equivalent plastic strain rate across the shear plane, mean \
+                over the middle of its length and the snapshots. Shaded: the width."))
+        }
+        (figure(along(geometry).svg(), "Thickness of the chip along its free side in the last snapshot, \
+            against the place before the cut."))
+        @if let Ok(bins) = &result.residual_stress {
+            (figure(stress(bins).svg(), "Residual stress below the machined surface, tension positive: \
+                mean of three layers (thick) and its 95 % interval (thin). The stress normal to the \
+                surface should vanish there; what it is tells the error of the others."))
+        }
+    }
+}
+
+fn stresses(interface: &Interface) -> Chart<'static> {
+    let bins = &interface.profile;
+    Chart {
+        description: "Normal and shear stress along the rake side.".to_owned(),
+        x_title: "Length along the rake side in \u{b5}m",
+        y_title: "Stress in MPa",
+        height: 320.0,
+        x: bins.iter().map(|bin| bin.distance * UM).collect(),
+        lines: vec![
+            Line {
+                name: "Normal",
+                colour: BLUE,
+                width: 2.0,
+                values: bins.iter().map(|bin| bin.normal_stress * MPA).collect(),
+            },
+            Line {
+                name: "Shear",
+                colour: RED,
+                width: 2.0,
+                values: bins.iter().map(|bin| bin.shear_stress * MPA).collect(),
+            },
+        ],
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+fn temperature(interface: &Interface) -> Chart<'static> {
+    let bins = &interface.profile;
+    Chart {
+        description: "Temperature in contact along the rake side.".to_owned(),
+        x_title: "Length along the rake side in \u{b5}m",
+        y_title: "Temperature in K",
+        height: 260.0,
+        x: bins.iter().map(|bin| bin.distance * UM).collect(),
+        lines: vec![Line {
+            name: "In contact",
+            colour: BLUE,
+            width: 2.0,
+            values: bins.iter().map(|bin| bin.temperature).collect(),
+        }],
+        ..Chart::default()
+    }
+}
+
+fn across(zone: &ShearZone) -> Chart<'static> {
+    let shown: Vec<&[f64; 2]> =
+        zone.profile.iter().filter(|point| point[0].abs() <= SHOWN * zone.width).collect();
+    let [from, to] = zone.limits;
+    Chart {
+        description: "Strain rate across the shear zone.".to_owned(),
+        x_title: "Distance across the shear plane in \u{b5}m, workpiece to the right",
+        y_title: "Strain rate in 1000/s",
+        height: 300.0,
+        x: shown.iter().map(|point| point[0] * UM).collect(),
+        lines: vec![Line {
+            name: "",
+            colour: GREEN,
+            width: 2.0,
+            values: shown.iter().map(|point| point[1] * 1e-3).collect(),
+        }],
+        window: Some((from * UM, to * UM, "")),
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+fn along(geometry: &Geometry) -> Chart<'static> {
+    let places = &geometry.thickness_along;
+    let start = places.first().map_or(0.0, |place| place[0]);
+    Chart {
+        description: "Thickness of the chip along its free side.".to_owned(),
+        x_title: "Place before the cut in mm, from the first that was cut in the window",
+        y_title: "Chip thickness in \u{b5}m",
+        height: 280.0,
+        x: places.iter().map(|place| (place[0] - start) * 1e3).collect(),
+        lines: vec![Line {
+            name: "",
+            colour: BLUE,
+            width: 2.0,
+            values: places.iter().map(|place| place[1] * UM).collect(),
+        }],
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
