@@ -1,6 +1,9 @@
 //! Whether and how a chip forms.
 
 use super::Observable;
+use crate::evidence::Evidence;
+use sphcut_postprocess::{Geometry, evaluate};
+use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Snapshots};
 use sphcut_sph::ChannelId;
 
 /// Highest equivalent plastic strain at the end.
@@ -30,3 +33,31 @@ pub(super) const CHIP_RISE: Observable = Observable {
         Ok((top(&evidence.last()?.position) - top(&evidence.first()?.position)) / thickness)
     },
 };
+
+/// h_ch as in `summary.json`.
+pub(super) const CHIP_THICKNESS: Observable = Observable {
+    name: "chip_thickness",
+    unit: "m",
+    meaning: "chip thickness as `sphcut run` reports it: median local thickness, mean over the \
+              snapshots of the window of the means",
+    arguments: &[],
+    evaluate: |evidence, _| match geometry(evidence)?.chip {
+        Ok(chip) => Ok(chip.thickness),
+        Err(reason) => Err(reason.to_string()),
+    },
+};
+
+/// What the snapshots show, evaluated as those of a run on disk.
+fn geometry(evidence: &Evidence) -> Result<Geometry, String> {
+    let mut samples = Samples::default();
+    evidence.samples.iter().for_each(|sample| samples.push(sample));
+    let run = Run {
+        provenance: Provenance::default(),
+        facts: Facts::of(&evidence.setup),
+        samples,
+        snapshots: Snapshots::in_memory(evidence.snapshots.clone()),
+        performance: Performance::default(),
+        outcome: Outcome::Finished,
+    };
+    evaluate(&run).map(|result| result.geometry).map_err(|error| error.to_string())
+}

@@ -78,6 +78,7 @@ pub const ALL: &[&Observable] = &[
     &body_extent::ROUNDNESS,
     &chip::LARGEST_PLASTIC_STRAIN,
     &chip::CHIP_RISE,
+    &chip::CHIP_THICKNESS,
     &compression::COMPRESSION_ERROR,
     &compression::ADIABATIC_RISE_ERROR,
     &contact_duration::CONTACT_DURATION,
