@@ -28,6 +28,7 @@ mod steps;
 mod stress;
 mod temperature_profile;
 mod thermal;
+mod tool_heat;
 
 use crate::evidence::Evidence;
 use std::collections::BTreeMap;
@@ -129,6 +130,9 @@ pub const ALL: &[&Observable] = &[
     &thermal::HEAT_CLOSURE,
     &thermal::FRICTION_HEAT_RATIO,
     &thermal::LARGEST_TEMPERATURE,
+    &tool_heat::TOOL_CONTACT_ERROR,
+    &tool_heat::TOOL_STEADY_ERROR,
+    &tool_heat::TOOL_HEAT_CLOSURE,
 ];
 
 /// The observable called `name`.

@@ -125,7 +125,7 @@ fn held_row(
 }
 
 /// erf(x) for x >= 0: its power series, 1 beyond x = 6 where the rest is below 3e-17.
-fn error_function(x: f64) -> f64 {
+pub(super) fn error_function(x: f64) -> f64 {
     if x > 6.0 {
         return 1.0;
     }
