@@ -14,6 +14,8 @@ use sphcut_sph::ChannelId;
 /// What a run says about the process.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProcessResult {
+    /// The laws and effects that acted: kind, and name with its parameters where it is an effect.
+    pub laws: Vec<(String, String)>,
     /// What counts as steady.
     pub criterion: SteadyOptions,
     /// Verdict on the cutting force.
@@ -148,6 +150,7 @@ pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResu
     let steady = verdict(ChannelId::CuttingForce);
     let window = window(samples, &steady, &run.facts);
     let mut result = ProcessResult {
+        laws: run.provenance.effects.clone(),
         criterion: *criterion,
         feed_steady: verdict(ChannelId::FeedForce),
         forces: forces(samples, &window, &run.facts),

@@ -11,12 +11,13 @@ use serde::Serialize;
 
 /// Version of the schema: the first number changes when a key changes its meaning or goes, the
 /// second when keys are added.
-pub const SCHEMA_VERSION: &str = "1.1";
+pub const SCHEMA_VERSION: &str = "1.2";
 
 /// The content of `summary.json`. A number that is not known is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     schema_version: &'static str,
+    laws: Vec<LawEntry>,
     forces: ForcesEntry,
     steady: SteadyEntry,
     temperature: TemperatureEntry,
@@ -32,6 +33,12 @@ pub struct Summary {
     resolution: ResolutionEntry,
     performance: PerformanceEntry,
     warnings: Vec<WarningEntry>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct LawEntry {
+    kind: String,
+    name: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -170,6 +177,7 @@ impl Summary {
     pub fn of(result: &ProcessResult) -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
+            laws: result.laws.iter().map(LawEntry::of).collect(),
             forces: ForcesEntry {
                 cutting: ForceEntry::of(&result.forces.cutting),
                 feed: ForceEntry::of(&result.forces.feed),
@@ -190,6 +198,12 @@ impl Summary {
             performance: PerformanceEntry::of(result),
             warnings: result.warnings.iter().map(WarningEntry::of).collect(),
         }
+    }
+}
+
+impl LawEntry {
+    fn of((kind, name): &(String, String)) -> Self {
+        Self { kind: kind.clone(), name: name.clone() }
     }
 }
 

@@ -229,7 +229,7 @@ fn the_summary_and_its_description_name_the_same_keys() {
     described.sort();
     assert_eq!(keys, described);
     // What scripts rely on.
-    assert_eq!(value["schema_version"], "1.1");
+    assert_eq!(value["schema_version"], "1.2");
     let force = value["forces"]["cutting"]["mean_n_per_mm"].as_f64().unwrap();
     assert!((force - 200.0).abs() < 3.0, "{force}");
     assert_eq!(value["warnings"][0]["code"], "scenario");
