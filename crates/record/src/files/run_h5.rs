@@ -9,7 +9,7 @@ use sphcut_sph::{CHANNELS, CheckpointState, Snapshot};
 use std::path::Path;
 
 /// Version of the layout; a reader refuses any other.
-const LAYOUT: i64 = 1;
+const LAYOUT: i64 = 2;
 const EXPECTED: &str = "a record of a run";
 
 /// Everything of a run but its snapshots.
