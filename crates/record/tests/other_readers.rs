@@ -55,7 +55,7 @@ fn h5py_reads_the_record() {
     let folder = Folder::new("h5py");
     let run = finished_run(&folder);
     let Some(seen) = read_back("h5py", &RunFiles::in_dir(&folder.0).record()) else { return };
-    assert_eq!(seen["layout"], 1);
+    assert_eq!(seen["layout"], 2);
     assert_eq!(seen["channels"].as_object().unwrap().len(), CHANNELS.len());
     for (channel, column) in CHANNELS.iter().zip(run.samples.columns()) {
         let series = &seen["channels"][channel.name];
