@@ -391,7 +391,7 @@ fn definitions() -> Markup {
                 clear of the tool. The error bar adds the 95 % interval of the mean (correlation taken into \
                 account), the overlap of particles and tool in the contact (force over penalty \
                 stiffness), and " (three_digits(RESOLUTION_SHARE * 100.0)) " % of a spacing, the error of a \
-                released surface with a known answer (validation case springback_resolution)." }
+                released surface with a known answer (validation cases springback_resolution and springback_cylinder)." }
             p { "At a spacing of 10 \u{b5}m springback of 1 \u{b5}m is a tenth of a spacing. The smooth surface of a \
                 released block is resolved far better than that; the surface of a cut is rough by a good part \
                 of a spacing, so its mean needs many particles. Whether the spacing resolves the flow under \

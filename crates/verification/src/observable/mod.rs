@@ -22,6 +22,7 @@ mod mean_force;
 mod momentum;
 mod moving_source;
 mod oscillation;
+mod pressed_cylinder;
 mod restitution;
 mod springback;
 mod steps;
@@ -115,6 +116,10 @@ pub const ALL: &[&Observable] = &[
     &oscillation::DISPLACEMENT_PERIOD,
     &oscillation::VELOCITY_PERIOD,
     &oscillation::WAVE_SPEED,
+    &pressed_cylinder::CYLINDER_CROWN_ERROR,
+    &pressed_cylinder::CYLINDER_CROWN_RATIO,
+    &pressed_cylinder::CYLINDER_SIDE_ERROR,
+    &pressed_cylinder::CYLINDER_SIDE_RATIO,
     &restitution::RESTITUTION,
     &restitution::REBOUND,
     &springback::PLASTIC_PRESSURE_RATIO,
