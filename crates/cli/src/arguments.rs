@@ -61,6 +61,9 @@ pub enum Command {
     /// Measure springback and residual stress of finished plane cuts, beside measurements if given.
     #[command(after_help = SPRINGBACK_HELP)]
     Springback(SpringbackArguments),
+    /// Find the friction coefficient that fits measured forces best, and test it at other speeds.
+    #[command(after_help = CALIBRATE_HELP)]
+    CalibrateFriction(CalibrateArguments),
     /// Write the snapshots of a run as VTKHDF for ParaView.
     Export {
         /// Folder of the run, with `run.h5` inside.
@@ -122,6 +125,23 @@ What appears in the output folder:
 --measured is a table with a header: v_c [m/min],springback [um],uncertainty [um],F_c [N],F_n [N]
 (other units and any order; the forces may be left out). Springback is a tenth of a particle
 spacing: give the runs many snapshots ([output] snapshots = 200) and see docs/springback.md.";
+
+const CALIBRATE_HELP: &str = "\
+The coefficient of the scenario's friction law is varied at the highest cutting speed of the measured
+table; the one with the least error of F_c and F_f is then fixed and run at the other speeds.
+
+Examples:
+  sphcut calibrate-friction cut.toml --measured turning.csv --out mu
+  sphcut calibrate-friction cut.toml --measured turning.csv --out mu --points 4 --refine 3
+
+What appears in the output folder:
+  calibration.html   one page: errors, forces, predictions, and what can be said in words
+  calibration.json   the same as numbers      calibration.csv   one line per run
+  calibrated.toml    the scenario with the coefficient found
+  runs/              every run; they are used again, and an interrupted scan goes on with the same command
+
+--measured is a table with a header: v_c [m/min],F_c [N],F_n [N] (other units and any order; the columns of
+`sphcut springback` may be there too). See docs/calibration.md.";
 
 const COMPLETIONS_HELP: &str = "\
 Examples:
@@ -194,6 +214,44 @@ pub struct SpringbackArguments {
     /// Replace an existing springback report.
     #[arg(long)]
     pub force: bool,
+}
+
+/// Arguments of `calibrate-friction`.
+#[derive(Debug, Args)]
+pub struct CalibrateArguments {
+    /// The scenario.
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
+    /// Measured forces (CSV with units in the header).
+    #[arg(long, value_name = "FILE")]
+    pub measured: PathBuf,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Smallest coefficient.
+    #[arg(long, value_name = "MU", default_value_t = 0.1)]
+    pub from: f64,
+    /// Largest coefficient.
+    #[arg(long, value_name = "MU", default_value_t = 1.0)]
+    pub to: f64,
+    /// Coefficients of the scan, evenly spaced.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub points: u32,
+    /// Times the step is halved around the best coefficient.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
+    pub refine: u32,
+    /// Threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Replace the pages of an earlier calibration, and runs whose scenario has changed.
+    #[arg(long)]
+    pub force: bool,
+    /// Say nothing but warnings and errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Progress and result as one JSON object per line on standard output.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `schema`.

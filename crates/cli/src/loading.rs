@@ -6,13 +6,28 @@ use sphcut_record::{Provenance, Setting};
 use sphcut_scenario::{Colours, LoadOptions, Mistake, OutsideFiles, Problem, Scenario};
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
+use std::path::Path;
 
 /// Reads and checks the scenario.
 pub fn scenario(arguments: &ScenarioArguments) -> Result<Scenario, Failure> {
+    sphcut_scenario::load(&arguments.scenario, &options(arguments))
+        .map_err(|problems| refused(arguments, &problems))
+}
+
+/// Reads and checks `text` as if it stood in the file of the scenario.
+pub fn varied(arguments: &ScenarioArguments, text: &str) -> Result<Scenario, Failure> {
+    let path = &arguments.scenario;
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let directory = parent.unwrap_or(Path::new("."));
+    let shown = path.display().to_string();
+    sphcut_scenario::parse(text, &shown, Some(directory), &options(arguments))
+        .map_err(|problems| refused(arguments, &problems))
+}
+
+fn options(arguments: &ScenarioArguments) -> LoadOptions {
     let outside_files =
         if arguments.allow_outside { OutsideFiles::Allowed } else { OutsideFiles::Refused };
-    sphcut_scenario::load(&arguments.scenario, &LoadOptions { outside_files })
-        .map_err(|problems| refused(arguments, &problems))
+    LoadOptions { outside_files }
 }
 
 /// All mistakes, each with its place, and their number.

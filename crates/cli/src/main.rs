@@ -1,6 +1,7 @@
 //! `sphcut`: metal cutting by particles, from a scenario file to a report.
 
 mod arguments;
+mod calibrate_friction;
 mod catalogue;
 mod check;
 mod digest;
@@ -43,6 +44,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Report { run } => report::report(&run),
         Command::Springback(arguments) => springback::springback(&arguments),
+        Command::CalibrateFriction(arguments) => calibrate_friction::calibrate(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Catalogue { name } => catalogue::print(name.as_deref()),
         Command::Completions { shell } => {

@@ -70,7 +70,7 @@ fn output_folder(wanted: Option<&Path>, scenario: &Scenario) -> PathBuf {
 }
 
 /// Steps the simulation on its own threads and shows its progress.
-fn compute(scenario: &Scenario, options: &RunOptions, style: Style) -> Result<Run, Failure> {
+pub fn compute(scenario: &Scenario, options: &RunOptions, style: Style) -> Result<Run, Failure> {
     let pool = loading::pool(options.threads)?;
     let mut display = Display::new(style);
     let provenance = loading::provenance(scenario);

@@ -4,6 +4,7 @@
 //! that into `summary.json`, whose schema `docs/summary_json.md` describes.
 
 mod balances;
+pub mod calibration;
 mod chip;
 mod cloud;
 mod contact;

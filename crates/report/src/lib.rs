@@ -1,7 +1,8 @@
 //! Pictures and pages from the plain results of a run.
 //!
 //! [`write_report`] writes one self-contained `report.html`; [`render_snapshot`] draws a single
-//! picture; [`render_springback`] is the page of `sphcut springback`.
+//! picture; [`render_springback`] is the page of `sphcut springback`, [`render_calibration`] that of
+//! `sphcut calibrate-friction`.
 
 mod animation;
 mod canvas;
@@ -14,5 +15,8 @@ mod text;
 mod ticks;
 
 pub use error::ReportError;
-pub use page::{SpringbackRun, render_report, render_springback, write_report};
+pub use page::{
+    SpringbackRun, calibration_words, render_calibration, render_report, render_springback,
+    write_report,
+};
 pub use picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};

@@ -54,7 +54,7 @@ pub(crate) fn grouped(count: u64) -> String {
 }
 
 /// Hyphens before numbers become minus signs; exponents keep theirs readable.
-fn minus(text: &str) -> String {
+pub(crate) fn minus(text: &str) -> String {
     text.replace('-', "\u{2212}")
 }
 

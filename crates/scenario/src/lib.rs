@@ -20,6 +20,7 @@ mod material;
 mod measured;
 mod mesh;
 mod outline;
+mod patch;
 mod placement;
 mod problem;
 mod reader;
@@ -44,7 +45,10 @@ pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem};
 
 pub use columns::TableProblem;
-pub use measured::{MeasuredSpringback, read_measured_springback};
+pub use measured::{
+    MeasuredForces, MeasuredSpringback, read_measured_forces, read_measured_springback,
+};
+pub use patch::{PatchError, with_value};
 
 pub use ending::{Output, Steady, Stop};
 pub use reference::reference;

@@ -63,6 +63,55 @@ pub fn read_measured_springback(text: &str) -> Result<Vec<MeasuredSpringback>, T
         .collect()
 }
 
+/// Forces measured at one cutting speed. SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredForces {
+    /// v_c in m/s.
+    pub cutting_speed: f64,
+    /// F_c in N.
+    pub cutting_force: f64,
+    /// F_n in N.
+    pub normal_force: f64,
+}
+
+/// The same columns where forces are what is asked for.
+const FORCE_COLUMNS: [ColumnRule; 5] = [
+    column("v_c", Quantity::Speed, "m/min", (true, true)),
+    column("F_c", Quantity::Force, "N", (true, true)),
+    column("F_n", Quantity::Force, "N", (true, true)),
+    column("springback", Quantity::Length, "um", (false, false)),
+    column("uncertainty", Quantity::Length, "um", (false, true)),
+];
+
+/// Cutting speeds that differ by less are the same.
+const SAME_SPEED: f64 = 0.01;
+
+/// Reads the table of [`read_measured_springback`] for its forces: `v_c`, `F_c` and `F_n` have to be
+/// there, `springback` and `uncertainty` may be.
+///
+/// # Errors
+/// The first mistake with its line and column; a cutting speed that is there twice.
+pub fn read_measured_forces(text: &str) -> Result<Vec<MeasuredForces>, TableProblem> {
+    let mut rows: Vec<MeasuredForces> = Vec::new();
+    for (line, values) in columns::read(text, &FORCE_COLUMNS, "no measurement follows the header")?
+    {
+        let &[Some(cutting_speed), Some(cutting_force), Some(normal_force), ..] = values.as_slice()
+        else {
+            return Err(columns::whole(line, "a needed column is missing"));
+        };
+        let same = |row: &MeasuredForces| {
+            (row.cutting_speed - cutting_speed).abs() <= SAME_SPEED * cutting_speed
+        };
+        if rows.iter().any(same) {
+            let message = "this cutting speed is there twice (speeds within 1 % are the same): \
+                           give the mean of its measurements";
+            return Err(columns::whole(line, message));
+        }
+        rows.push(MeasuredForces { cutting_speed, cutting_force, normal_force });
+    }
+    Ok(rows)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,6 +165,27 @@ mod tests {
             ),
         ] {
             let message = read_measured_springback(&text).unwrap_err().to_string();
+            assert!(message.starts_with(expected), "{message}\nnot: {expected}");
+        }
+    }
+
+    #[test]
+    fn forces_are_read_from_the_same_table() {
+        let text =
+            "v_c [m/min],springback [um],uncertainty [um],F_c [N],F_n [kN]\n150,1.2,0.85,600,0.2\n";
+        let rows = read_measured_forces(text).unwrap();
+        let expected =
+            MeasuredForces { cutting_speed: 2.5, cutting_force: 600.0, normal_force: 200.0 };
+        assert_eq!(rows, [expected]);
+        for (text, expected) in [
+            ("v_c [m/min],F_c [N]\n150,600\n", "line 1: the column `F_n [N]` is missing"),
+            ("v_c [m/min],F_c [N],F_n [N]\n150,600,0\n", "line 2, column 3 `F_n`: `0`: must be"),
+            (
+                "v_c [m/min],F_c [N],F_n [N]\n150,600,200\n\n150.5,600,200\n",
+                "line 4: this cutting speed is there twice",
+            ),
+        ] {
+            let message = read_measured_forces(text).unwrap_err().to_string();
             assert!(message.starts_with(expected), "{message}\nnot: {expected}");
         }
     }

@@ -1,10 +1,12 @@
 //! `report.html`: one page that needs nothing but itself.
 
+mod calibration;
 mod charts;
 mod measures;
 mod springback;
 mod tables;
 
+pub use calibration::{calibration_words, render_calibration};
 pub use springback::{SpringbackRun, render_springback};
 
 use crate::ReportError;

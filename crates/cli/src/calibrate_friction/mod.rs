@@ -1,0 +1,240 @@
+//! `sphcut calibrate-friction`: a friction coefficient from measured forces.
+
+mod scan;
+mod trials;
+
+use crate::arguments::CalibrateArguments;
+use crate::failure::{ExitCode, Failure};
+use crate::progress::{Style, emit};
+use crate::{interrupt, loading, outcome, results, terminal, text};
+use scan::Grid;
+use serde_json::json;
+use sphcut_physics::friction::FrictionEntry;
+use sphcut_postprocess::calibration::{
+    Calibration, MeasuredForces, Scan, Trial, calibration_csv, calibration_json,
+};
+use sphcut_report::{calibration_words, render_calibration};
+use sphcut_scenario::{LoadOptions, Scenario};
+use std::collections::BTreeMap;
+use std::path::Path;
+use trials::Workbench;
+
+const FILES: [&str; 4] =
+    ["calibration.html", "calibration.json", "calibration.csv", "calibrated.toml"];
+
+/// Scans, predicts and writes pages, numbers and the scenario with the coefficient found.
+pub fn calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
+    let style = match (arguments.json, arguments.quiet) {
+        (true, _) => Style::Json,
+        (false, true) => Style::Quiet,
+        (false, false) => Style::Human,
+    };
+    let result = follow(arguments, style);
+    if let (Err(failure), Style::Json) = (&result, style) {
+        outcome::emit_error(failure);
+    }
+    result
+}
+
+fn follow(arguments: &CalibrateArguments, style: Style) -> Result<ExitCode, Failure> {
+    let out = &arguments.out;
+    if let Some(old) = FILES.iter().map(|name| out.join(name)).find(|path| path.exists())
+        && !arguments.force
+    {
+        let message = format!("`{}` exists: use --force to replace it", old.display());
+        return Err(Failure::input(message).advise("finished runs are used again"));
+    }
+    let scenario = loading::scenario(&arguments.scenario)?;
+    let law = friction_law(&scenario)?;
+    let grid = grid(arguments, &scenario, law)?;
+    let mut rows = read(&arguments.measured)?;
+    rows.sort_by(|a, b| b.cutting_speed.total_cmp(&a.cutting_speed));
+    interrupt::install();
+    let bench = Workbench { arguments, scenario: &scenario, style };
+    let Some(scan) = scan(&bench, &grid, arguments.refine, rows[0])? else {
+        return Ok(interrupted(style));
+    };
+    let coefficient = scan.best().coefficient;
+    let mut predictions = Vec::new();
+    for row in &rows[1..] {
+        let Some(trial) = bench.trial(coefficient, *row)? else { return Ok(interrupted(style)) };
+        tell(&trial, style);
+        predictions.push(trial);
+    }
+    let calibration = Calibration {
+        scenario: scenario.title.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        law: law.key.to_owned(),
+        scan,
+        predictions,
+    };
+    write(&calibration, &scenario, arguments, style)?;
+    Ok(ExitCode::Done)
+}
+
+fn friction_law(scenario: &Scenario) -> Result<&'static FrictionEntry, Failure> {
+    let none = || Failure::input("the scenario has no tool: there is no friction to calibrate");
+    scenario.setup.tool.as_ref().map(|tool| tool.friction).ok_or_else(none)
+}
+
+/// The coefficients to run, within the range of the law. A scenario that cannot be varied is told
+/// before anything is run.
+fn grid(
+    arguments: &CalibrateArguments,
+    scenario: &Scenario,
+    law: &FrictionEntry,
+) -> Result<Grid, Failure> {
+    let (from, to) = (arguments.from, arguments.to);
+    trials::with_coefficient(&scenario.text, from)
+        .map_err(|error| trials::not_varied(&arguments.scenario.scenario, &error))?;
+    let range = law.parameters.iter().find(|p| p.key == trials::COEFFICIENT[2]).map(|p| p.range);
+    for (name, value) in [("--from", from), ("--to", to)] {
+        if !value.is_finite() || range.is_some_and(|range| !range.contains(value)) {
+            let allowed = range.map_or_else(String::new, |r| format!(", {} to {}", r.min, r.max));
+            let message = format!("{name} {value}: outside the range of `{}`{allowed}", law.key);
+            return Err(Failure::input(message));
+        }
+    }
+    if from >= to {
+        return Err(Failure::input(format!("--from {from} is not below --to {to}")));
+    }
+    Ok(Grid::new(from, to, arguments.points, arguments.refine))
+}
+
+/// Runs the scan and its halvings; `None` if it was interrupted.
+fn scan(
+    bench: &Workbench<'_>,
+    grid: &Grid,
+    refine: u32,
+    measured: MeasuredForces,
+) -> Result<Option<Scan>, Failure> {
+    let mut found: BTreeMap<u32, Trial> = BTreeMap::new();
+    for halving in 0..=refine {
+        let due = match halving {
+            0 => grid.scan(),
+            _ => grid.around(best_index(&found)?, halving),
+        };
+        for index in due {
+            let Some(trial) = bench.trial(grid.coefficient(index), measured)? else {
+                return Ok(None);
+            };
+            tell(&trial, bench.style);
+            found.insert(index, trial);
+        }
+    }
+    Scan::new(found.into_values().collect()).map(Some).ok_or_else(no_forces)
+}
+
+fn no_forces() -> Failure {
+    Failure::new(ExitCode::InputOutput, "no run of the scan has mean forces")
+}
+
+fn best_index(found: &BTreeMap<u32, Trial>) -> Result<u32, Failure> {
+    let error = |trial: &Trial| trial.misfit().error;
+    found
+        .iter()
+        .filter(|(_, trial)| error(trial).is_finite())
+        .min_by(|a, b| error(a.1).total_cmp(&error(b.1)))
+        .map(|(index, _)| *index)
+        .ok_or_else(no_forces)
+}
+
+fn interrupted(style: Style) -> ExitCode {
+    match style {
+        Style::Json => emit(&json!({ "event": "interrupted" })),
+        _ => terminal::note("interrupted: a checkpoint is written; the same command goes on"),
+    }
+    ExitCode::Interrupted
+}
+
+/// One finished run.
+fn tell(trial: &Trial, style: Style) {
+    let (misfit, [cutting, feed]) = (trial.misfit(), trial.deviations());
+    match style {
+        Style::Json => emit(&json!({
+            "event": "run",
+            "run": trial.name,
+            "friction_coefficient": trial.coefficient,
+            "cutting_speed_m_per_s": trial.measured.cutting_speed,
+            "cutting_force_n": trial.cutting.mean,
+            "feed_force_n": trial.feed.mean,
+            "error": misfit.error,
+            "error_half_width": misfit.half_width,
+        })),
+        Style::Human => terminal::line(&format!(
+            "{}: F_c {:.1} N ({:+.1} %), F_f {:.1} N ({:+.1} %), error {:.1} %",
+            trial.name,
+            trial.cutting.mean,
+            100.0 * cutting,
+            trial.feed.mean,
+            100.0 * feed,
+            100.0 * misfit.error
+        )),
+        Style::Quiet => {}
+    }
+}
+
+fn write(
+    calibration: &Calibration,
+    scenario: &Scenario,
+    arguments: &CalibrateArguments,
+    style: Style,
+) -> Result<(), Failure> {
+    let coefficient = calibration.scan.best().coefficient;
+    let patched = trials::with_coefficient(&scenario.text, coefficient)
+        .map_err(|error| trials::not_varied(&arguments.scenario.scenario, &error))?;
+    let texts = [
+        render_calibration(calibration),
+        calibration_json(calibration),
+        calibration_csv(calibration),
+        patched,
+    ];
+    for (name, content) in FILES.iter().zip(&texts) {
+        results::save(&arguments.out.join(name), content.as_bytes())?;
+    }
+    let page = arguments.out.join(FILES[0]);
+    match style {
+        Style::Json => emit(&json!({
+            "event": "done",
+            "report": page.display().to_string(),
+            "friction_coefficient": coefficient,
+            "indistinct_range": calibration.scan.range(),
+        })),
+        Style::Human => {
+            calibration_words(calibration).iter().for_each(|words| terminal::line(words));
+            let found = text::number(coefficient);
+            terminal::line(&format!("friction_coefficient = {found}"));
+            terminal::line(&format!("report             {}", page.display()));
+        }
+        Style::Quiet => {}
+    }
+    if style != Style::Json {
+        warn_of_files(&arguments.out.join(FILES[3]));
+    }
+    Ok(())
+}
+
+/// A scenario that names files by relative paths does not work in another folder.
+fn warn_of_files(path: &Path) {
+    if sphcut_scenario::load(path, &LoadOptions::default()).is_err() {
+        terminal::note(&format!(
+            "warning: `{}` names files beside the original scenario: move it there",
+            path.display()
+        ));
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<MeasuredForces>, Failure> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
+    let rows = sphcut_scenario::read_measured_forces(&text)
+        .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
+    Ok(rows
+        .into_iter()
+        .map(|row| MeasuredForces {
+            cutting_speed: row.cutting_speed,
+            cutting_force: row.cutting_force,
+            normal_force: row.normal_force,
+        })
+        .collect())
+}
