@@ -1,7 +1,7 @@
 //! The numbers of the setup that a reader of the result needs.
 
 use sphcut_sph::Setup;
-use sphcut_sph::setup::{CuttingFrame, Dimension, Vector};
+use sphcut_sph::setup::{CuttingFrame, Dimension, Pass, Vector};
 
 /// What a reader of a run needs to know of its setup, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Facts {
     pub tool_velocity: Option<Vector>,
     /// Directions in which forces are reported.
     pub frame: CuttingFrame,
+    /// When the tool cuts, where it does so several times; empty for one pass from start to end.
+    pub passes: Vec<Pass>,
     /// End of the simulated time in s, had nothing stopped it before.
     pub end_time: f64,
     /// Interval of the channels in s.
@@ -80,6 +82,7 @@ impl Facts {
             edge_radius: setup.tool.as_ref().and_then(|tool| tool.edge_radius),
             tool_velocity: setup.tool.as_ref().map(|tool| tool.velocity),
             frame: setup.frame,
+            passes: setup.passes.clone(),
             end_time: setup.end_time,
             sampling_interval: setup.sampling_interval,
             mass_scaling: setup.numerics.get("mass_scaling"),
@@ -91,6 +94,15 @@ impl Facts {
     #[must_use]
     pub fn force_factor(&self) -> f64 {
         if self.dimension == 2 { self.width_of_cut } else { 1.0 }
+    }
+
+    /// Time in s that the tool has spent cutting up to `time`.
+    #[must_use]
+    pub fn cutting_time(&self, time: f64) -> f64 {
+        if self.passes.is_empty() {
+            return time;
+        }
+        self.passes.iter().map(|pass| (time.min(pass.end) - pass.start).max(0.0)).sum()
     }
 
     /// Speed of the tool along the cutting direction in m/s; 0 without a tool.

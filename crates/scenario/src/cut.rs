@@ -1,26 +1,43 @@
-//! The orthogonal cut: [workpiece], [tool], [process], [boundaries].
+//! The cut, orthogonal or turning: [workpiece], [tool], [process], [passes], [boundaries].
 
 use crate::findings::Findings;
 use crate::material::Shelf;
+use crate::passes::{Passes, Plan};
 use crate::placement::{Handedness, Placement};
 use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
 use crate::shared::{self, Resolution};
-use crate::tool::ToolShape;
+use crate::silhouette::Silhouette;
+use crate::tool::{ToolBody, ToolShape, refuse_keys, require};
 use crate::tool_geometry::shift_to_gap;
 use crate::{sections, warnings};
+use sphcut_physics::Quantity;
 use sphcut_sph::setup::{
-    Body, Material, Setup, Support, Tool, ToolHeat, ToolSurface, Vector, VelocityField,
+    Body, Material, Setup, Support, Tool, ToolHeat, ToolSurface, Vector, VelocityChange,
+    VelocityField,
 };
 
 /// `[process]`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Process {
     pub(crate) cutting_speed: f64,
-    pub(crate) uncut_chip_thickness: f64,
-    pub(crate) width_of_cut: f64,
+    /// Of the tool's lowest point below the uncut surface: h in the plane, a_p in turning.
+    pub(crate) depth: f64,
+    /// What only the plane or only turning has.
+    pub(crate) kind: ProcessKind,
     pub(crate) placement: Placement,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum ProcessKind {
+    Orthogonal {
+        width_of_cut: f64,
+    },
+    Turning {
+        /// f; zero for a single pass.
+        feed: f64,
+    },
 }
 
 /// `[workpiece]`.
@@ -29,6 +46,8 @@ pub(crate) struct Workpiece {
     pub(crate) material: Material,
     pub(crate) length: f64,
     pub(crate) height: f64,
+    /// Along z; zero in the plane.
+    pub(crate) width: f64,
     pub(crate) temperature: f64,
 }
 
@@ -45,6 +64,7 @@ enum Hold {
 pub(crate) struct Side {
     name: &'static str,
     normal: Axis,
+    end: End,
     hold: Hold,
     temperature: Option<f64>,
 }
@@ -54,6 +74,14 @@ pub(crate) struct Side {
 enum Axis {
     X = 0,
     Y = 1,
+    Z = 2,
+}
+
+/// At which end of its axis a side is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum End {
+    Low,
+    High,
 }
 
 impl Side {
@@ -77,19 +105,63 @@ pub(crate) struct Cut {
     pub(crate) tool: ToolShape,
     pub(crate) resolution: Resolution,
     pub(crate) end: CutEnd,
+    passes: Passes,
+    section: Section,
     sides: Vec<Side>,
     layers: f64,
 }
 
+/// What the later passes take off, or the only one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Section {
+    uncut_chip_thickness: f64,
+    width_of_cut: f64,
+    /// Smallest and largest z of the first groove, from the lowest point of the tool.
+    groove: [f64; 2],
+}
+
 /// `[process]`; read first because presets and the tool depend on it.
-pub(crate) fn process(findings: &mut Findings, root: &Record<'_>) -> Option<Process> {
+pub(crate) fn process(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    dimension: usize,
+) -> Option<Process> {
     let record =
         reader::read(findings, &root.source, root.table("process")?, &sections::process(), 2);
     let mirrored = record.switch("mirrored");
+    let (plane, turning) = (["uncut_chip_thickness", "width_of_cut"], ["depth_of_cut", "feed"]);
+    let several = root.is_written("passes");
+    let kind = if dimension == 2 {
+        require(findings, &record, &plane);
+        refuse_keys(
+            findings,
+            &record,
+            turning,
+            "belongs to turning, this is a plane cut",
+            "remove it, or set dimension = 3",
+        );
+        record.number("width_of_cut").map(|width_of_cut| ProcessKind::Orthogonal { width_of_cut })
+    } else {
+        require(findings, &record, &turning[..1 + usize::from(several)]);
+        refuse_keys(
+            findings,
+            &record,
+            plane,
+            "belongs to a plane cut, this is turning",
+            "give `depth_of_cut`, and `feed` if there are several passes",
+        );
+        if !several {
+            let help = "remove it, or add [passes]";
+            refuse_keys(findings, &record, ["feed"], "has no effect on a single pass", help);
+        }
+        let feed = if several { record.number("feed") } else { Some(0.0) };
+        feed.map(|feed| ProcessKind::Turning { feed })
+    };
+    let depth = if dimension == 2 { plane[0] } else { turning[0] };
     Some(Process {
         cutting_speed: record.number("cutting_speed")?,
-        uncut_chip_thickness: record.number("uncut_chip_thickness")?,
-        width_of_cut: record.number("width_of_cut")?,
+        depth: record.number(depth)?,
+        kind: kind?,
         placement: Placement {
             rotation: record.number("orientation")?,
             handedness: if mirrored? { Handedness::Mirrored } else { Handedness::Kept },
@@ -102,37 +174,112 @@ pub(crate) fn workpiece(
     findings: &mut Findings,
     root: &Record<'_>,
     shelf: &mut Shelf<'_>,
+    dimension: usize,
 ) -> Option<Workpiece> {
     let record =
         reader::read(findings, &root.source, root.table("workpiece")?, &sections::workpiece(), 2);
     let material = shelf.material(findings, &record);
+    let width = if dimension == 2 {
+        let help = "the width of a plane cut is `width_of_cut` of [process]";
+        refuse_keys(findings, &record, ["width"], "belongs to turning, this is a plane cut", help);
+        Some(0.0)
+    } else {
+        require(findings, &record, &["width"]);
+        record.number("width")
+    };
     Some(Workpiece {
         material: material?,
         length: record.number("length")?,
         height: record.number("height")?,
+        width: width?,
         temperature: record.number("temperature")?,
     })
 }
 
 /// `[boundaries]`: the held sides and the number of rows that belong to them.
-pub(crate) fn boundaries(findings: &mut Findings, root: &Record<'_>) -> Option<(Vec<Side>, f64)> {
-    shared::optional_section(findings, root, &sections::boundaries(), 2, |_, record| {
-        let side = |name, normal, temperature| {
-            let hold = match record.text(name)? {
+pub(crate) fn boundaries(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    dimension: usize,
+) -> Option<(Vec<Side>, f64)> {
+    shared::optional_section(findings, root, &sections::boundaries(), 2, |findings, record| {
+        let hold = |key: &str| {
+            Some(match record.text(key)? {
                 "fixed" => Hold::Fixed,
                 "sliding" => Hold::Sliding,
                 _ => Hold::Free,
-            };
-            Some(Side { name, normal, hold, temperature: record.number(temperature) })
+            })
         };
-        let sides = [
-            side("bottom", Axis::Y, "bottom_temperature")?,
-            side("back", Axis::X, "back_temperature")?,
+        let temperature = |key: &str| record.number(key);
+        let mut sides = vec![
+            Side {
+                name: "bottom",
+                normal: Axis::Y,
+                end: End::Low,
+                hold: hold("bottom")?,
+                temperature: temperature("bottom_temperature"),
+            },
+            Side {
+                name: "back",
+                normal: Axis::X,
+                end: End::High,
+                hold: hold("back")?,
+                temperature: temperature("back_temperature"),
+            },
         ];
+        if dimension == 2 {
+            let help = "remove it: a plane cut has no sides across its width";
+            refuse_keys(findings, record, ["sides"], "belongs to turning", help);
+        } else {
+            let hold = if record.is_written("sides") { hold("sides")? } else { Hold::Sliding };
+            for (name, end) in [("side", End::Low), ("feed side", End::High)] {
+                sides.push(Side { name, normal: Axis::Z, end, hold, temperature: None });
+            }
+        }
         // At most 20 rows: exact.
         let layers = record.count("layers")? as f64;
-        Some((sides.to_vec(), layers))
+        Some((sides, layers))
     })
+}
+
+impl Process {
+    /// What decides on the motion of the tool.
+    pub(crate) fn plan(&self, travel: f64) -> Plan {
+        let step = match self.kind {
+            ProcessKind::Orthogonal { .. } => [0.0, -self.depth, 0.0],
+            ProcessKind::Turning { feed } => [0.0, 0.0, feed],
+        };
+        Plan { travel, cutting_speed: self.cutting_speed, depth: self.depth, step }
+    }
+}
+
+impl Section {
+    /// Of an orthogonal cut what is written; in turning from the shadow of the tool: h is the largest
+    /// distance of the groove of a later pass from what the one before has left (of the only pass from
+    /// the uncut surface), and b makes b h the section of the cut, a_p f (that of the groove).
+    fn of(process: &Process, body: &ToolBody, several: bool) -> Self {
+        let depth = process.depth;
+        match (process.kind, body) {
+            (ProcessKind::Orthogonal { width_of_cut }, _) => {
+                Self { uncut_chip_thickness: depth, width_of_cut, groove: [0.0; 2] }
+            }
+            (ProcessKind::Turning { feed }, ToolBody::Solid(surface)) => {
+                let shadow =
+                    Silhouette::of(surface).expect("its lowest point is below the surface");
+                let groove = shadow.extent();
+                let (thickness, area) = if several {
+                    (shadow.distance_when_moved(feed), depth * feed)
+                } else {
+                    (depth, shadow.section())
+                };
+                let width_of_cut = area / thickness;
+                Self { uncut_chip_thickness: thickness, width_of_cut, groove }
+            }
+            (ProcessKind::Turning { .. }, ToolBody::Section(_)) => {
+                unreachable!("the tool of turning is a solid")
+            }
+        }
+    }
 }
 
 impl Cut {
@@ -142,43 +289,84 @@ impl Cut {
         tool: ToolShape,
         resolution: Resolution,
         end: CutEnd,
+        passes: Passes,
         (sides, layers): (Vec<Side>, f64),
     ) -> Self {
-        Self { process, workpiece, tool, resolution, end, sides, layers }
+        let section = Section::of(&process, &tool.body, passes.count > 1);
+        Self { process, workpiece, tool, resolution, end, passes, section, sides, layers }
+    }
+
+    /// Notes what follows from the tool's shape.
+    pub(crate) fn tell(&self, findings: &mut Findings) {
+        if let ProcessKind::Turning { .. } = self.process.kind {
+            let mut derived =
+                |key, value| findings.derived("process", key, Quantity::Length, value);
+            derived("uncut_chip_thickness", self.section.uncut_chip_thickness);
+            derived("width_of_cut", self.section.width_of_cut);
+        }
+    }
+
+    /// Depth of the last pass below the uncut surface.
+    fn deepest(&self) -> f64 {
+        let further = f64::from(self.passes.count - 1);
+        self.process.depth - further * self.process.plan(self.end.travel).step[1]
+    }
+
+    /// From the first groove's side to that of the last one.
+    fn grooves(&self) -> f64 {
+        let [low, high] = self.section.groove;
+        let feed = self.process.plan(self.end.travel).step[2];
+        high - low + f64::from(self.passes.count - 1) * feed
+    }
+
+    /// Where the lowest point of the tool begins along z: the grooves lie in the middle.
+    fn tip(&self) -> f64 {
+        0.5 * (self.workpiece.width - self.grooves()) - self.section.groove[0]
     }
 
     /// What cannot be built, however well each value looks alone.
     pub(crate) fn check(&self, findings: &mut Findings, root: &Record<'_>) {
         let spacing = self.resolution.particle_spacing;
+        let turning = matches!(self.process.kind, ProcessKind::Turning { .. });
+        let layers = if turning { self.workpiece.width / spacing } else { 1.0 };
         let particles = self.workpiece.length / spacing * (self.workpiece.height / spacing);
-        shared::check_particle_count(findings, root, particles);
-        let depth = self.process.uncut_chip_thickness;
+        shared::check_particle_count(findings, root, particles * layers);
+        let thickness = self.section.uncut_chip_thickness;
         let held = self.layers * spacing;
-        let room = [
+        let mut room = vec![
             (
-                "workpiece",
                 "height",
                 self.workpiece.height,
-                depth + held,
+                self.deepest() + held,
                 "the uncut chip thickness and the held rows",
             ),
             (
-                "workpiece",
                 "length",
                 self.workpiece.length,
                 self.end.travel + held,
                 "the travel and the held rows",
             ),
         ];
-        for (section, key, value, needed, what) in room {
+        if turning {
+            room[0].3 = "the depth of cut and the held rows";
+            let needed = self.grooves() + 2.0 * held;
+            room.push(("width", self.workpiece.width, needed, "the grooves and the held rows"));
+        } else if self.passes.count > 1 {
+            room[0].3 = "the passes and the held rows";
+        }
+        for (key, value, needed, what) in room {
             if value <= needed {
-                self.no_room(findings, root, (section, key), value, needed, what);
+                self.no_room(findings, root, ("workpiece", key), value, needed, what);
             }
         }
-        if spacing > depth {
+        if spacing > thickness {
             let mistake = Mistake::Contradiction {
                 message: "the particle spacing is larger than the uncut chip thickness".to_owned(),
-                help: "a chip needs at least 5 particles across it: preset = \"draft\"".to_owned(),
+                help: if turning {
+                    format!("that is {} um here", crate::units::significant(thickness * 1e6))
+                } else {
+                    "a chip needs at least 5 particles across it: preset = \"draft\"".to_owned()
+                },
             };
             let span = root.table("resolution").map_or(root.heading.clone(), |table| table.1);
             findings.problem(&root.source, span, mistake);
@@ -213,59 +401,80 @@ impl Cut {
     /// The setup of the solver, apart from options that all scenarios share.
     pub(crate) fn fill(&self, setup: &mut Setup) {
         let placement = self.process.placement;
+        let motion = self.passes.motion(&self.process.plan(self.end.travel));
         setup.materials = vec![self.workpiece.material.clone()];
+        let (low, high) = self.corners();
         setup.bodies = vec![Body {
             name: "workpiece".to_owned(),
             material: 0,
-            shape: placement.rectangle([0.0, -self.workpiece.height], [self.workpiece.length, 0.0]),
+            shape: placement.block(low, high),
             velocity: VelocityField::Uniform([0.0; 3]),
             temperature: self.workpiece.temperature,
         }];
         setup.supports = self.supports();
-        setup.tool = Some(self.placed_tool(setup.contact.get("start_gap")));
-        setup.frame = placement.frame();
-        setup.width_of_cut = self.process.width_of_cut;
-        setup.uncut_chip_thickness = Some(self.process.uncut_chip_thickness);
+        setup.frame = match self.process.kind {
+            ProcessKind::Orthogonal { .. } => placement.frame(),
+            ProcessKind::Turning { .. } => placement.turning_frame(),
+        };
+        let velocity_changes = motion.velocity_changes.iter().map(|change| VelocityChange {
+            time: change.time,
+            velocity: placement.vector(change.velocity),
+        });
+        setup.tool = Some(Tool {
+            velocity_changes: velocity_changes.collect(),
+            ..self.placed_tool(setup.contact.get("start_gap"))
+        });
+        setup.passes = motion.passes;
+        setup.width_of_cut = self.section.width_of_cut;
+        setup.uncut_chip_thickness = Some(self.section.uncut_chip_thickness);
         setup.sampling_interval = self.end.sampling_travel / self.process.cutting_speed;
     }
 
-    /// The held sides. A particle belongs to the last support that contains it, so the corner of
-    /// two held sides comes last and holds what either of them holds.
-    fn supports(&self) -> Vec<Support> {
-        let depth = self.layers * self.resolution.particle_spacing;
-        let (length, height) = (self.workpiece.length, self.workpiece.height);
-        let held: Vec<Side> = self.sides.iter().copied().filter(|side| side.acts()).collect();
-        let mut supports: Vec<Support> = held
-            .iter()
-            .map(|side| match side.normal {
-                Axis::X => {
-                    self.support(side.name, [length - depth, -height], [length, 0.0], &[*side])
-                }
-                Axis::Y => {
-                    self.support(side.name, [0.0, -height], [length, depth - height], &[*side])
-                }
-            })
-            .collect();
-        if held.len() == 2 {
-            let (min, max) = ([length - depth, -height], [length, depth - height]);
-            supports.push(self.support("corner", min, max, &held));
-        }
-        supports
+    /// Of the workpiece.
+    fn corners(&self) -> (Vector, Vector) {
+        let Workpiece { length, height, width, .. } = self.workpiece;
+        ([0.0, -height, 0.0], [length, 0.0, width])
     }
 
-    /// The rectangle from `min` to `max` with everything that `sides` prescribe.
-    fn support(&self, name: &str, min: [f64; 2], max: [f64; 2], sides: &[Side]) -> Support {
+    /// The held sides. A particle belongs to the last support that contains it, so where held sides
+    /// meet comes after them and holds what any of them holds.
+    fn supports(&self) -> Vec<Support> {
+        let held: Vec<Side> = self.sides.iter().copied().filter(|side| side.acts()).collect();
+        let mut meetings: Vec<Vec<Side>> = vec![Vec::new()];
+        for side in held {
+            let with: Vec<Vec<Side>> = meetings
+                .iter()
+                .filter(|sides| sides.iter().all(|other| other.normal != side.normal))
+                .map(|sides| sides.iter().copied().chain([side]).collect())
+                .collect();
+            meetings.extend(with);
+        }
+        // Stable: sides in their order, then edges, then corners.
+        meetings.sort_by_key(Vec::len);
+        meetings[1..].iter().map(|sides| self.support(sides)).collect()
+    }
+
+    /// Where all of `sides` are, with everything that they prescribe.
+    fn support(&self, sides: &[Side]) -> Support {
+        let depth = self.layers * self.resolution.particle_spacing;
+        let (mut min, mut max) = self.corners();
         let mut velocity = [None; 3];
         for side in sides {
+            let axis = side.normal as usize;
+            match side.end {
+                End::Low => max[axis] = depth + min[axis],
+                End::High => min[axis] = max[axis] - depth,
+            }
             match side.hold {
                 Hold::Fixed => velocity = [Some(0.0); 3],
-                Hold::Sliding => velocity[side.normal as usize] = Some(0.0),
+                Hold::Sliding => velocity[axis] = Some(0.0),
                 Hold::Free => {}
             }
         }
+        let name = if let [side] = sides { side.name } else { "corner" };
         Support {
             name: name.to_owned(),
-            region: self.process.placement.rectangle(min, max),
+            region: self.process.placement.block(min, max),
             velocity,
             temperature: sides.iter().find_map(|side| side.temperature),
         }
@@ -273,27 +482,40 @@ impl Cut {
 
     fn placed_tool(&self, start_gap: f64) -> Tool {
         let gap = start_gap * self.resolution.particle_spacing;
-        let polygon = &self.tool.polygon;
-        let shift = shift_to_gap(polygon, self.workpiece.length, self.workpiece.height, gap);
-        let local: Vec<[f64; 2]> =
-            polygon.iter().map(|point| [point[0] + shift, point[1]]).collect();
-        let speed: Vector = [self.process.cutting_speed, 0.0, 0.0];
+        let placement = self.process.placement;
+        let (surface, heat) = match &self.tool.body {
+            ToolBody::Section(polygon) => {
+                let shift =
+                    shift_to_gap(polygon, self.workpiece.length, self.workpiece.height, gap);
+                let local: Vec<[f64; 2]> =
+                    polygon.iter().map(|point| [point[0] + shift, point[1]]).collect();
+                let heat = self.tool.heat.as_ref();
+                let heat = heat.map(|heat| self.placed_heat(heat, shift, polygon.len()));
+                (ToolSurface::Polygon(placement.polygon(&local)), heat)
+            }
+            ToolBody::Solid((vertices, triangles)) => {
+                let shift = -foremost((vertices, triangles), gap) - gap;
+                let tip = self.tip();
+                let local = vertices.iter().map(|[x, y, z]| [x + shift, *y, z + tip]).collect();
+                let (vertices, triangles) = placement.surface(&(local, triangles.clone()));
+                (ToolSurface::Triangles { vertices, triangles }, None)
+            }
+        };
         Tool {
-            surface: ToolSurface::Polygon(self.process.placement.polygon(&local)),
-            velocity: self.process.placement.vector(speed),
+            surface,
+            velocity: placement.vector([self.process.cutting_speed, 0.0, 0.0]),
             edge_radius: self.tool.edge_radius,
             friction: self.tool.friction.0,
             velocity_changes: Vec::new(),
             friction_values: self.tool.friction.1.clone(),
-            heat: self.tool.heat.as_ref().map(|heat| self.placed_heat(heat, shift)),
+            heat,
         }
     }
 
-    fn placed_heat(&self, heat: &ToolHeat, shift: f64) -> ToolHeat {
+    fn placed_heat(&self, heat: &ToolHeat, shift: f64, count: usize) -> ToolHeat {
         let placement = self.process.placement;
         let [x, y] = heat.fine_centre;
         let centre = placement.vector([x + shift, y, 0.0]);
-        let count = self.tool.polygon.len();
         ToolHeat {
             fine_centre: [centre[0], centre[1]],
             outer_sides: heat.outer_sides.iter().map(|side| placement.side(*side, count)).collect(),
@@ -303,16 +525,38 @@ impl Cut {
 
     /// What the user should know before trusting the run.
     pub(crate) fn warnings(&self) -> Vec<String> {
+        let side_room = match self.process.kind {
+            ProcessKind::Orthogonal { .. } => None,
+            ProcessKind::Turning { .. } => Some(0.5 * (self.workpiece.width - self.grooves())),
+        };
         let mut told = warnings::cut(&warnings::CutFigures {
-            uncut_chip_thickness: self.process.uncut_chip_thickness,
+            uncut_chip_thickness: self.section.uncut_chip_thickness,
+            depth: self.process.depth,
+            below: self.workpiece.height - self.deepest(),
+            side_room,
             edge_radius: self.tool.edge_radius,
             particle_spacing: self.resolution.particle_spacing,
             travel: self.end.travel,
             length: self.workpiece.length,
-            height: self.workpiece.height,
-            tool_top: self.tool.polygon.iter().map(|point| point[1]).fold(0.0, f64::max),
+            tool_top: self.tool.body.top(),
         });
         told.extend(self.tool.notes.iter().cloned());
         told
     }
+}
+
+/// Largest x of the part of a surface that can meet a workpiece below y = 0 within `gap`.
+fn foremost((vertices, triangles): (&[Vector], &[[usize; 3]]), gap: f64) -> f64 {
+    let sides = triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let foremost_of = |ends: [&usize; 2]| {
+        let [a, b] = ends.map(|&vertex| vertices[vertex]);
+        let at_gap = || a[0] + (gap - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+        match (a[1] <= gap, b[1] <= gap) {
+            (true, true) => a[0].max(b[0]),
+            (true, false) => a[0].max(at_gap()),
+            (false, true) => b[0].max(at_gap()),
+            (false, false) => f64::NEG_INFINITY,
+        }
+    };
+    sides.map(foremost_of).fold(f64::NEG_INFINITY, f64::max)
 }

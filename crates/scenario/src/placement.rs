@@ -1,5 +1,6 @@
 //! From the local frame of the set-up to the frame of the solver: mirror, then rotate.
 
+use crate::mesh::Surface;
 use sphcut_sph::setup::{CuttingFrame, Shape, Vector};
 
 /// Mirror y to -y, then rotate about the origin.
@@ -37,6 +38,16 @@ impl Placement {
         }
     }
 
+    /// A closed surface keeps its outside: mirrored, its triangles are turned.
+    pub(crate) fn surface(&self, (vertices, triangles): &Surface) -> Surface {
+        let turn = |triangle: &[usize; 3]| match self.handedness {
+            Handedness::Kept => *triangle,
+            Handedness::Mirrored => [triangle[0], triangle[2], triangle[1]],
+        };
+        let vertices = vertices.iter().map(|vertex| self.vector(*vertex)).collect();
+        (vertices, triangles.iter().map(turn).collect())
+    }
+
     /// Where side `side` of a polygon of `count` corners is after [`Placement::polygon`].
     pub(crate) fn side(&self, side: usize, count: usize) -> usize {
         match self.handedness {
@@ -46,13 +57,22 @@ impl Placement {
         }
     }
 
-    /// The rectangle from `min` to `max` of the local frame.
-    pub(crate) fn rectangle(&self, min: [f64; 2], max: [f64; 2]) -> Shape {
+    /// The rectangle or block from `min` to `max` of the local frame; the plane leaves z at zero.
+    pub(crate) fn block(&self, min: Vector, max: Vector) -> Shape {
         Shape::Box {
-            min: [min[0], min[1], 0.0],
-            max: [max[0], max[1], 0.0],
+            min,
+            max,
             rotation: self.rotation,
             mirrored: self.handedness == Handedness::Mirrored,
+        }
+    }
+
+    /// The directions of forces in turning: along the cut, along the feed, into the machined surface.
+    pub(crate) fn turning_frame(&self) -> CuttingFrame {
+        CuttingFrame {
+            cutting: self.vector([1.0, 0.0, 0.0]),
+            feed: self.vector([0.0, 0.0, 1.0]),
+            passive: self.vector([0.0, -1.0, 0.0]),
         }
     }
 

@@ -23,6 +23,11 @@ Conventions of a cut, before `mirrored` and `orientation` act: the workpiece fil
 the workpiece, `start_gap` particle spacings away, and moves towards +x. The cutting force acts along the tool's
 motion, the feed force (thrust) into the machined surface; both are those of the tool on the workpiece.
 
+With `dimension = 3` a cut is **turning**, with the workpiece unrolled: a block 0 <= x <= length, -height <= y <= 0,
+0 <= z <= width that rests while the tool moves along +x; the feed is along +z. The lowest point of the tool runs at
+y = -a_p. Here the feed force acts along the feed and the passive force into the machined surface. The motion along the
+feed during a pass is left out: over the length of a block it is a small part of the feed of one revolution.
+
 ## Quantities
 
 A quantity is text: a number and a unit, `\"150 m/min\"`. Units are multiplied with a blank or `*`, divided with `/`,
@@ -46,6 +51,7 @@ pub fn reference() -> String {
         sections::tool_heat("tool.heat"),
         sections::coating("tool.heat.coating"),
         sections::process(),
+        sections::passes(),
         sections::boundaries(),
     ] {
         headed(&mut page, &one, Brackets::Single);

@@ -9,7 +9,8 @@ use crate::problem::{Mistake, Problem, Source};
 use crate::reader;
 use crate::record::Record;
 use crate::shared::{self, Resolution};
-use crate::{LoadOptions, bodies, effects, heat_source, sections, tool, wall, warnings};
+use crate::tool::Space;
+use crate::{LoadOptions, bodies, effects, heat_source, passes, sections, tool, wall, warnings};
 use sphcut_physics::Quantity;
 use sphcut_physics::effects::ChosenEffect;
 use sphcut_sph::Setup;
@@ -142,7 +143,7 @@ fn read_sections(
     }
 }
 
-const CUT_SECTIONS: [&str; 4] = ["workpiece", "tool", "process", "boundaries"];
+const CUT_SECTIONS: [&str; 5] = ["workpiece", "tool", "process", "passes", "boundaries"];
 const BODY_SECTIONS: [&str; 4] = ["body", "support", "heat_source", "wall"];
 
 fn kind(findings: &mut Findings, root: &Record<'_>) -> Option<Kind> {
@@ -187,36 +188,39 @@ fn read_cut(
     surroundings: &Surroundings,
 ) -> Option<Scenario> {
     require_sections(findings, root, &["workpiece", "tool", "process"]);
-    if root.count("dimension") == Some(3) {
-        let mistake = Mistake::Contradiction {
-            message: "a cut is plane: dimension = 3 is for [[body]] scenarios".to_owned(),
-            help: "remove `dimension`".to_owned(),
-        };
-        findings.problem(&root.source, root.span("dimension"), mistake);
-    }
+    let dimension = if root.count("dimension") == Some(3) { 3 } else { 2 };
     let common = Common::read(findings, root);
     refuse_rest(findings, root, &common);
     let mut shelf =
         Shelf::new(findings, root, surroundings, common.heat_acts() || has_tool_heat(root));
-    let workpiece = cut::workpiece(findings, root, &mut shelf);
-    let process = cut::process(findings, root);
-    let depth = process.map(|process| process.uncut_chip_thickness);
+    let workpiece = cut::workpiece(findings, root, &mut shelf, dimension);
+    let process = cut::process(findings, root, dimension);
+    let depth = process.map(|process| process.depth);
     let resolution = shared::resolution(findings, root, depth, root.is_written("process"));
     let stop = read_stop(findings, root, Kind::Cut);
     let output = read_output(findings, root, Kind::Cut, stop.as_ref());
     let sizes = resolution.zip(stop.as_ref()).map(|(r, stop)| (r.particle_spacing, stop.extent));
-    let tool = tool::tool(findings, root, surroundings, process, sizes);
-    let boundaries = cut::boundaries(findings, root);
+    let space = match dimension {
+        2 => Space::Plane,
+        _ => Space::Solid { width: workpiece.as_ref().map(|workpiece| workpiece.width) },
+    };
+    let tool = tool::tool(findings, root, surroundings, process, sizes, space);
+    let plan = process.zip(stop.as_ref()).map(|(process, stop)| process.plan(stop.extent));
+    let passes = passes::passes(findings, root, plan);
+    let boundaries = cut::boundaries(findings, root, dimension);
     let (process, resolution, stop, output) = (process?, resolution?, stop?, output?);
     let end = CutEnd { travel: stop.extent, sampling_travel: output.sampling };
-    let cut = Cut::new(process, workpiece?, tool?, resolution, end, boundaries?);
+    let (passes, plan) = (passes?, plan?);
+    let cut = Cut::new(process, workpiece?, tool?, resolution, end, passes, boundaries?);
     cut.check(findings, root);
     if !findings.problems.is_empty() {
         return None;
     }
-    let time = stop.extent / process.cutting_speed;
+    cut.tell(findings);
+    let time = passes.motion(&plan).end_time;
     findings.derived("stop", "time", Quantity::Time, time);
-    let mut setup = common.setup(Dimension::Two, resolution, time)?;
+    let dimension = if dimension == 3 { Dimension::Three } else { Dimension::Two };
+    let mut setup = common.setup(dimension, resolution, time)?;
     cut.fill(&mut setup);
     let stop = Stop { time, travel: stop.extent, steady: stop.steady };
     Some(finished(findings, root, setup, output.output, stop, cut.warnings()))

@@ -49,6 +49,7 @@ fn root_child(field: &Field) -> Option<Value> {
         "workpiece" => whole(&sections::workpiece(), owner_child),
         "tool" => whole(&sections::tool(), tool_child),
         "process" => whole(&sections::process(), none),
+        "passes" => whole(&sections::passes(), none),
         "boundaries" => whole(&sections::boundaries(), none),
         "body" => list(whole(&sections::body(), owner_child)),
         "support" => list(whole(&sections::support(), none)),

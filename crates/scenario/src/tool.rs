@@ -3,13 +3,13 @@
 use crate::cut::Process;
 use crate::files::{self, LARGEST_OUTLINE, Surroundings};
 use crate::findings::Findings;
-use crate::mesh::{LARGEST_MESH, Mesh, MeshError};
+use crate::mesh::{LARGEST_MESH, Mesh, MeshError, Surface};
 use crate::outline;
 use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
 use crate::tool_geometry::EdgeGeometry;
-use crate::{sections, shared, tool_heat, tool_shapes, units};
+use crate::{sections, shared, tool_heat, tool_shapes, turning_tool, units};
 use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::{Quantity, Values};
 use sphcut_sph::setup::ToolHeat;
@@ -18,8 +18,7 @@ use sphcut_sph::setup::ToolHeat;
 #[derive(Debug)]
 pub(crate) struct ToolShape {
     pub(crate) edge_radius: Option<f64>,
-    /// Counter-clockwise, in m, its lowest point at the depth of cut.
-    pub(crate) polygon: Vec<[f64; 2]>,
+    pub(crate) body: ToolBody,
     pub(crate) friction: (&'static FrictionEntry, Values),
     /// Its places as those of the polygon.
     pub(crate) heat: Option<ToolHeat>,
@@ -27,8 +26,36 @@ pub(crate) struct ToolShape {
     pub(crate) notes: Vec<String>,
 }
 
+/// The space that a tool fills, in m, its lowest point at the depth of cut.
+#[derive(Debug)]
+pub(crate) enum ToolBody {
+    /// Counter-clockwise, in the plane.
+    Section(Vec<[f64; 2]>),
+    /// A closed surface, seen from outside counter-clockwise.
+    Solid(Surface),
+}
+
+impl ToolBody {
+    /// Height of its highest point above the uncut surface.
+    pub(crate) fn top(&self) -> f64 {
+        match self {
+            Self::Section(polygon) => polygon.iter().map(|point| point[1]).fold(0.0, f64::max),
+            Self::Solid((vertices, _)) => vertices.iter().map(|point| point[1]).fold(0.0, f64::max),
+        }
+    }
+}
+
 /// The keys that describe the tool in another way than by its angles.
 const WHOLE_SHAPES: [&str; 2] = ["outline", "mesh_file"];
+
+/// What a tool is in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Space {
+    /// A plane cut.
+    Plane,
+    /// Turning, of a workpiece of this width in m.
+    Solid { width: Option<f64> },
+}
 
 /// `[tool]`. `sizes`: particle spacing and a length that the faces must exceed, usually the travel.
 pub(crate) fn tool(
@@ -37,12 +64,30 @@ pub(crate) fn tool(
     surroundings: &Surroundings,
     process: Option<Process>,
     sizes: Option<(f64, f64)>,
+    space: Space,
 ) -> Option<ToolShape> {
     let record = reader::read(findings, &root.source, root.table("tool")?, &sections::tool(), 2);
     let friction =
         record.table("friction").and_then(|table| shared::friction(findings, &record, table));
     refuse_unit_without_mesh(findings, &record);
     let edge_radius = record.number("edge_radius");
+    if let Space::Solid { width } = space {
+        let surface = turning_tool::surface(findings, &record, surroundings, process, sizes, width);
+        return Some(ToolShape {
+            edge_radius,
+            body: ToolBody::Solid(surface?),
+            friction: friction?,
+            heat: None,
+            notes: Vec::new(),
+        });
+    }
+    refuse_keys(
+        findings,
+        &record,
+        turning_tool::KEYS,
+        "belongs to turning, this is a plane cut",
+        "remove it, or set dimension = 3",
+    );
     let mut notes = Vec::new();
     let whole = WHOLE_SHAPES.into_iter().find(|key| record.is_written(key));
     let polygon = match whole {
@@ -52,13 +97,14 @@ pub(crate) fn tool(
                 "outline" => read_outline(findings, &record, surroundings),
                 _ => read_cross_section(findings, &record, surroundings, &mut notes),
             };
-            at_depth(&points?, process?.uncut_chip_thickness)
+            at_depth(&points?, process?.depth)
         }
         None => from_angles(findings, &record, process, sizes, &mut notes)?,
     };
     let around = heat_surroundings(&record, &polygon, whole, process?, sizes?.0);
     let heat = tool_heat::tool_heat(findings, &record, &around)?;
-    Some(ToolShape { edge_radius, polygon, friction: friction?, heat, notes })
+    let body = ToolBody::Section(polygon);
+    Some(ToolShape { edge_radius, body, friction: friction?, heat, notes })
 }
 
 /// Uncut chip thicknesses from the edge within which a chip touches the rake face.
@@ -76,7 +122,7 @@ fn heat_surroundings<'a>(
     let deepest = polygon.iter().filter(|point| point[1] == lowest);
     let foremost = deepest.map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
     let count = polygon.len();
-    let reach = LONGEST_CONTACT * process.uncut_chip_thickness;
+    let reach = LONGEST_CONTACT * process.depth;
     tool_heat::Surroundings {
         polygon: Some(polygon),
         centre: [foremost, lowest],
@@ -99,7 +145,7 @@ fn from_angles(
     require(findings, record, &["rake_angle", "clearance_angle", "edge_radius"]);
     let (particle_spacing, travel) = sizes?;
     let edge_radius = record.number("edge_radius")?;
-    let uncut_chip_thickness = process?.uncut_chip_thickness;
+    let uncut_chip_thickness = process?.depth;
     let geometry = EdgeGeometry {
         rake_angle: record.number("rake_angle")?,
         clearance_angle: record.number("clearance_angle")?,
@@ -118,7 +164,7 @@ fn from_angles(
 }
 
 /// Long enough for a chip as long as the travel that stays straight on the rake face.
-fn face_length(uncut_chip_thickness: f64, travel: f64, edge_radius: f64) -> f64 {
+pub(crate) fn face_length(uncut_chip_thickness: f64, travel: f64, edge_radius: f64) -> f64 {
     (10.0 * uncut_chip_thickness).max(travel + 5.0 * uncut_chip_thickness) + 5.0 * edge_radius
 }
 
@@ -142,7 +188,13 @@ fn check_wedge(findings: &mut Findings, record: &Record<'_>, tool: &EdgeGeometry
 
 /// Reports each of `keys` that is not written.
 pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
-    let all = [sections::tool(), sections::stop(), sections::wall()];
+    let all = [
+        sections::tool(),
+        sections::stop(),
+        sections::wall(),
+        sections::process(),
+        sections::workpiece(),
+    ];
     for key in keys.iter().filter(|key| record.lacks(key)) {
         let section = all.iter().find(|section| section.name == record.section);
         let field = section.and_then(|section| Some((section, section.field(key)?)));
@@ -150,6 +202,21 @@ pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str
             let mistake = reader::missing(section, field);
             findings.problem(&record.source, record.heading.clone(), mistake);
         }
+    }
+}
+
+/// Reports each of `keys` that is written: "`key` `why`".
+pub(crate) fn refuse_keys<'k>(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    keys: impl IntoIterator<Item = &'k str>,
+    why: &str,
+    help: &str,
+) {
+    for key in keys.into_iter().filter(|key| record.is_written(key)) {
+        let mistake =
+            Mistake::Contradiction { message: format!("`{key}` {why}"), help: help.to_owned() };
+        findings.problem(&record.source, record.span(key), mistake);
     }
 }
 

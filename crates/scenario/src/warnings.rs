@@ -17,11 +17,16 @@ const DEPTH_BELOW: f64 = 2.0;
 /// The figures that the warnings of a cut look at, in SI.
 pub(crate) struct CutFigures {
     pub(crate) uncut_chip_thickness: f64,
+    /// Of the tool below the uncut surface in its first pass.
+    pub(crate) depth: f64,
+    /// Material below the last pass.
+    pub(crate) below: f64,
+    /// Turning: material between the grooves and either side.
+    pub(crate) side_room: Option<f64>,
     pub(crate) edge_radius: Option<f64>,
     pub(crate) particle_spacing: f64,
     pub(crate) travel: f64,
     pub(crate) length: f64,
-    pub(crate) height: f64,
     /// Height of the tool above the uncut surface.
     pub(crate) tool_top: f64,
 }
@@ -52,18 +57,27 @@ pub(crate) fn cut(figures: &CutFigures) -> Vec<String> {
         ));
     }
     let room = figures.length - figures.travel;
-    if falls_short(room, BACK_ROOM * depth) {
+    if falls_short(room, BACK_ROOM * figures.depth) {
         warnings.push(format!(
             "the tool ends {} mm before the back side, nearer than {BACK_ROOM} uncut chip \
              thicknesses: the held side changes the forces",
             significant(room * 1e3)
         ));
     }
-    if falls_short(figures.height - depth, DEPTH_BELOW * depth) {
+    if falls_short(figures.below, DEPTH_BELOW * figures.depth) {
         warnings.push(format!(
             "only {} mm of material below the cut, less than {DEPTH_BELOW} uncut chip \
              thicknesses: the held bottom changes the forces",
-            significant((figures.height - depth) * 1e3)
+            significant(figures.below * 1e3)
+        ));
+    }
+    if let Some(beside) =
+        figures.side_room.filter(|room| falls_short(*room, DEPTH_BELOW * figures.depth))
+    {
+        warnings.push(format!(
+            "only {} mm of material beside the grooves, less than {DEPTH_BELOW} depths of cut: the \
+             held sides change the forces",
+            significant(beside * 1e3)
         ));
     }
     // Chips are thicker and so shorter than the layer they come from: the travel bounds them.
@@ -162,7 +176,9 @@ mod tests {
         particle_spacing: 2e-5,
         travel: 1.5e-3,
         length: 2.5e-3,
-        height: 5e-4,
+        depth: 1e-4,
+        below: 4e-4,
+        side_room: None,
         tool_top: 2e-3,
     };
 
@@ -187,6 +203,7 @@ mod tests {
         expect(CutFigures { travel: 5e-4, ..GOOD }, "rarely steady");
         expect(CutFigures { length: 1.6e-3, ..GOOD }, "before the back side");
         expect(CutFigures { tool_top: 1e-3, ..GOOD }, "climb over");
-        expect(CutFigures { height: 2.5e-4, ..GOOD }, "below the cut");
+        expect(CutFigures { below: 1.5e-4, ..GOOD }, "below the cut");
+        expect(CutFigures { side_room: Some(1e-4), ..GOOD }, "beside the grooves");
     }
 }

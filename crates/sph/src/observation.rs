@@ -36,8 +36,8 @@ channels! {
     Time "time" "s" "end of the interval";
     Travel "travel" "m" "path of the tool along the cutting direction since the start";
     CuttingForce "cutting_force" "N" "F_c: mean over the interval (impulse / interval) of the force of the tool on the workpiece along the cutting direction";
-    FeedForce "feed_force" "N" "F_f: the same, into the machined surface";
-    PassiveForce "passive_force" "N" "F_p: the same, along the cutting edge";
+    FeedForce "feed_force" "N" "F_f: the same, into the machined surface (turning: along the feed)";
+    PassiveForce "passive_force" "N" "F_p: the same, along the cutting edge (turning: into the machined surface)";
     ReactionCutting "reaction_cutting" "N" "mean force of the supports on the workpiece along the cutting direction";
     ReactionFeed "reaction_feed" "N" "the same, into the machined surface";
     MomentumCutting "momentum_cutting" "N s" "momentum of the workpiece along the cutting direction at the end";

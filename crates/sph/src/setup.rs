@@ -43,6 +43,8 @@ pub struct Setup {
     pub width_of_cut: f64,
     /// Uncut chip thickness h in m, for reporting; `None` where there is no cut.
     pub uncut_chip_thickness: Option<f64>,
+    /// When the tool cuts, where it does so several times; empty for one pass from start to end.
+    pub passes: Vec<Pass>,
     /// End of the simulated time in s.
     pub end_time: f64,
     /// Interval over which forces are averaged and a channel sample is emitted, in s.
@@ -80,6 +82,7 @@ impl Setup {
             frame: CuttingFrame::default(),
             width_of_cut: 1.0,
             uncut_chip_thickness: None,
+            passes: Vec::new(),
             end_time,
             sampling_interval: end_time / 100.0,
             heat: Heat::default(),
@@ -100,14 +103,25 @@ impl Setup {
     }
 }
 
+/// One of several passes of the tool; between them it returns through the air.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pass {
+    /// When it begins in s.
+    pub start: f64,
+    /// When it ends in s.
+    pub end: f64,
+}
+
 /// Unit vectors in which forces are reported. A force is that of the tool on the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CuttingFrame {
     /// Direction of the tool's motion relative to the workpiece: F_c is the force along it.
     pub cutting: Vector,
-    /// From the tool into the machined surface: F_f (thrust) is the force along it.
+    /// F_f is the force along it: into the machined surface (thrust) in a plane cut, along the feed in
+    /// turning.
     pub feed: Vector,
-    /// Along the cutting edge: F_p; zero in a plane problem.
+    /// F_p is the force along it: along the cutting edge in a plane cut, where it is zero, into the
+    /// machined surface in turning.
     pub passive: Vector,
 }
 

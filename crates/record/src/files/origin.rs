@@ -2,7 +2,7 @@
 
 use super::archive::{Archive, ArchiveFile};
 use crate::{Facts, MaterialFacts, Provenance, RunError, Setting};
-use sphcut_sph::setup::{CuttingFrame, Vector};
+use sphcut_sph::setup::{CuttingFrame, Pass, Vector};
 
 /// Adds provenance and facts to `archive`.
 pub(crate) fn put<'a>(archive: &mut Archive<'a>, provenance: &'a Provenance, facts: &'a Facts) {
@@ -22,6 +22,10 @@ pub(crate) fn put<'a>(archive: &mut Archive<'a>, provenance: &'a Provenance, fac
         }
     }
     archive.reals("facts", facts_numbers(facts));
+    if !facts.passes.is_empty() {
+        let times = facts.passes.iter().flat_map(|pass| [pass.start, pass.end]);
+        archive.reals("passes", times.collect::<Vec<f64>>());
+    }
     for (index, material) in facts.materials.iter().enumerate() {
         let section = |name: &str| format!("facts/materials/{index}/{name}");
         archive.text(section("name"), material.name.as_str());
@@ -131,10 +135,20 @@ fn get_facts(archive: &ArchiveFile) -> Result<Facts, RunError> {
         mass_scaling: numbers[7],
         tool_velocity: optional(8).map(|_| vector(8)),
         frame: CuttingFrame { cutting: vector(11), feed: vector(14), passive: vector(17) },
+        passes: get_passes(archive)?,
         materials: (0..count)
             .map(|index| get_material(archive, index))
             .collect::<Result<_, _>>()?,
     })
+}
+
+/// None in the file of a run of one pass.
+fn get_passes(archive: &ArchiveFile) -> Result<Vec<Pass>, RunError> {
+    if !archive.names().any(|name| name == "passes") {
+        return Ok(Vec::new());
+    }
+    let times = archive.reals("passes")?;
+    Ok(times.chunks_exact(2).map(|pass| Pass { start: pass[0], end: pass[1] }).collect())
 }
 
 fn material_numbers(material: &MaterialFacts) -> [f64; 5] {

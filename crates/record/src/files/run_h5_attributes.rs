@@ -2,7 +2,7 @@
 
 use super::hdf::{Attribute, HdfReader, HdfWriter};
 use crate::{Divergence, Facts, MaterialFacts, Outcome, Performance, RunError};
-use sphcut_sph::setup::{CuttingFrame, Vector};
+use sphcut_sph::setup::{CuttingFrame, Pass, Vector};
 
 pub(crate) fn write_facts(writer: &HdfWriter, facts: &Facts) -> Result<(), RunError> {
     let real = |name, value| Some((name, Attribute::Real(value)));
@@ -17,6 +17,7 @@ pub(crate) fn write_facts(writer: &HdfWriter, facts: &Facts) -> Result<(), RunEr
         vector("cutting_direction", facts.frame.cutting),
         vector("feed_direction", facts.frame.feed),
         vector("passive_direction", facts.frame.passive),
+        passes(&facts.passes).map(|times| ("passes", Attribute::Reals(times))),
         real("end_time", facts.end_time),
         real("sampling_interval", facts.sampling_interval),
         real("mass_scaling", facts.mass_scaling),
@@ -45,6 +46,12 @@ pub(crate) fn write_facts(writer: &HdfWriter, facts: &Facts) -> Result<(), RunEr
         writer.group(&flow_stress_group(number), &values)?;
     }
     Ok(())
+}
+
+/// Start and end of each pass in s, where there are several.
+fn passes(passes: &[Pass]) -> Option<Vec<f64>> {
+    let times = passes.iter().flat_map(|pass| [pass.start, pass.end]).collect();
+    (!passes.is_empty()).then_some(times)
 }
 
 fn flow_stress_keys(material: &MaterialFacts) -> String {
@@ -83,6 +90,10 @@ pub(crate) fn read_facts(reader: &HdfReader) -> Result<Facts, RunError> {
             feed: vector("feed_direction")?,
             passive: vector("passive_direction")?,
         },
+        passes: match reader.has("facts", "passes") {
+            true => reader.real_list("facts", "passes")?.chunks_exact(2).map(pass).collect(),
+            false => Vec::new(),
+        },
         end_time: real("end_time")?,
         sampling_interval: real("sampling_interval")?,
         mass_scaling: real("mass_scaling")?,
@@ -90,6 +101,10 @@ pub(crate) fn read_facts(reader: &HdfReader) -> Result<Facts, RunError> {
             .map(|number| read_material(reader, number))
             .collect::<Result<_, _>>()?,
     })
+}
+
+fn pass(times: &[f64]) -> Pass {
+    Pass { start: times[0], end: times[1] }
 }
 
 fn read_material(reader: &HdfReader, number: usize) -> Result<MaterialFacts, RunError> {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 pub(crate) fn workpiece() -> Section {
     Section::new(
         "workpiece",
-        "A rectangle; before the cut its upper side is y = 0 and its front side x = 0.",
+        "A rectangle, in turning (dimension = 3) a block; before the cut its upper side is y = 0 and its front side x = 0.",
         vec![
             Field::new(
                 "material",
@@ -38,6 +38,13 @@ pub(crate) fn workpiece() -> Section {
                 "extent below the uncut surface",
             )
             .example("\"0.5 mm\""),
+            Field::new(
+                "width",
+                positive(Quantity::Length, LONGEST),
+                Presence::Derived("required in turning"),
+                "turning: extent along the feed; the grooves of all passes lie in the middle of it",
+            )
+            .example("\"1.6 mm\""),
             temperature("temperature", ROOM_TEMPERATURE, "initial temperature"),
         ],
     )
@@ -59,7 +66,7 @@ pub(crate) fn tool() -> Section {
     };
     Section::new(
         "tool",
-        "Rake angle, clearance angle and edge radius, or an outline, or a mesh.",
+        "Rake angle, clearance angle and edge radius, in turning also nose radius and cutting-edge angles, or an outline, or a mesh.",
         vec![
             angle(
                 "rake_angle",
@@ -77,6 +84,22 @@ pub(crate) fn tool() -> Section {
                 "r_n, radius of the rounded cutting edge",
             )
             .example("\"20 um\""),
+            length("nose_radius", "required in turning unless `mesh_file` is given", "turning: R, radius of the nose seen along the cut")
+                .example("\"0.8 mm\""),
+            Field::new(
+                "side_cutting_edge_angle",
+                Kind::Quantity(Quantity::Angle, Range::closed(0.0, 45.0 * PI / 180.0)),
+                Presence::Derived("required in turning unless `mesh_file` is given"),
+                "turning: between the edge on the side of the feed and the direction of the depth",
+            )
+            .example("\"5 deg\""),
+            Field::new(
+                "front_cutting_edge_angle",
+                Kind::Quantity(Quantity::Angle, Range::closed(PI / 180.0, 45.0 * PI / 180.0)),
+                Presence::Derived("required in turning unless `mesh_file` is given"),
+                "turning: between the edge on the other side and the machined surface",
+            )
+            .example("\"5 deg\""),
             length("chamfer_width", "no chamfer", "b_c, length of a chamfer between edge and rake face, from where it would meet the machined surface if the edge were sharp")
                 .example("\"0.1 mm\""),
             Field::new(
@@ -99,7 +122,7 @@ pub(crate) fn tool() -> Section {
                 "CSV file with the tool's cross-section: two columns x, y in mm, a header line; the tool cuts towards +x and is moved so that its lowest point runs at the depth of cut",
             ),
             super::mesh_file(
-                "STL (binary or ASCII) or Gmsh MSH (2.2 or 4.1, ASCII) with the tool: a closed surface, of which the section with the plane z = 0 cuts, or a plane mesh or line loop in x and y; placed like an outline",
+                "STL (binary or ASCII) or Gmsh MSH (2.2 or 4.1, ASCII) with the tool: a closed surface, of which the section with the plane z = 0 cuts, or a plane mesh or line loop in x and y; placed like an outline. In turning the whole closed surface cuts, the feed along +z; it is moved so that its lowest point runs at the depth of cut",
             ),
             super::mesh_unit(),
             Field::new(
@@ -130,17 +153,31 @@ pub(crate) fn process() -> Section {
             Field::new(
                 "uncut_chip_thickness",
                 positive(Quantity::Length, 0.01),
-                Presence::Required,
+                Presence::Derived("required in an orthogonal cut; in turning the largest distance of a pass's groove from the surface that it meets"),
                 "h, depth of the layer that the tool takes off",
             )
             .example("\"0.1 mm\""),
             Field::new(
                 "width_of_cut",
                 positive(Quantity::Length, 1.0),
-                Presence::Required,
+                Presence::Derived("required in an orthogonal cut; in turning the section of the cut over h"),
                 "b, extent along the cutting edge",
             )
             .example("\"3 mm\""),
+            Field::new(
+                "depth_of_cut",
+                positive(Quantity::Length, 0.01),
+                Presence::Derived("required in turning"),
+                "turning: a_p, depth of the tool's lowest point below the uncut surface",
+            )
+            .example("\"0.05 mm\""),
+            Field::new(
+                "feed",
+                positive(Quantity::Length, 0.01),
+                Presence::Derived("required in turning with [passes]"),
+                "turning: f, distance of neighbouring passes along z",
+            )
+            .example("\"0.1 mm\""),
             Field::new(
                 "orientation",
                 between(Quantity::Angle, -4.0 * PI, 4.0 * PI),
@@ -168,6 +205,12 @@ pub(crate) fn boundaries() -> Section {
         vec![
             side("bottom", "the side away from the tool"),
             side("back", "the side at the end of the cut"),
+            Field::new(
+                "sides",
+                Kind::Choice(vec!["fixed", "sliding", "free"]),
+                Presence::Derived("sliding in turning; a plane cut has none"),
+                "turning: both sides across the feed",
+            ),
             temperature(
                 "bottom_temperature",
                 Presence::Optional,
@@ -184,6 +227,38 @@ pub(crate) fn boundaries() -> Section {
                 default("3"),
                 "rows of particles that belong to a held side",
             ),
+        ],
+    )
+}
+
+/// `[passes]`.
+pub(crate) fn passes() -> Section {
+    Section::new(
+        "passes",
+        "Several passes, each on the surface that the ones before have left. After a pass the tool draws back and up, returns through the air to before the workpiece, moves on (in turning by the feed, in a plane cut down by the uncut chip thickness), and cuts again. `[stop] travel` is that of the first pass.",
+        vec![
+            Field::new("count", Kind::Count { min: 2, max: 50 }, Presence::Required, "how often the tool cuts"),
+            Field::new(
+                "shortening",
+                between(Quantity::Length, 0.0, LONGEST),
+                Presence::Derived("five times the depth"),
+                "by how much each pass ends before the one before it, so that it does not run into the chip left there",
+            )
+            .example("\"0.1 mm\""),
+            Field::new(
+                "clearance",
+                positive(Quantity::Length, LONGEST),
+                Presence::Derived("twice the depth"),
+                "height above the uncut surface at which the tool returns, and distance before the workpiece at which it goes down",
+            )
+            .example("\"0.2 mm\""),
+            Field::new(
+                "return_speed",
+                positive(Quantity::Speed, 1000.0),
+                Presence::Derived("ten times the cutting speed"),
+                "speed of the tool between passes",
+            )
+            .example("\"50 m/s\""),
         ],
     )
 }

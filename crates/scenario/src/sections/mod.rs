@@ -9,7 +9,7 @@ mod tool_heat;
 pub(crate) use bodies::{
     SHAPE_KEYS, VELOCITY_FIELDS, body, support, velocity, velocity_change, wall,
 };
-pub(crate) use cut::{boundaries, process, tool, workpiece};
+pub(crate) use cut::{boundaries, passes, process, tool, workpiece};
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use material::{effect, effects, flow_stress, friction, material};
 pub(crate) use tool_heat::{coating, tool_heat};
@@ -95,7 +95,7 @@ pub(crate) fn root() -> Section {
                 "dimension",
                 Kind::Count { min: 2, max: 3 },
                 default("2"),
-                "2 for plane strain, 3 for three dimensions (bodies only)",
+                "2 for plane strain, 3 for three dimensions: bodies in space, a cut as turning",
             ),
             table(
                 "sources",
@@ -113,6 +113,7 @@ pub(crate) fn root() -> Section {
                 .example("[tool] with rake_angle, clearance_angle, edge_radius and friction"),
             table("process", Presence::Optional, "what the tool does in a cut")
                 .example("[process] with cutting_speed, uncut_chip_thickness and width_of_cut"),
+            table("passes", Presence::Optional, "several passes of a cut"),
             table("boundaries", Presence::Optional, "how the workpiece of a cut is held"),
             Field::new("body", Kind::Tables, Presence::Optional, "a body made of particles")
                 .example("[[body]] with name, material and shape"),
@@ -340,6 +341,7 @@ mod tests {
             workpiece(),
             tool(),
             process(),
+            passes(),
             boundaries(),
             resolution(),
             heat(),
