@@ -112,6 +112,9 @@ pub(crate) fn measure(run: &Run, window: &Window) -> Result<Geometry, RunError> 
     if run.facts.dimension != 2 {
         return Ok(Geometry::without(&Missing::NotPlane));
     }
+    if !run.facts.passes.is_empty() {
+        return Ok(Geometry::without(&Missing::SeveralPasses));
+    }
     if run.snapshots.is_empty() {
         return Ok(Geometry::without(&Missing::NoSnapshots));
     }

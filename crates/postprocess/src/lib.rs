@@ -32,7 +32,7 @@ pub use geometry::{Chip, Contact, Geometry};
 pub use interface::{Interface, InterfaceBin};
 pub use missing::Missing;
 pub use process::{
-    Extremes, Force, Forces, ProcessResult, Resolution, Temperatures, Window, evaluate,
+    Extremes, Force, Forces, PassResult, ProcessResult, Resolution, Temperatures, Window, evaluate,
     evaluate_with,
 };
 pub use segments::Segments;

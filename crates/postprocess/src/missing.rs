@@ -9,6 +9,8 @@ pub enum Missing {
     NoCut,
     /// Measured in plane runs only.
     NotPlane,
+    /// Measured where one pass meets an uncut surface.
+    SeveralPasses,
     /// No snapshot in the window.
     NoSnapshots,
     /// No snapshot of the window holds a chip longer than thick.
@@ -58,6 +60,7 @@ impl fmt::Display for Missing {
         match self {
             Self::NoCut => write!(f, "the run is no cut"),
             Self::NotPlane => write!(f, "measured in plane runs only"),
+            Self::SeveralPasses => write!(f, "measured in runs of a single pass only"),
             Self::NoSnapshots => write!(f, "the run has no snapshots"),
             Self::ChipTooShort => {
                 write!(

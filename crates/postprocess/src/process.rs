@@ -10,6 +10,7 @@ use crate::steady::{
 use crate::warnings::{self, Warning};
 use sphcut_record::{Facts, Outcome, Performance, Run, RunError, Samples};
 use sphcut_sph::ChannelId;
+use std::ops::Range;
 
 /// What a run says about the process.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +27,8 @@ pub struct ProcessResult {
     pub window: Window,
     /// Mean forces of the tool on the workpiece.
     pub forces: Forces,
+    /// Each pass of a run of several; verdict, window and forces above are those of the last of them.
+    pub passes: Vec<PassResult>,
     /// Chip, contact and machined surface from the snapshots.
     pub geometry: Geometry,
     /// Residual stress below the machined surface against depth.
@@ -48,21 +51,36 @@ pub struct ProcessResult {
     pub warnings: Vec<Warning>,
 }
 
-/// The part of the run over which means are taken: the steady window, or at most the later half
-/// of the run where no steady state is found.
+/// The part of the run (of several passes: of one) over which means are taken: the steady window, or
+/// at most the later half where no steady state is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
     /// Index of the first sample.
     pub first_sample: usize,
+    /// Index after the last sample.
+    pub last_sample: usize,
     /// Travel in m at its start.
     pub start: f64,
-    /// Travel in m at its end, which is that of the run.
+    /// Travel in m at its end, which is that of the run or the pass.
     pub end: f64,
     /// Time in s at its start.
     pub start_time: f64,
     /// Drift of the cutting force over the steady window, from the slope of its batch means, per
     /// metre of width of cut in N/m.
     pub drift_per_width: f64,
+}
+
+/// One of several passes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PassResult {
+    /// Counted from 1.
+    pub number: usize,
+    /// Verdict on the cutting force within the pass.
+    pub steady: SteadyState,
+    /// Over which part of the pass means are taken.
+    pub window: Window,
+    /// Mean forces of the tool on the workpiece.
+    pub forces: Forces,
 }
 
 /// A force in N, with the half width of its 95 % interval.
@@ -142,18 +160,28 @@ pub fn evaluate(run: &Run) -> Result<ProcessResult, RunError> {
 /// As [`evaluate`].
 pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResult, RunError> {
     let samples = &run.samples;
-    let verdict = |id: ChannelId| {
-        let series =
-            Series { travel: samples.channel(ChannelId::Travel), force: samples.channel(id) };
-        detect(series, criterion)
+    let verdict = |id: ChannelId, range: &Range<usize>| {
+        let travel = &samples.channel(ChannelId::Travel)[range.clone()];
+        let mut state =
+            detect(Series { travel, force: &samples.channel(id)[range.clone()] }, criterion);
+        state.first_sample += range.start;
+        state
     };
-    let steady = verdict(ChannelId::CuttingForce);
-    let window = window(samples, &steady, &run.facts);
+    let of_pass = |(index, range): (usize, Range<usize>)| {
+        let steady = verdict(ChannelId::CuttingForce, &range);
+        let window = window(samples, &steady, &range, &run.facts);
+        let forces = forces(samples, &window, &range, &run.facts);
+        PassResult { number: index + 1, steady, window, forces }
+    };
+    let ranges = passes(run);
+    let last = ranges.last().cloned().unwrap_or(0..samples.len());
+    let PassResult { steady, window, forces, .. } = of_pass((0, last.clone()));
     let mut result = ProcessResult {
         laws: run.provenance.effects.clone(),
         criterion: *criterion,
-        feed_steady: verdict(ChannelId::FeedForce),
-        forces: forces(samples, &window, &run.facts),
+        feed_steady: verdict(ChannelId::FeedForce, &last),
+        forces,
+        passes: ranges.into_iter().enumerate().map(of_pass).collect(),
         geometry: geometry::measure(run, &window)?,
         residual_stress: Err(Missing::NoCut),
         temperature: temperatures(samples, &window),
@@ -184,6 +212,7 @@ fn residual_stress(
         Ok(found) => Ok(found.stress),
         Err(SpringbackError::Record(error)) => return Err(error),
         Err(SpringbackError::NotPlane) => Err(Missing::NotPlane),
+        Err(SpringbackError::SeveralPasses) => Err(Missing::SeveralPasses),
         Err(SpringbackError::NoCut) => Err(Missing::NoCut),
         Err(SpringbackError::NoSnapshots) => Err(Missing::NoSnapshots),
         Err(reason) => Err(Missing::Surface(reason.to_string())),
@@ -221,25 +250,37 @@ fn criterion_of(run: &Run) -> SteadyOptions {
     }
 }
 
-fn window(samples: &Samples, steady: &SteadyState, facts: &Facts) -> Window {
-    let first_sample = steady.first_sample.min(samples.len() / 2);
+/// The samples of each pass that the run has come to, where there are several: those whose interval
+/// ends within the pass.
+fn passes(run: &Run) -> Vec<Range<usize>> {
+    let time = run.samples.channel(ChannelId::Time);
+    // Sums of steps and of legs differ by rounding.
+    let until = |end: f64| time.partition_point(|time| *time <= end * (1.0 + 1e-9));
+    let ranges = run.facts.passes.iter().map(|pass| until(pass.start)..until(pass.end));
+    ranges.filter(|range| !range.is_empty()).collect()
+}
+
+fn window(samples: &Samples, steady: &SteadyState, range: &Range<usize>, facts: &Facts) -> Window {
+    let first_sample = steady.first_sample.min(range.start + range.len() / 2);
     // A sample is the mean over the interval that begins with the sample before.
     let before = |id: ChannelId| {
         first_sample.checked_sub(1).and_then(|k| samples.channel(id).get(k)).copied().unwrap_or(0.0)
     };
     Window {
         first_sample,
+        last_sample: range.end,
         start: before(ChannelId::Travel),
-        end: samples.channel(ChannelId::Travel).last().copied().unwrap_or(0.0),
+        end: samples.channel(ChannelId::Travel)[range.clone()].last().copied().unwrap_or(0.0),
         start_time: before(ChannelId::Time),
         drift_per_width: steady.drift * facts.force_factor() / facts.width_of_cut,
     }
 }
 
-fn forces(samples: &Samples, window: &Window, facts: &Facts) -> Forces {
+fn forces(samples: &Samples, window: &Window, range: &Range<usize>, facts: &Facts) -> Forces {
     let factor = facts.force_factor();
     let force = |id: ChannelId| {
-        let interval = window_mean(samples.channel(id), window.first_sample);
+        let interval =
+            window_mean(&samples.channel(id)[range.clone()], window.first_sample - range.start);
         Force {
             mean: interval.mean * factor,
             ci95: interval.half_width * factor,
@@ -257,8 +298,11 @@ fn forces(samples: &Samples, window: &Window, facts: &Facts) -> Forces {
 fn temperatures(samples: &Samples, window: &Window) -> Temperatures {
     let interface = samples.channel(ChannelId::InterfaceTemperature);
     // The channel is 0 without contact.
-    let touching: Vec<f64> =
-        interface[window.first_sample..].iter().copied().filter(|t| *t > 0.0).collect();
+    let touching: Vec<f64> = interface[window.first_sample..window.last_sample]
+        .iter()
+        .copied()
+        .filter(|t| *t > 0.0)
+        .collect();
     Temperatures {
         max: largest(samples.channel(ChannelId::MaxTemperature)),
         min: smallest(samples.channel(ChannelId::MinTemperature)),

@@ -4,14 +4,14 @@
 mod measures;
 
 use crate::balances::{EnergyBalance, MomentumBalance, TermKind, ToolHeatBalance};
-use crate::process::{Force, ProcessResult};
+use crate::process::{Force, Forces, PassResult, ProcessResult};
 use crate::warnings::Warning;
 use measures::{ChipEntry, ContactEntry, InterfaceEntry, ResidualStressEntry, ShearZoneEntry};
 use serde::Serialize;
 
 /// Version of the schema: the first number changes when a key changes its meaning or goes, the
 /// second when keys are added.
-pub const SCHEMA_VERSION: &str = "1.2";
+pub const SCHEMA_VERSION: &str = "1.3";
 
 /// The content of `summary.json`. A number that is not known is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -19,6 +19,7 @@ pub struct Summary {
     schema_version: &'static str,
     laws: Vec<LawEntry>,
     forces: ForcesEntry,
+    passes: Vec<PassEntry>,
     steady: SteadyEntry,
     temperature: TemperatureEntry,
     chip: ChipEntry,
@@ -54,6 +55,19 @@ struct ForceEntry {
     ci95_n: f64,
     mean_n_per_mm: f64,
     ci95_n_per_mm: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct PassEntry {
+    number: usize,
+    cutting_mean_n: f64,
+    cutting_ci95_n: f64,
+    feed_mean_n: f64,
+    feed_ci95_n: f64,
+    passive_mean_n: f64,
+    passive_ci95_n: f64,
+    steady: bool,
+    window_mm: [f64; 2],
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -178,11 +192,8 @@ impl Summary {
         Self {
             schema_version: SCHEMA_VERSION,
             laws: result.laws.iter().map(LawEntry::of).collect(),
-            forces: ForcesEntry {
-                cutting: ForceEntry::of(&result.forces.cutting),
-                feed: ForceEntry::of(&result.forces.feed),
-                passive: ForceEntry::of(&result.forces.passive),
-            },
+            forces: ForcesEntry::of(&result.forces),
+            passes: result.passes.iter().map(PassEntry::of).collect(),
             steady: SteadyEntry::of(result),
             temperature: TemperatureEntry::of(result),
             chip: ChipEntry::of(&result.geometry),
@@ -204,6 +215,32 @@ impl Summary {
 impl LawEntry {
     fn of((kind, name): &(String, String)) -> Self {
         Self { kind: kind.clone(), name: name.clone() }
+    }
+}
+
+impl ForcesEntry {
+    fn of(forces: &Forces) -> Self {
+        Self {
+            cutting: ForceEntry::of(&forces.cutting),
+            feed: ForceEntry::of(&forces.feed),
+            passive: ForceEntry::of(&forces.passive),
+        }
+    }
+}
+
+impl PassEntry {
+    fn of(pass: &PassResult) -> Self {
+        Self {
+            number: pass.number,
+            cutting_mean_n: pass.forces.cutting.mean,
+            cutting_ci95_n: pass.forces.cutting.ci95,
+            feed_mean_n: pass.forces.feed.mean,
+            feed_ci95_n: pass.forces.feed.ci95,
+            passive_mean_n: pass.forces.passive.mean,
+            passive_ci95_n: pass.forces.passive.ci95,
+            steady: pass.steady.reached,
+            window_mm: [pass.window.start * MM_PER_M, pass.window.end * MM_PER_M],
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use sphcut_postprocess::synthetic::{AMBIENT, INTERFACE_TEMPERATURE, SyntheticCut
 use sphcut_postprocess::{Missing, ProcessResult, Warning, evaluate, summary_json};
 use sphcut_record::{Outcome, Run, Setting};
 use sphcut_sph::ChannelId;
+use sphcut_sph::setup::Pass;
 
 fn drawn() -> SyntheticCut {
     SyntheticCut { loose_particles: 0, ..SyntheticCut::default() }
@@ -198,6 +199,59 @@ fn a_run_without_samples_or_tool_is_evaluated_too() {
     assert!(value["forces"]["cutting"]["ci95_n"].is_null());
 }
 
+/// The drawn record cut into a pass of 0.8 mm, a return of 0.2 mm without force and another pass of 1 mm with
+/// twice the force; the tool goes back to its start in between.
+fn two_passes() -> Run {
+    let mut run = run();
+    let end = run.facts.end_time;
+    run.facts.passes = vec![Pass { start: 0.0, end: 0.4 * end }, Pass { start: 0.5 * end, end }];
+    let count = run.samples.len();
+    let (first, second) = (2 * count / 5, count / 2);
+    let again = run.samples.channel(ChannelId::CuttingForce).to_vec();
+    run = with_channel(run, ChannelId::CuttingForce, |k, force| match k {
+        k if k < first => force,
+        k if k < second => 0.0,
+        k => 2.0 * again[k - second],
+    });
+    with_channel(run, ChannelId::Travel, |k, travel| match k {
+        k if k < second => travel,
+        _ => travel - 1e-3,
+    })
+}
+
+#[test]
+fn each_pass_has_its_own_forces_and_the_last_gives_those_of_the_run() {
+    let result = evaluate(&two_passes()).unwrap();
+    let numbers: Vec<usize> = result.passes.iter().map(|pass| pass.number).collect();
+    assert_eq!(numbers, [1, 2]);
+    for (pass, expected) in result.passes.iter().zip([200e3, 400e3]) {
+        let force = pass.forces.cutting;
+        let off = (force.mean_per_width - expected).abs();
+        assert!(off < 2.0 * force.ci95_per_width, "pass {}: {force:?}", pass.number);
+        assert!(force.ci95_per_width < 0.05 * expected, "pass {}: {force:?}", pass.number);
+    }
+    // Neither the return nor the other pass is in a window.
+    let [first, second] = [&result.passes[0].window, &result.passes[1].window];
+    assert!((first.end - 0.8e-3).abs() < 1e-9 && (second.end - 1e-3).abs() < 1e-9);
+    assert!(second.start > 0.0 && second.start < 0.6e-3, "{second:?}");
+    assert_eq!(result.forces, result.passes[1].forces);
+    assert_eq!(result.window, result.passes[1].window);
+    assert_eq!(result.geometry.chip, Err(Missing::SeveralPasses));
+    assert_eq!(result.residual_stress, Err(Missing::SeveralPasses));
+}
+
+#[test]
+fn a_run_that_ended_in_its_first_pass_has_that_one() {
+    let mut run = run();
+    let end = run.facts.end_time;
+    run.facts.passes = vec![Pass { start: 0.0, end }, Pass { start: 2.0 * end, end: 3.0 * end }];
+    let result = evaluate(&run).unwrap();
+    assert_eq!(result.passes.len(), 1);
+    run.facts.passes.clear();
+    let single = evaluate(&run).unwrap();
+    assert_eq!((result.forces, result.window), (single.forces, single.window));
+}
+
 /// Every path of a JSON value, array indices left out.
 fn paths(value: &Value, prefix: &str, found: &mut Vec<String>) {
     match value {
@@ -219,6 +273,12 @@ fn the_summary_and_its_description_name_the_same_keys() {
     let value: Value = serde_json::from_str(&summary_json(&evaluate(&run).unwrap())).unwrap();
     let mut keys = Vec::new();
     paths(&value, "", &mut keys);
+    // A run of several passes has no chip to describe, a run of one no list of passes.
+    keys.retain(|key| key != "passes");
+    let several = serde_json::from_str(&summary_json(&evaluate(&two_passes()).unwrap())).unwrap();
+    let mut of_passes = Vec::new();
+    paths(&several, "", &mut of_passes);
+    keys.extend(of_passes.into_iter().filter(|key| key.starts_with("passes")));
     keys.sort();
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(folder.join("../../docs/summary_json.md")).unwrap();
@@ -229,7 +289,7 @@ fn the_summary_and_its_description_name_the_same_keys() {
     described.sort();
     assert_eq!(keys, described);
     // What scripts rely on.
-    assert_eq!(value["schema_version"], "1.2");
+    assert_eq!(value["schema_version"], "1.3");
     let force = value["forces"]["cutting"]["mean_n_per_mm"].as_f64().unwrap();
     assert!((force - 200.0).abs() < 3.0, "{force}");
     assert_eq!(value["warnings"][0]["code"], "scenario");

@@ -61,6 +61,8 @@ impl ErrorBar {
 pub enum SpringbackError {
     /// A run in three dimensions.
     NotPlane,
+    /// A run of several passes.
+    SeveralPasses,
     /// A run without a tool and an uncut chip thickness.
     NoCut,
     /// A run without snapshots.
@@ -81,6 +83,9 @@ impl fmt::Display for SpringbackError {
         match self {
             Self::NotPlane => f.write_str(
                 "springback is measured in plane runs only; this one is three-dimensional",
+            ),
+            Self::SeveralPasses => f.write_str(
+                "springback is measured in plane runs of a single pass only; this one has several",
             ),
             Self::NoCut => f.write_str("the run is no cut: it has no tool that cuts"),
             Self::NoSnapshots => f.write_str("the run has no snapshots"),

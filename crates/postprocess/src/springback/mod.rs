@@ -169,6 +169,9 @@ fn context(run: &Run, result: &ProcessResult) -> Result<Context, SpringbackError
     if facts.dimension != 2 {
         return Err(SpringbackError::NotPlane);
     }
+    if !facts.passes.is_empty() {
+        return Err(SpringbackError::SeveralPasses);
+    }
     let Some(thickness) = facts.uncut_chip_thickness.filter(|_| ProcessResult::is_cut(run)) else {
         return Err(SpringbackError::NoCut);
     };
