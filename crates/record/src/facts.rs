@@ -112,3 +112,18 @@ impl Facts {
         velocity.iter().zip(self.frame.cutting).map(|(v, c)| v * c).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_between_passes_is_not_spent_cutting() {
+        let mut facts = Facts::of(&Setup::empty(Dimension::Two, 1e-5, 10.0));
+        assert_eq!(facts.cutting_time(3.0), 3.0);
+        facts.passes = vec![Pass { start: 0.0, end: 4.0 }, Pass { start: 6.0, end: 9.0 }];
+        for (time, expected) in [(3.0, 3.0), (5.0, 4.0), (7.5, 5.5), (10.0, 7.0)] {
+            assert_eq!(facts.cutting_time(time), expected, "at {time} s");
+        }
+    }
+}

@@ -7,7 +7,7 @@ pub mod cut;
 
 use sphcut_record::driver::{RunOptions, Source, Start, Stepper};
 use sphcut_record::{Facts, MaterialFacts, Provenance, Run, Setting};
-use sphcut_sph::setup::{CuttingFrame, Dimension};
+use sphcut_sph::setup::{CuttingFrame, Dimension, Pass};
 use sphcut_sph::{
     CHANNELS, ChannelId, CheckpointState, Diverged, Sample, Setup, SetupError, Snapshot, StepReport,
 };
@@ -68,6 +68,9 @@ impl Source for Fake {
             Setup::empty(Dimension::Two, 2e-5, TIME_STEP * self.steps as f64 - 0.5 * TIME_STEP);
         setup.width_of_cut = 3e-3;
         setup.uncut_chip_thickness = Some(1e-4);
+        let end = setup.end_time;
+        setup.passes =
+            vec![Pass { start: 0.0, end: 0.4 * end }, Pass { start: 0.5 * end, end: 0.9 * end }];
         Facts {
             tool_velocity: Some([2.5, 0.0, 0.0]),
             edge_radius: None,
