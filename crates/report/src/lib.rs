@@ -11,6 +11,7 @@ mod error;
 mod page;
 mod picture;
 mod pictures;
+mod pictures_in_space;
 mod text;
 mod ticks;
 

@@ -13,7 +13,7 @@ const FIELDS: [Field; 5] = [
     Field::VonMisesStress,
     Field::Speed,
 ];
-const PICTURE_WIDTH: u32 = 1000;
+pub(crate) const PICTURE_WIDTH: u32 = 1000;
 const ANIMATION_WIDTH: u32 = 960;
 /// Size of the window about the cutting edge in uncut chip thicknesses.
 const WINDOW: [f64; 2] = [11.5, 7.6];
@@ -53,6 +53,9 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
         return Ok(Pictures::default());
     }
     let Some(last) = run.snapshots.last()? else { return Ok(Pictures::default()) };
+    if run.facts.dimension == 3 && run.facts.uncut_chip_thickness.is_some() {
+        return crate::pictures_in_space::draw_all(run, &last);
+    }
     let first = run.snapshots.get(0)?;
     let view = about_edge(run, &last);
     let options = PictureOptions {
@@ -148,7 +151,7 @@ fn whole(first: &Snapshot, last: &Snapshot) -> PictureOptions {
 }
 
 /// What a picture says in one sentence.
-fn description(field: Field, snapshot: &Snapshot) -> String {
+pub(crate) fn description(field: Field, snapshot: &Snapshot) -> String {
     let (low, high) = field.range([snapshot]);
     format!(
         "{} of the particles and the tool at the end of the run; 99.8 % of the particles lie \

@@ -12,6 +12,7 @@ const BLUE_LIGHT: &str = "#9cc7e2";
 pub(super) const RED: &str = "#d55e00";
 const RED_LIGHT: &str = "#f0b890";
 pub(super) const GREEN: &str = "#009e73";
+const GREEN_LIGHT: &str = "#99d8c7";
 const INK: &str = "#22262b";
 /// Share of the record averaged for the smooth line of a force.
 const SMOOTHING: f64 = 0.02;
@@ -36,12 +37,12 @@ pub(super) fn term_colour(channel: ChannelId) -> &'static str {
 
 /// Forces, energy, momentum and temperature over the travel.
 pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
-    let axis = Axis::of(run);
+    let axis = Axis::of(run, result);
     html! {
         section {
             h2 { "History" }
-            (figure(forces(run, result, &axis).svg(), "Forces of the tool on the workpiece per \
-                width of cut: impulse averages over each sampling interval (pale) and running \
+            (figure(forces(run, result, &axis).svg(), "Forces of the tool on the workpiece \
+                (in the plane per width of cut): impulse averages over each sampling interval (pale) and running \
                 mean over 2 % of the record. The level and its band are the mean over the window and its 95 % interval."))
             (figure(temperature(run, &axis).svg(), "Highest temperature of any particle, and mean \
                 temperature in contact weighted with the contact force."))
@@ -56,7 +57,7 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
 
 /// Forces over the travel alone, for the page of springback.
 pub(super) fn force_figure(run: &Run, result: &ProcessResult) -> Markup {
-    let chart = forces(run, result, &Axis::of(run));
+    let chart = forces(run, result, &Axis::of(run, result));
     figure(
         chart.svg(),
         "Forces of the tool on the workpiece per width of cut, as in the run's report.",
@@ -71,21 +72,33 @@ pub(super) fn figure(svg: Option<String>, caption: &str) -> Markup {
     }
 }
 
-/// Travel in mm where there is a tool, else time in ms.
+/// Travel in mm where a tool cuts once, else time in ms.
 struct Axis {
     title: &'static str,
     values: Vec<f64>,
-    has_travel: bool,
+    /// Start and end of the window of the means.
+    window: Option<(f64, f64)>,
 }
 
 impl Axis {
-    fn of(run: &Run) -> Self {
-        let scaled = |id: ChannelId| run.samples.channel(id).iter().map(|x| x * 1e3).collect();
+    fn of(run: &Run, result: &ProcessResult) -> Self {
+        let scaled = |id: ChannelId| -> Vec<f64> {
+            run.samples.channel(id).iter().map(|x| x * 1e3).collect()
+        };
+        let window = &result.window;
+        if !run.facts.passes.is_empty() {
+            // The tool comes by several times: only time tells the passes apart.
+            let values = scaled(ChannelId::Time);
+            let end = window.last_sample.checked_sub(1).and_then(|last| values.get(last).copied());
+            let window = end.map(|end| (window.start_time * 1e3, end));
+            return Self { title: "Time in ms", values, window };
+        }
         let travel = run.samples.channel(ChannelId::Travel);
         if travel.last().is_some_and(|travel| *travel > 0.0) {
-            Self { title: "Travel in mm", values: scaled(ChannelId::Travel), has_travel: true }
+            let window = Some((window.start * 1e3, window.end * 1e3));
+            Self { title: "Travel in mm", values: scaled(ChannelId::Travel), window }
         } else {
-            Self { title: "Time in ms", values: scaled(ChannelId::Time), has_travel: false }
+            Self { title: "Time in ms", values: scaled(ChannelId::Time), window: None }
         }
     }
 
@@ -95,14 +108,31 @@ impl Axis {
         } else {
             "window of the means (not steady)"
         };
-        let (from, to) = (result.window.start * 1e3, result.window.end * 1e3);
-        (self.has_travel && to > from).then_some((from, to, name))
+        let (from, to) = self.window?;
+        (to > from).then_some((from, to, name))
     }
 }
 
-/// Factor from a force or energy of the channels to N/mm or J/mm.
-fn per_mm(facts: &Facts) -> f64 {
-    facts.force_factor() / facts.width_of_cut * 1e-3
+/// How forces and energies are shown: per mm of width in the plane, as they are in space.
+struct Scale {
+    /// From the channels to the unit.
+    factor: f64,
+    force: &'static str,
+    force_title: &'static str,
+    energy_title: &'static str,
+}
+
+impl Scale {
+    fn of(facts: &Facts) -> Self {
+        if facts.dimension == 2 {
+            let factor = facts.force_factor() / facts.width_of_cut * 1e-3;
+            let (force_title, energy_title) = ("Force in N/mm", "Energy in J/mm");
+            Self { factor, force: "N/mm", force_title, energy_title }
+        } else {
+            let (force_title, energy_title) = ("Force in N", "Energy in J");
+            Self { factor: 1.0, force: "N", force_title, energy_title }
+        }
+    }
 }
 
 fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
@@ -126,13 +156,14 @@ fn smooth(values: &[f64]) -> Vec<f64> {
 }
 
 fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
-    let factor = per_mm(&run.facts);
+    let scale = Scale::of(&run.facts);
+    let factor = scale.factor;
     let cutting = scaled(run.samples.channel(ChannelId::CuttingForce), factor);
     let feed = scaled(run.samples.channel(ChannelId::FeedForce), factor);
     let line = |name, colour, width, values| Line { name, colour, width, values };
     let mut chart = Chart {
         x_title: axis.title,
-        y_title: "Force in N/mm",
+        y_title: scale.force_title,
         height: 400.0,
         x: axis.values.clone(),
         window: axis.window(result),
@@ -140,14 +171,19 @@ fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
         ..Chart::default()
     };
     let band = |force: &Force, colour, symbol: &str| {
-        let (mean, half_width) = (force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3);
-        let label = format!("{symbol} = {} N/mm", with_interval(mean, half_width));
-        let (from, to) = (result.window.start * 1e3, result.window.end * 1e3);
+        let (mean, half_width) = match run.facts.dimension {
+            2 => (force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3),
+            _ => (force.mean, force.ci95),
+        };
+        let label = format!("{symbol} = {} {}", with_interval(mean, half_width), scale.force);
+        let (from, to) = axis.window.unwrap_or_default();
         Band { from, to, mean, half_width, colour, label }
     };
+    let in_space = run.facts.dimension == 3;
     if chart.window.is_some() {
         chart.bands =
             vec![band(&result.forces.cutting, BLUE, "F_c"), band(&result.forces.feed, RED, "F_f")];
+        chart.bands.extend(in_space.then(|| band(&result.forces.passive, GREEN, "F_p")));
     }
     chart.description = format!(
         "Cutting force and feed force over the travel. {}",
@@ -159,6 +195,11 @@ fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
         line("Cutting force F_c", BLUE, 2.0, smooth(&cutting)),
         line("Feed force F_f", RED, 2.0, smooth(&feed)),
     ];
+    if in_space {
+        let passive = scaled(run.samples.channel(ChannelId::PassiveForce), factor);
+        chart.lines.push(line("", GREEN_LIGHT, 1.0, passive.clone()));
+        chart.lines.push(line("Passive force F_p", GREEN, 2.0, smooth(&passive)));
+    }
     chart
 }
 
@@ -190,7 +231,8 @@ fn temperature<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
 }
 
 fn energy<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
-    let factor = per_mm(&run.facts);
+    let scale = Scale::of(&run.facts);
+    let factor = scale.factor;
     let areas = ENERGY_TERMS
         .iter()
         .filter(|(channel, kind, _)| {
@@ -211,7 +253,7 @@ fn energy<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
                       supplied; the shares at the end are in the table of balances."
             .to_owned(),
         x_title: axis.title,
-        y_title: "Energy in J/mm",
+        y_title: scale.energy_title,
         height: 420.0,
         x: axis.values.clone(),
         areas,
@@ -227,7 +269,8 @@ fn energy<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
 }
 
 fn momentum<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
-    let factor = per_mm(&run.facts);
+    let scale = Scale::of(&run.facts);
+    let factor = scale.factor;
     let channel = |id: ChannelId| run.samples.channel(id);
     let (time, momentum) = (channel(ChannelId::Time), channel(ChannelId::MomentumCutting));
     let rate = |k: usize| {
@@ -246,7 +289,7 @@ fn momentum<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
                       two lines should lie on each other."
             .to_owned(),
         x_title: axis.title,
-        y_title: "Force in N/mm",
+        y_title: scale.force_title,
         height: 300.0,
         x: axis.values.clone(),
         window: axis.window(result).map(|(from, to, _)| (from, to, "")),

@@ -12,14 +12,21 @@ pub(super) const UM: f64 = 1e6;
 
 /// The five numbers one looks for first.
 pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
-    let force =
-        |force: &Force| with_interval(force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3);
+    let in_space = run.facts.dimension == 3;
+    let force = |force: &Force| match in_space {
+        true => with_interval(force.mean, force.ci95),
+        false => with_interval(force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3),
+    };
+    let unit = if in_space { "N" } else { "N/mm" };
     let geometry = &result.geometry;
     html! {
         dl.figures {
             @if ProcessResult::is_cut(run) {
-                (figure("Cutting force F_c", &force(&result.forces.cutting), "N/mm"))
-                (figure("Feed force F_f", &force(&result.forces.feed), "N/mm"))
+                (figure("Cutting force F_c", &force(&result.forces.cutting), unit))
+                (figure("Feed force F_f", &force(&result.forces.feed), unit))
+                @if in_space {
+                    (figure("Passive force F_p", &force(&result.forces.passive), unit))
+                }
                 @if let Ok(chip) = &geometry.chip {
                     (figure("Chip thickness", &three_digits(chip.thickness * UM), "\u{b5}m"))
                     (figure("Chip compression ratio", &three_digits(chip.compression_ratio), ""))
@@ -101,7 +108,45 @@ pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
             h2 { "Results" }
             (table("Intervals are 95 % and take the correlation of the force along the travel into \
                 account.", &rows))
+            (passes(result))
             @if ProcessResult::is_cut(run) { (steadiness(result)) }
+        }
+    }
+}
+
+/// The forces of each pass, where there are several.
+fn passes(result: &ProcessResult) -> Markup {
+    if result.passes.is_empty() {
+        return html! {};
+    }
+    let force = |force: &Force| with_interval(force.mean, force.ci95);
+    html! {
+        div.scroll {
+            table.results {
+                caption { "Mean forces of each pass in N; above are those of the last one." }
+                thead { tr {
+                    th scope="col" { "Pass" }
+                    th.n scope="col" { (symbol("F_c")) }
+                    th.n scope="col" { (symbol("F_f")) }
+                    th.n scope="col" { (symbol("F_p")) }
+                    th scope="col" { "Means over" }
+                } }
+                tbody {
+                    @for pass in &result.passes {
+                        tr {
+                            th scope="row" { (pass.number) }
+                            td.n { (force(&pass.forces.cutting)) }
+                            td.n { (force(&pass.forces.feed)) }
+                            td.n { (force(&pass.forces.passive)) }
+                            td {
+                                (three_digits(pass.window.start * 1e3)) " to "
+                                (three_digits(pass.window.end * 1e3)) " mm"
+                                @if !pass.steady.reached { ", not steady" }
+                            }
+                        }
+                    }
+                }
+            }
         }
     }
 }

@@ -4,10 +4,12 @@ mod distance;
 mod field;
 mod layers;
 mod raster;
+mod space;
 mod view;
 
 pub use field::Field;
 pub use layers::render_layers;
+pub use space::{SpaceOptions, Tool, axes, render_in_space, whole_in_space};
 pub use view::View;
 
 use crate::canvas::{Anchor, Canvas, INK, Rectangle, Rgb, Text};
@@ -112,7 +114,7 @@ fn draw_scene(
 }
 
 /// Simulated time in a unit that suits it.
-fn time_text(seconds: f64) -> String {
+pub(crate) fn time_text(seconds: f64) -> String {
     if seconds < 1e-3 {
         format!("t = {:.1} \u{b5}s", seconds * 1e6)
     } else {

@@ -101,7 +101,7 @@ fn colour_nearest(
 }
 
 /// Pixels of a row of `size` whose centres lie within `radius` of `centre`.
-fn overlap(centre: f64, radius: f64, size: usize) -> std::ops::Range<usize> {
+pub(super) fn overlap(centre: f64, radius: f64, size: usize) -> std::ops::Range<usize> {
     let low = (centre - radius - 0.5).ceil().clamp(0.0, size as f64);
     let high = ((centre + radius - 0.5).floor() + 1.0).clamp(low, size as f64);
     low as usize..high as usize

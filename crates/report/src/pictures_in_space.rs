@@ -1,0 +1,136 @@
+//! The pictures of a cut in three dimensions.
+
+use crate::picture::{Field, SpaceOptions, Tool, View, axes, render_in_space, whole_in_space};
+use crate::pictures::{PICTURE_WIDTH, Picture, Pictures, description};
+use sphcut_record::{Run, RunError};
+use sphcut_sph::Snapshot;
+use std::sync::Arc;
+
+/// Fields shown with the tool.
+const FIELDS: [Field; 4] =
+    [Field::PlasticStrain, Field::Temperature, Field::VonMisesStress, Field::Speed];
+/// From ahead of the tool, on the side of the feed and above: the chip stands before the rake face.
+const FROM_AHEAD: [f64; 2] = [40.0, 30.0];
+/// From behind the tool and above: the grooves lie open where the tool has passed.
+const FROM_BEHIND: [f64; 2] = [150.0, 50.0];
+/// Size of the close-up in chip thicknesses or particle spacings, whichever is more.
+const CLOSE_UP: [f64; 2] = [0.85e-3, 0.6e-3];
+
+type Vector = [f64; 3];
+
+/// Directions of a cut: along it, along the feed, away from the workpiece.
+struct Directions {
+    cutting: Vector,
+    feed: Vector,
+    up: Vector,
+}
+
+impl Directions {
+    fn of(run: &Run) -> Self {
+        let frame = run.facts.frame;
+        Self {
+            cutting: frame.cutting,
+            feed: frame.feed,
+            up: frame.passive.map(|component| -component),
+        }
+    }
+
+    fn options(&self, [azimuth, elevation]: [f64; 2]) -> SpaceOptions {
+        let axes =
+            axes([self.cutting, self.feed, self.up], azimuth.to_radians(), elevation.to_radians());
+        SpaceOptions {
+            width: PICTURE_WIDTH,
+            axes,
+            tool: Tool::Shown,
+            range: None,
+            view: None,
+            text_scale: 1.6,
+            named: vec![(self.cutting, "cut"), (self.feed, "feed"), (self.up, "up")],
+            caption: String::new(),
+        }
+    }
+}
+
+/// The last snapshot with the tool from ahead, whole and close to the edge, and the machined surface
+/// after each pass from behind, without the tool.
+pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError> {
+    let directions = Directions::of(run);
+    let ahead = directions.options(FROM_AHEAD);
+    let whole = Picture {
+        title: "The whole workpiece and the tool at the end, from ahead and above".to_owned(),
+        description: description(Field::PlasticStrain, last),
+        media_type: "image/png",
+        bytes: render_in_space(
+            last,
+            Field::PlasticStrain,
+            &SpaceOptions {
+                view: Some(whole_in_space(last, &ahead.axes)),
+                caption: time(last),
+                ..ahead.clone()
+            },
+        ),
+    };
+    let view = about_edge(last, &directions, &ahead.axes);
+    let with_tool = FIELDS.map(|field| Picture {
+        title: format!("{}, from ahead and above", field.title()),
+        description: description(field, last),
+        media_type: "image/png",
+        bytes: render_in_space(
+            last,
+            field,
+            &SpaceOptions { view, caption: time(last), ..ahead.clone() },
+        ),
+    });
+    let mut fields = with_tool.to_vec();
+    for (number, snapshot) in after_passes(run)? {
+        fields.push(surface(&directions, number, &snapshot));
+    }
+    Ok(Pictures { animation: None, whole: Some(whole), fields, layers: None })
+}
+
+fn surface(directions: &Directions, pass: usize, snapshot: &Snapshot) -> Picture {
+    let behind = directions.options(FROM_BEHIND);
+    Picture {
+        title: format!("Surface after pass {pass}, from behind and above, the tool left out"),
+        description: description(Field::PlasticStrain, snapshot),
+        media_type: "image/png",
+        bytes: render_in_space(
+            snapshot,
+            Field::PlasticStrain,
+            &SpaceOptions { tool: Tool::Hidden, caption: time(snapshot), ..behind },
+        ),
+    }
+}
+
+fn time(snapshot: &Snapshot) -> String {
+    crate::picture::time_text(snapshot.time)
+}
+
+/// The last snapshot within each pass, with the number of the pass.
+fn after_passes(run: &Run) -> Result<Vec<(usize, Arc<Snapshot>)>, RunError> {
+    let index = run.snapshots.index();
+    let ends: Vec<f64> = match run.facts.passes.as_slice() {
+        [] => vec![f64::INFINITY],
+        passes => passes.iter().map(|pass| pass.end * (1.0 + 1e-9)).collect(),
+    };
+    let reached = |end: &f64| index.iter().rposition(|info| info.time <= *end);
+    let mut shown: Vec<(usize, usize)> =
+        ends.iter().enumerate().filter_map(|(pass, end)| Some((pass + 1, reached(end)?))).collect();
+    shown.dedup_by_key(|(_, number)| *number);
+    shown.into_iter().map(|(pass, number)| Ok((pass, run.snapshots.get(number)?))).collect()
+}
+
+/// A window about the lowest point of the tool; `None` without a tool.
+fn about_edge(snapshot: &Snapshot, directions: &Directions, axes: &[Vector; 3]) -> Option<View> {
+    let along = |a: &Vector, b: &Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let height = |point: &&Vector| along(point, &directions.up);
+    let tip = snapshot.tool.iter().min_by(|a, b| height(a).total_cmp(&height(b)))?;
+    // The chip stands above the edge.
+    let centre: Vector = std::array::from_fn(|k| tip[k] + 0.1e-3 * directions.up[k]);
+    let size = (30.0 * snapshot.particle_spacing / CLOSE_UP[1]).max(1.0);
+    Some(View::about(
+        [along(&centre, &axes[0]), along(&centre, &axes[1])],
+        CLOSE_UP[0] * size,
+        CLOSE_UP[1] * size,
+    ))
+}
