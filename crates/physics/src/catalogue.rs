@@ -1,11 +1,11 @@
 //! The catalogue: every law with its equation, parameters and source, as data.
 
-use crate::{Parameter, effects, flow_stress, friction, heat};
+use crate::{Parameter, effects, flow_stress, friction, heat, process};
 
 /// One entry of the catalogue, whatever its kind.
 #[derive(Debug, Clone, Copy)]
 pub struct CatalogueEntry {
-    /// `flow_stress`, `effects`, `friction` or `heat`.
+    /// `flow_stress`, `effects`, `friction`, `process` or `heat`.
     pub kind: &'static str,
     /// Name in the scenario file.
     pub key: &'static str,
@@ -51,6 +51,15 @@ pub fn entries() -> Vec<CatalogueEntry> {
         validity: law.validity,
         parameters: law.parameters,
     });
+    let process = process::ENTRIES.iter().map(|entry| CatalogueEntry {
+        kind: "process",
+        key: entry.key,
+        title: entry.title,
+        equation: entry.equation,
+        source: entry.source,
+        validity: entry.validity,
+        parameters: entry.parameters,
+    });
     let heat = CatalogueEntry {
         kind: "heat",
         key: "heat",
@@ -61,7 +70,7 @@ pub fn entries() -> Vec<CatalogueEntry> {
         validity: "constant shares; conduction by Fourier's law",
         parameters: heat::PARAMETERS,
     };
-    flow.chain(effects).chain(friction).chain([heat]).collect()
+    flow.chain(effects).chain(friction).chain(process).chain([heat]).collect()
 }
 
 #[cfg(test)]

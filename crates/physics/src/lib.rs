@@ -14,6 +14,7 @@ pub mod flow_stress;
 pub mod friction;
 pub mod heat;
 pub mod parameter;
+pub mod process;
 pub mod quantity;
 pub mod radial_return;
 pub mod temperature_table;

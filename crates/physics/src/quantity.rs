@@ -35,6 +35,10 @@ pub enum Quantity {
     Force,
     /// A force per width of cut in N/m.
     ForcePerWidth,
+    /// A stiffness in N/m.
+    Stiffness,
+    /// A mass in kg.
+    Mass,
     /// A power in W.
     Power,
     /// A power per width in W/m.
@@ -64,7 +68,8 @@ impl Quantity {
             Self::SpecificHeat => "J/(kg K)",
             Self::HeatTransfer => "W/(m^2 K)",
             Self::Force => "N",
-            Self::ForcePerWidth => "N/m",
+            Self::ForcePerWidth | Self::Stiffness => "N/m",
+            Self::Mass => "kg",
             Self::Power => "W",
             Self::PowerPerWidth => "W/m",
             Self::Energy => "J",
@@ -92,6 +97,8 @@ impl Quantity {
             Self::HeatTransfer => "heat transfer coefficient",
             Self::Force => "force",
             Self::ForcePerWidth => "force per width",
+            Self::Stiffness => "stiffness",
+            Self::Mass => "mass",
             Self::Power => "power",
             Self::PowerPerWidth => "power per width",
             Self::Energy => "energy",

@@ -412,6 +412,7 @@ impl Cut {
             temperature: self.workpiece.temperature,
         }];
         setup.supports = self.supports();
+        setup.machine = self.tool.machine;
         setup.frame = match self.process.kind {
             ProcessKind::Orthogonal { .. } => placement.frame(),
             ProcessKind::Turning { .. } => placement.turning_frame(),

@@ -16,6 +16,7 @@ mod findings;
 mod flow_stress_table;
 mod heat_source;
 mod library;
+mod machine;
 mod material;
 mod measured;
 mod mesh;

@@ -407,6 +407,12 @@ fn acting(setup: &Setup) -> Vec<(String, String)> {
             add("heat", "coating");
         }
     }
+    if setup.machine.cutting.is_some() || setup.machine.feed.is_some() {
+        add("process", "compliance");
+    }
+    if setup.machine.run_out.is_some() {
+        add("process", "run_out");
+    }
     if !setup.heat_sources.is_empty() {
         add("heat", "heat_source");
     }

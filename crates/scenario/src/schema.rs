@@ -132,6 +132,14 @@ fn material_child(field: &Field, completeness: Completeness) -> Option<Value> {
 }
 
 fn tool_child(field: &Field) -> Option<Value> {
+    if field.key == "compliance" {
+        return Some(table(&sections::compliance(), Completeness::Whole, |field| {
+            Some(table(&sections::compliance_of(field.key), Completeness::Whole, |_| None))
+        }));
+    }
+    if field.key == "run_out" {
+        return Some(table(&sections::run_out(), Completeness::Whole, |_| None));
+    }
     if field.key != "heat" {
         return friction_child(field);
     }

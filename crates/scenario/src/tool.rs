@@ -9,10 +9,10 @@ use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
 use crate::tool_geometry::EdgeGeometry;
-use crate::{sections, shared, tool_heat, tool_shapes, turning_tool, units};
+use crate::{machine, sections, shared, tool_heat, tool_shapes, turning_tool, units};
 use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::{Quantity, Values};
-use sphcut_sph::setup::ToolHeat;
+use sphcut_sph::setup::{Machine, ToolHeat};
 
 /// `[tool]` before it is placed.
 #[derive(Debug)]
@@ -22,6 +22,7 @@ pub(crate) struct ToolShape {
     pub(crate) friction: (&'static FrictionEntry, Values),
     /// Its places as those of the polygon.
     pub(crate) heat: Option<ToolHeat>,
+    pub(crate) machine: Machine,
     /// What the user should know about it.
     pub(crate) notes: Vec<String>,
 }
@@ -72,12 +73,20 @@ pub(crate) fn tool(
     refuse_unit_without_mesh(findings, &record);
     let edge_radius = record.number("edge_radius");
     if let Space::Solid { width } = space {
+        refuse_keys(
+            findings,
+            &record,
+            ["compliance", "run_out"],
+            "is there in plane cuts only, this is turning",
+            "remove it: machine and spindle are rigid",
+        );
         let surface = turning_tool::surface(findings, &record, surroundings, process, sizes, width);
         return Some(ToolShape {
             edge_radius,
             body: ToolBody::Solid(surface?),
             friction: friction?,
             heat: None,
+            machine: Machine::default(),
             notes: Vec::new(),
         });
     }
@@ -101,10 +110,11 @@ pub(crate) fn tool(
         }
         None => from_angles(findings, &record, process, sizes, &mut notes)?,
     };
+    let machine = machine::machine(findings, &record);
     let around = heat_surroundings(&record, &polygon, whole, process?, sizes?.0);
     let heat = tool_heat::tool_heat(findings, &record, &around)?;
     let body = ToolBody::Section(polygon);
-    Some(ToolShape { edge_radius, body, friction: friction?, heat, notes })
+    Some(ToolShape { edge_radius, body, friction: friction?, heat, machine: machine?, notes })
 }
 
 /// Uncut chip thicknesses from the edge within which a chip touches the rake face.

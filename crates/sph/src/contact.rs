@@ -10,6 +10,7 @@
 use crate::error::SetupError;
 use crate::setup::{Tool, ToolSurface, Vector as Vector3};
 use crate::tensor::Vector;
+use crate::tool_holder::ToolHolder;
 use crate::tool_motion::ToolMotion;
 use rstar::{AABB, RTree, RTreeObject};
 use sphcut_physics::friction::{ContactState, FrictionLaw};
@@ -48,6 +49,10 @@ impl RTreeObject for Facet {
 
 fn sub(a: &Vector3, b: &Vector3) -> Vector3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn sum(a: &Vector3, b: &Vector3) -> Vector3 {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 fn dot3(a: &Vector3, b: &Vector3) -> f64 {
@@ -312,6 +317,8 @@ pub(crate) struct ToolContact<const D: usize> {
     pub(crate) surface: Surface,
     law: Box<dyn FrictionLaw>,
     motion: ToolMotion,
+    /// What moves it off its path.
+    pub(crate) holder: ToolHolder,
     /// Mean velocity of the tool over the present step in m/s.
     pub(crate) velocity: Vector3,
     radius: f64,
@@ -357,6 +364,7 @@ impl<const D: usize> ToolContact<D> {
             surface: Surface::new(&tool.surface)?,
             law: (tool.friction.build)(&tool.friction_values),
             motion: ToolMotion::of(tool),
+            holder: ToolHolder::default(),
             velocity: tool.velocity,
             radius: 0.5 * spacing,
             stiffness: kappa * modulus * spacing.powi(power - 2),
@@ -367,6 +375,11 @@ impl<const D: usize> ToolContact<D> {
         })
     }
 
+    /// The same tool in a holder.
+    pub(crate) fn held_by(self, holder: ToolHolder) -> Self {
+        Self { holder, ..self }
+    }
+
     /// Friction of `touch` over the shear strength sigma_y / sqrt(3) of the particle: Tresca's m.
     pub(crate) fn shear_friction_factor(&self, touch: &Touch<D>, flow_stress: f64) -> f64 {
         let friction = crate::tensor::dot(&touch.friction_force, &touch.friction_force).sqrt();
@@ -375,17 +388,45 @@ impl<const D: usize> ToolContact<D> {
 
     /// Displacement of the tool at `time`.
     pub(crate) fn displacement(&self, time: f64) -> Vector3 {
-        self.motion.displacement(time)
+        let path = self.motion.displacement(time);
+        if self.holder.acts() { sum(&path, &self.holder.displacement(time)) } else { path }
     }
 
-    /// Way of the tool from `start` to `end`.
+    /// Way of the tool from the last refresh at `start` to `end`, which is now.
     pub(crate) fn way(&self, start: f64, end: f64) -> Vector3 {
-        self.motion.way(start, end)
+        let path = self.motion.way(start, end);
+        if self.holder.acts() { sum(&path, &self.holder.way(start, end)) } else { path }
     }
 
     /// Takes the velocity of the step of length `time_step` that begins at `time`.
     pub(crate) fn begin_step(&mut self, time: f64, time_step: f64) {
-        self.velocity = self.motion.mean_velocity(time, time_step);
+        if self.holder.acts() {
+            let force = self.total_force();
+            self.holder.begin_step(&force, time_step);
+        }
+        self.velocity = self.mean_velocity(time, time_step);
+    }
+
+    /// The holder feels the forces at the end of the step.
+    pub(crate) fn end_step(&mut self, time_step: f64) {
+        if self.holder.acts() {
+            let force = self.total_force();
+            self.holder.end_step(&force, time_step);
+        }
+    }
+
+    /// Velocity over a step from `time` on, as far as the path and the present motion of the holder say.
+    fn mean_velocity(&self, time: f64, time_step: f64) -> Vector3 {
+        let path = self.motion.mean_velocity(time, time_step);
+        if self.holder.acts() { sum(&path, &self.holder.velocity(time, time_step)) } else { path }
+    }
+
+    /// Force of the tool on the particles in N (N/m in 2D), in their order.
+    fn total_force(&self) -> Vector3 {
+        self.touches.iter().fold([0.0; 3], |total, touch| {
+            let force = crate::tensor::plus_scaled(&touch.normal_force, 1.0, &touch.friction_force);
+            sum(&total, &extended(&force))
+        })
     }
 
     /// An error if any particle overlaps the tool by more than rounding.
@@ -416,6 +457,7 @@ impl<const D: usize> ToolContact<D> {
     /// `margin` relative to the tool.
     pub(crate) fn refresh(&mut self, positions: &[Vector<D>], time: f64, margin: f64) {
         let reach = self.radius + margin;
+        self.holder.refresh();
         let displacement = self.displacement(time);
         self.candidates.clear();
         self.candidate_facets.clear();
@@ -441,7 +483,7 @@ impl<const D: usize> ToolContact<D> {
         look: impl Fn(usize) -> ContactInput<D>,
     ) {
         let displacement = self.displacement(time);
-        let velocity = reduced(&self.motion.mean_velocity(time, time_step));
+        let velocity = reduced(&self.mean_velocity(time, time_step));
         let mut touches = std::mem::take(&mut self.touches);
         touches.clear();
         for candidate in &self.candidates {

@@ -27,6 +27,7 @@ use crate::supports::{FREE, Hold};
 use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
 use crate::thermoelasticity;
 use crate::tool_heat::{ToolHeat, in_tool};
+use crate::tool_holder::ToolHolder;
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
@@ -254,7 +255,8 @@ impl<const D: usize> Engine<D> {
             .tool
             .as_ref()
             .map(|tool| ToolContact::new(tool, setup.particle_spacing, stiffest, contact_stiffness))
-            .transpose()?;
+            .transpose()?
+            .map(|tool| tool.held_by(ToolHolder::of(setup)));
         let described = setup.tool.as_ref().and_then(|tool| Some((tool, tool.heat.as_ref()?)));
         let tool_heat = described
             .map(|(tool, heat)| ToolHeat::new(tool, heat, setup.particle_spacing))
@@ -360,6 +362,9 @@ impl<const D: usize> Engine<D> {
         self.push_strangers_apart();
         self.touch_tool();
         self.book_contact(0.5 * dt);
+        if let Some(tool) = &mut self.tool {
+            tool.end_step(dt);
+        }
         passed(Stage::Contact);
         self.kick_and_drift(0.5 * dt, 0.0);
         passed(Stage::Motion);

@@ -30,6 +30,7 @@ mod sweeps;
 mod tensor;
 mod thermoelasticity;
 mod tool_heat;
+mod tool_holder;
 mod tool_motion;
 
 pub use error::{Diverged, SetupError};

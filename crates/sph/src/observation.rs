@@ -42,6 +42,8 @@ channels! {
     ReactionFeed "reaction_feed" "N" "the same, into the machined surface";
     MomentumCutting "momentum_cutting" "N s" "momentum of the workpiece along the cutting direction at the end";
     MomentumFeed "momentum_feed" "N s" "the same, into the machined surface";
+    ToolOffsetCutting "tool_offset_cutting" "m" "displacement of the tool from its prescribed path along the cutting direction, by compliance; 0 for a rigid machine";
+    ToolOffsetFeed "tool_offset_feed" "m" "the same into the machined surface, by compliance and run-out";
     ToolWork "tool_work" "J" "work of the tool on the workpiece since the start";
     SupportWork "support_work" "J" "work of moving supports since the start";
     KineticEnergy "kinetic_energy" "J" "kinetic energy (with scaled inertia)";

@@ -81,6 +81,11 @@ impl<const D: usize> Engine<D> {
             .map_or(0.0, |tool| along(&tool.displacement(self.time), &frame.cutting));
         set(ChannelId::Time, self.time);
         set(ChannelId::Travel, travel);
+        if let Some(tool) = self.tool.as_ref().filter(|tool| tool.holder.acts()) {
+            let off = tool.holder.displacement(self.time);
+            set(ChannelId::ToolOffsetCutting, along(&off, &frame.cutting));
+            set(ChannelId::ToolOffsetFeed, along(&off, &frame.feed));
+        }
         set(ChannelId::CuttingForce, along(&force, &frame.cutting));
         set(ChannelId::FeedForce, along(&force, &frame.feed));
         set(ChannelId::PassiveForce, along(&force, &frame.passive));
@@ -274,6 +279,9 @@ impl<const D: usize> Engine<D> {
             "touches",
             touches.iter().flat_map(|t| [t.normal_force, t.friction_force].concat()).collect(),
         );
+        if let Some(tool) = self.tool.as_ref().filter(|tool| tool.holder.size() > 0) {
+            real("tool_holder", tool.holder.to_vec());
+        }
         for (name, values) in self.tool_heat.iter().flat_map(ToolHeat::checkpoint) {
             real(name, values);
         }
@@ -340,10 +348,18 @@ impl<const D: usize> Engine<D> {
         self.refresh_time = clock[2];
         self.lattice_gradient = clock[5];
         self.support_reach = clock[7];
+        let holder = self.tool.as_ref().map_or(0, |tool| tool.holder.size());
+        let held = if holder > 0 { reader.reals("tool_holder", holder)? } else { &[] };
+        if let Some(tool) = &mut self.tool {
+            tool.holder.set_reference(held);
+        }
         let mut cells = Cells::new(&self.reference, self.support_reach);
         // The particles are stored in cell order already: sorting only fills the cells.
         cells.sort(&self.reference);
         self.rebuild(&cells);
+        if let Some(tool) = &mut self.tool {
+            tool.holder.set(held);
+        }
         self.time_step = clock[1];
         self.conduction_pending = clock[3];
         self.conduction_interval = clock[4];

@@ -6,6 +6,7 @@ use sphcut_physics::effects::{ChosenEffect, EffectContext};
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressEntry;
 use sphcut_physics::friction::FrictionEntry;
+use sphcut_physics::process::{Oscillator, RunOut};
 use sphcut_physics::{TemperatureTable, Values};
 
 /// A vector with three components; plane problems leave the third at zero.
@@ -37,6 +38,8 @@ pub struct Setup {
     pub heat_sources: Vec<HeatSource>,
     /// The rigid tool, if there is one.
     pub tool: Option<Tool>,
+    /// What moves the tool off its prescribed path.
+    pub machine: Machine,
     /// Directions in which forces are reported.
     pub frame: CuttingFrame,
     /// Width of cut b in m; turns the forces per width of a plane run into forces.
@@ -79,6 +82,7 @@ impl Setup {
             supports: Vec::new(),
             heat_sources: Vec::new(),
             tool: None,
+            machine: Machine::default(),
             frame: CuttingFrame::default(),
             width_of_cut: 1.0,
             uncut_chip_thickness: None,
@@ -363,6 +367,17 @@ pub enum OuterBoundary {
         /// In K.
         ambient: f64,
     },
+}
+
+/// What moves the tool off its prescribed path; nothing by default.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Machine {
+    /// Compliance along the cutting direction.
+    pub cutting: Option<Oscillator>,
+    /// Compliance along the feed direction.
+    pub feed: Option<Oscillator>,
+    /// Displacement along the feed direction with the spindle.
+    pub run_out: Option<RunOut>,
 }
 
 /// A velocity that holds from some time on.

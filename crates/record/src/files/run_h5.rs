@@ -183,9 +183,20 @@ pub(crate) fn is_ours(path: &Path) -> bool {
     }
 }
 
+/// Channels that records made before they existed do not hold: zero there, because what they tell of did
+/// not exist either.
+const LATER_CHANNELS: [&str; 2] = ["tool_offset_cutting", "tool_offset_feed"];
+
 fn read_channels(reader: &HdfReader) -> Result<Samples, RunError> {
-    let columns =
-        CHANNELS.iter().map(|channel| reader.reals(&format!("channels/{}", channel.name)));
+    let there = reader.arrays("channels")?;
+    let later = |name: &str| LATER_CHANNELS.contains(&name) && !there.iter().any(|n| n == name);
+    let length = reader.shape("channels/time")?.first().map_or(0, |n| *n as usize);
+    let columns = CHANNELS.iter().map(|channel| {
+        if later(channel.name) {
+            return Ok(vec![0.0; length]);
+        }
+        reader.reals(&format!("channels/{}", channel.name))
+    });
     Samples::from_columns(columns.collect::<Result<_, _>>()?)
         .ok_or_else(|| reader.damaged("its channels differ in length"))
 }
@@ -277,4 +288,30 @@ pub(crate) fn read_state(path: &Path) -> Result<Option<CheckpointState>, RunErro
         }
     }
     Ok(Some(state))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphcut_sph::ChannelId;
+
+    #[test]
+    fn channels_that_came_later_are_zero_in_an_older_record() {
+        let path =
+            std::env::temp_dir().join(format!("sphcut-older-channels-{}.h5", std::process::id()));
+        let writer = HdfWriter::create(&path).unwrap();
+        writer.group("channels", &[]).unwrap();
+        let write = |name: &str, column: &[f64]| {
+            let array = Array::F64(column);
+            writer.array(&format!("channels/{name}"), array, Shape::Series, &[]).unwrap();
+        };
+        for channel in CHANNELS.iter().filter(|c| !LATER_CHANNELS.contains(&c.name)) {
+            write(channel.name, &[1.0, 2.0, 3.0]);
+        }
+        writer.finish().unwrap();
+        let samples = read_channels(&HdfReader::open(&path, EXPECTED).unwrap()).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(samples.channel(ChannelId::Travel), [1.0, 2.0, 3.0]);
+        assert_eq!(samples.channel(ChannelId::ToolOffsetFeed), [0.0; 3]);
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{LONGEST, ROOM_TEMPERATURE, between, default, positive, temperature};
 use crate::section::{Field, Kind, Presence, Section};
-use sphcut_physics::{Quantity, Range};
+use sphcut_physics::{Quantity, Range, process};
 use std::f64::consts::PI;
 
 /// `[workpiece]`.
@@ -133,8 +133,51 @@ pub(crate) fn tool() -> Section {
             )
             .example("friction = { law = \"coulomb\", friction_coefficient = 0.3 }"),
             super::heat_table(),
+            Field::new(
+                "compliance",
+                Kind::Table,
+                Presence::Derived("a rigid machine"),
+                "machine and tool holder that give way",
+            ),
+            Field::new(
+                "run_out",
+                Kind::Table,
+                Presence::Derived("a spindle that runs true"),
+                "displacement of the tool with the spindle",
+            ),
         ],
     )
+}
+
+/// `[tool.compliance]`: a table for each direction.
+pub(crate) fn compliance() -> Section {
+    let side = |key, meaning| {
+        Field::new(key, Kind::Table, Presence::Derived("rigid along this direction"), meaning)
+    };
+    Section::new(
+        "tool.compliance",
+        "Machine and tool holder as mass, spring and damper.",
+        vec![
+            side("cutting", "along the cutting direction"),
+            side("feed", "normal to the machined surface"),
+        ],
+    )
+}
+
+/// `[tool.compliance.cutting]` and `[tool.compliance.feed]`.
+pub(crate) fn compliance_of(direction: &str) -> Section {
+    Section::new(
+        &format!("tool.compliance.{direction}"),
+        "Mass, spring and damper along one direction.",
+        Vec::new(),
+    )
+    .with_parameters(process::COMPLIANCE.parameters)
+}
+
+/// `[tool.run_out]`.
+pub(crate) fn run_out() -> Section {
+    Section::new("tool.run_out", "A spindle that does not run true.", Vec::new())
+        .with_parameters(process::RUN_OUT.parameters)
 }
 
 /// `[process]`.

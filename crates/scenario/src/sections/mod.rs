@@ -9,7 +9,9 @@ mod tool_heat;
 pub(crate) use bodies::{
     SHAPE_KEYS, VELOCITY_FIELDS, body, support, velocity, velocity_change, wall,
 };
-pub(crate) use cut::{boundaries, passes, process, tool, workpiece};
+pub(crate) use cut::{
+    boundaries, compliance, compliance_of, passes, process, run_out, tool, workpiece,
+};
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use material::{effect, effects, flow_stress, friction, material};
 pub(crate) use tool_heat::{coating, tool_heat};
