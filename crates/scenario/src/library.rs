@@ -17,6 +17,7 @@ materials![
     "en_aw_6262a_t8_temperature_dependent",
     "ofhc_copper_johnson_cook",
     "ofhc_copper_linear",
+    "ti6al4v_calamaz",
     "ti6al4v_johnson_1985",
     "ti6al4v_klippel_2026",
     "ti6al4v_seo_2005",

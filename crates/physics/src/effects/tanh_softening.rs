@@ -35,7 +35,7 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
     ],
     example: &[("melting_temperature", 1733.0), ("tanh_exponent", 1.0)],
     vanishing: &[("tanh_exponent", 0.0)],
-    demands: &[Demand::OtherLawThan("tanh_johnson_cook")],
+    demands: &[Demand::OtherLawThan("tanh_johnson_cook"), Demand::OtherLawThan("tanh_calamaz")],
     action: Action::FlowStress(|values, _, base| scaled(base, TanhSoftening::from_values(values))),
 };
 

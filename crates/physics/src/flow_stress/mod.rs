@@ -7,6 +7,7 @@ mod elastic;
 pub(crate) mod johnson_cook;
 mod linear_hardening;
 mod tabulated;
+mod tanh_calamaz;
 pub(crate) mod tanh_johnson_cook;
 
 pub use elastic::Elastic;
@@ -87,6 +88,7 @@ pub const LAWS: &[&FlowStressEntry] = &[
     &linear_hardening::ENTRY,
     &johnson_cook::ENTRY,
     &tanh_johnson_cook::ENTRY,
+    &tanh_calamaz::ENTRY,
     &tabulated::ENTRY,
 ];
 
