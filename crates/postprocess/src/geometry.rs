@@ -172,7 +172,7 @@ fn shear_angle(ratio: f64, rake: f64) -> f64 {
 
 /// Height of the surface before the cut: of a hundred strips the median of the highest particle,
 /// plus half a spacing.
-fn uncut_surface(snapshot: &Snapshot, plane: CutPlane) -> f64 {
+pub(crate) fn uncut_surface(snapshot: &Snapshot, plane: CutPlane) -> f64 {
     let cloud = Cloud::new(snapshot, plane);
     let along: Vec<f64> = cloud.points.iter().map(|p| p[0]).collect();
     let (low, high) = (quantile(&along, 0.0), quantile(&along, 1.0));

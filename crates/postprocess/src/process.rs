@@ -211,7 +211,6 @@ fn residual_stress(
         }
         Ok(found) => Ok(found.stress),
         Err(SpringbackError::Record(error)) => return Err(error),
-        Err(SpringbackError::NotPlane) => Err(Missing::NotPlane),
         Err(SpringbackError::SeveralPasses) => Err(Missing::SeveralPasses),
         Err(SpringbackError::NoCut) => Err(Missing::NoCut),
         Err(SpringbackError::NoSnapshots) => Err(Missing::NoSnapshots),

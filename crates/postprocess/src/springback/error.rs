@@ -59,8 +59,6 @@ impl ErrorBar {
 /// Why a run has no springback.
 #[derive(Debug)]
 pub enum SpringbackError {
-    /// A run in three dimensions.
-    NotPlane,
     /// A run of several passes.
     SeveralPasses,
     /// A run without a tool and an uncut chip thickness.
@@ -81,11 +79,8 @@ pub enum SpringbackError {
 impl fmt::Display for SpringbackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotPlane => f.write_str(
-                "springback is measured in plane runs only; this one is three-dimensional",
-            ),
             Self::SeveralPasses => f.write_str(
-                "springback is measured in plane runs of a single pass only; this one has several",
+                "springback of a plane run is measured after a single pass; this one has several",
             ),
             Self::NoCut => f.write_str("the run is no cut: it has no tool that cuts"),
             Self::NoSnapshots => f.write_str("the run has no snapshots"),

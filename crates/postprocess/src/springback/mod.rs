@@ -1,4 +1,5 @@
-//! Springback of the machined surface, and the residual stress below it. Plane runs only.
+//! Springback of the machined surface, and the residual stress below it; in space of the first pass, by
+//! `slice.rs`.
 //!
 //! **Springback** s: normal distance between the lowest point of the tool and the machined surface
 //! behind it, positive where the surface has risen (turning tests measure it with a displacement
@@ -19,6 +20,7 @@ mod compare;
 mod error;
 mod files;
 mod residual;
+mod slice;
 mod strips;
 mod touched;
 
@@ -119,10 +121,18 @@ pub(crate) struct View<'a> {
 /// Measures springback and residual stress of `run`, evaluated as `result`.
 ///
 /// # Errors
-/// A run in three dimensions, one that is no cut, one too short to leave a machined surface clear of
+/// A plane run of several passes, one that is no cut, one too short to leave a machined surface clear of
 /// the tool, a snapshot that cannot be read.
 pub fn measure(run: &Run, result: &ProcessResult) -> Result<Springback, SpringbackError> {
-    let context = context(run, result)?;
+    if run.facts.dimension == 3 {
+        let slice = slice::first_pass(run, result)?;
+        return measure_plane(&slice.run, slice.window_start);
+    }
+    measure_plane(run, result.window.start)
+}
+
+fn measure_plane(run: &Run, window_start: f64) -> Result<Springback, SpringbackError> {
+    let context = context(run, window_start)?;
     let mut followed = Followed::default();
     let mut strips = strips::Collector::new(&context);
     let mut stress = StressProfile::new(run, &context);
@@ -164,11 +174,8 @@ pub fn measure(run: &Run, result: &ProcessResult) -> Result<Springback, Springba
     })
 }
 
-fn context(run: &Run, result: &ProcessResult) -> Result<Context, SpringbackError> {
+fn context(run: &Run, window_start: f64) -> Result<Context, SpringbackError> {
     let facts = &run.facts;
-    if facts.dimension != 2 {
-        return Err(SpringbackError::NotPlane);
-    }
     if !facts.passes.is_empty() {
         return Err(SpringbackError::SeveralPasses);
     }
@@ -185,7 +192,7 @@ fn context(run: &Run, result: &ProcessResult) -> Result<Context, SpringbackError
     let origin = first.max(lowest.rear - travel);
     let radius = facts.edge_radius.unwrap_or(0.0);
     let clear_distance = radius.max(3.0 * spacing) + thickness;
-    let start = result.window.start.max(4.0 * spacing);
+    let start = window_start.max(4.0 * spacing);
     let end = lowest.rear - clear_distance - origin;
     // Ten strips of two spacings are the least that a mean is taken over.
     let needed = 4.0 * spacing + clear_distance + 20.0 * spacing;

@@ -1,6 +1,7 @@
 use super::*;
 use crate::evaluate;
 use crate::synthetic::SyntheticCut;
+use sphcut_sph::setup::Pass;
 
 fn measured(cut: &SyntheticCut) -> Springback {
     let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut.clone() };
@@ -150,9 +151,9 @@ fn runs_without_a_machined_surface_are_refused() {
     let mut run = SyntheticCut::default().run(0.3e-3, 5);
     // 4 dx + (50 + 100) um + 20 dx = 390 um
     assert!(refused(&run).contains("0.390 mm are needed"), "{}", refused(&run));
-    run.facts.dimension = 3;
-    assert!(refused(&run).contains("three-dimensional"));
-    run.facts.dimension = 2;
+    run.facts.passes = vec![Pass { start: 0.0, end: 1.0 }, Pass { start: 2.0, end: 3.0 }];
+    assert!(refused(&run).contains("several"));
+    run.facts.passes.clear();
     run.facts.tool_velocity = None;
     assert!(refused(&run).contains("no cut"));
     assert!(refused(&SyntheticCut::default().run(1e-3, 0)).contains("no snapshots"));
