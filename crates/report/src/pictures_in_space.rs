@@ -4,6 +4,7 @@ use crate::picture::{Field, SpaceOptions, Tool, View, axes, render_in_space, who
 use crate::pictures::{PICTURE_WIDTH, Picture, Pictures, description};
 use sphcut_record::{Run, RunError};
 use sphcut_sph::Snapshot;
+use sphcut_sph::setup::Pass;
 use std::sync::Arc;
 
 /// Fields shown with the tool.
@@ -106,18 +107,22 @@ fn time(snapshot: &Snapshot) -> String {
     crate::picture::time_text(snapshot.time)
 }
 
-/// The last snapshot within each pass, with the number of the pass.
+/// The last snapshot within each pass that the run has come to, with the number of the pass.
 fn after_passes(run: &Run) -> Result<Vec<(usize, Arc<Snapshot>)>, RunError> {
-    let index = run.snapshots.index();
-    let ends: Vec<f64> = match run.facts.passes.as_slice() {
-        [] => vec![f64::INFINITY],
-        passes => passes.iter().map(|pass| pass.end * (1.0 + 1e-9)).collect(),
+    let whole = [Pass { start: 0.0, end: f64::INFINITY }];
+    let passes = match run.facts.passes.as_slice() {
+        [] => &whole[..],
+        passes => passes,
     };
-    let reached = |end: &f64| index.iter().rposition(|info| info.time <= *end);
-    let mut shown: Vec<(usize, usize)> =
-        ends.iter().enumerate().filter_map(|(pass, end)| Some((pass + 1, reached(end)?))).collect();
-    shown.dedup_by_key(|(_, number)| *number);
-    shown.into_iter().map(|(pass, number)| Ok((pass, run.snapshots.get(number)?))).collect()
+    let index = run.snapshots.index();
+    let mut shown = Vec::new();
+    for (number, pass) in passes.iter().enumerate() {
+        let within = |time: f64| time >= pass.start && time <= pass.end * (1.0 + 1e-9);
+        if let Some(last) = index.iter().rposition(|info| within(info.time)) {
+            shown.push((number + 1, run.snapshots.get(last)?));
+        }
+    }
+    Ok(shown)
 }
 
 /// A window about the lowest point of the tool; `None` without a tool.

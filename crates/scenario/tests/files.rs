@@ -78,9 +78,9 @@ fn turning_arrives() {
     let thickness = setup.uncut_chip_thickness.unwrap();
     assert_relative_eq!(setup.width_of_cut * thickness, 5e-9, max_relative = 1e-9);
     assert_eq!(setup.passes.len(), 2);
-    // 0.6 mm, then 0.5 mm and 0.1 mm before the workpiece, at 7.5 m/s.
-    for pass in &setup.passes {
-        assert_relative_eq!(pass.end - pass.start, 80e-6, max_relative = 1e-9);
+    // 0.75 mm, then 0.5 mm and 0.1 mm before the workpiece, at 7.5 m/s.
+    for (pass, expected) in setup.passes.iter().zip([100e-6, 80e-6]) {
+        assert_relative_eq!(pass.end - pass.start, expected, max_relative = 1e-9);
     }
     assert_eq!(setup.passes[1].end, setup.end_time);
 }
