@@ -11,7 +11,6 @@ pub(crate) struct Account {
     pub(crate) hourglass: f64,
     pub(crate) viscosity: f64,
     pub(crate) density_diffusion: f64,
-    pub(crate) artificial_stress: f64,
     pub(crate) residue: f64,
     pub(crate) thermoelastic: f64,
     pub(crate) heat_supplied: f64,
@@ -24,7 +23,7 @@ pub(crate) struct Account {
 
 impl Account {
     /// All numbers in a fixed order, for the checkpoint.
-    pub(crate) fn to_array(&self) -> [f64; 21] {
+    pub(crate) fn to_array(&self) -> [f64; 20] {
         [
             self.tool_work,
             self.support_work,
@@ -34,7 +33,6 @@ impl Account {
             self.hourglass,
             self.viscosity,
             self.density_diffusion,
-            self.artificial_stress,
             self.residue,
             self.heat_supplied,
             self.initial_energy,
@@ -51,7 +49,7 @@ impl Account {
     }
 
     /// The inverse of [`Account::to_array`].
-    pub(crate) fn from_array(a: &[f64; 21]) -> Self {
+    pub(crate) fn from_array(a: &[f64; 20]) -> Self {
         Self {
             tool_work: a[0],
             support_work: a[1],
@@ -61,15 +59,14 @@ impl Account {
             hourglass: a[5],
             viscosity: a[6],
             density_diffusion: a[7],
-            artificial_stress: a[8],
-            residue: a[9],
-            heat_supplied: a[10],
-            initial_energy: a[11],
-            initial_heat: a[12],
-            interval_start: a[13],
-            tool_impulse: [a[14], a[15], a[16]],
-            reaction_impulse: [a[17], a[18], a[19]],
-            thermoelastic: a[20],
+            residue: a[8],
+            heat_supplied: a[9],
+            initial_energy: a[10],
+            initial_heat: a[11],
+            interval_start: a[12],
+            tool_impulse: [a[13], a[14], a[15]],
+            reaction_impulse: [a[16], a[17], a[18]],
+            thermoelastic: a[19],
         }
     }
 }

@@ -96,6 +96,8 @@ pub(crate) struct Numerics {
     pub(crate) residual_density_diffusion: f64,
     pub(crate) bonding_distance: f64,
     pub(crate) support_stretch: f64,
+    /// In particle spacings.
+    pub(crate) core_distance: f64,
 }
 
 /// The particles and all that moves them.
@@ -127,7 +129,9 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) tallies: Vec<Tally>,
     /// Pairs that may touch without belonging together.
     pub(crate) strangers: Vec<(u32, u32)>,
-    /// Penalty stiffness between them in N/m (N/m^2 in 2D).
+    /// Neighbours that may come too close before the next renewal.
+    pub(crate) crowded: Vec<(u32, u32)>,
+    /// Penalty stiffness between strangers in N/m (N/m^2 in 2D).
     pub(crate) stranger_stiffness: f64,
     /// Whether different bodies are one continuum.
     pub(crate) bonded: bool,
@@ -158,6 +162,8 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) support_reach: f64,
     pub(crate) spacing: f64,
     pub(crate) contact_stiffness: f64,
+    /// Largest p-wave modulus of the materials in Pa.
+    pub(crate) stiffest: f64,
     pub(crate) friction_heat_share: f64,
     pub(crate) friction_heats: bool,
     pub(crate) conducts: bool,
@@ -228,6 +234,7 @@ impl<const D: usize> Engine<D> {
         engine.sweep_gradients(0.0);
         engine.sweep_forces();
         engine.push_strangers_apart();
+        engine.push_crowded_apart();
         engine.touch_tool();
         Ok(engine)
     }
@@ -242,6 +249,7 @@ impl<const D: usize> Engine<D> {
             residual_density_diffusion: setup.numerics.get("residual_density_diffusion"),
             bonding_distance: setup.numerics.get("bonding_distance"),
             support_stretch: setup.numerics.get("support_stretch"),
+            core_distance: setup.numerics.get("core_distance"),
         };
         let length = setup.numerics.get("smoothing_ratio") * setup.particle_spacing;
         let materials = material_data(setup, length);
@@ -281,6 +289,7 @@ impl<const D: usize> Engine<D> {
             list: NeighbourList::default(),
             tallies: Vec::new(),
             strangers: Vec::new(),
+            crowded: Vec::new(),
             stranger_stiffness: contact_stiffness
                 * stiffest
                 * setup.particle_spacing.powi(D as i32 - 2),
@@ -305,6 +314,7 @@ impl<const D: usize> Engine<D> {
             support_reach: 2.0 * length,
             spacing: setup.particle_spacing,
             contact_stiffness,
+            stiffest,
             friction_heat_share: setup.heat.values.get("friction_heat_share"),
             friction_heats: setup.heat.friction_heating.is_on(),
             conducts: setup.heat.conduction.is_on(),
@@ -360,6 +370,7 @@ impl<const D: usize> Engine<D> {
         self.sweep_forces();
         passed(Stage::Forces);
         self.push_strangers_apart();
+        self.push_crowded_apart();
         self.touch_tool();
         self.book_contact(0.5 * dt);
         if let Some(tool) = &mut self.tool {
@@ -377,6 +388,7 @@ impl<const D: usize> Engine<D> {
             self.sweep_gradients(0.0);
             self.sweep_forces();
             self.push_strangers_apart();
+            self.push_crowded_apart();
             self.add_contact_forces();
             passed(Stage::Renewal);
         }

@@ -5,6 +5,7 @@
 
 mod account;
 mod contact;
+mod crowding;
 mod density_diffusion;
 mod engine;
 pub mod error;

@@ -54,7 +54,7 @@ channels! {
     HourglassWork "hourglass_work" "J" "dissipation by hourglass damping since the start";
     ViscosityWork "viscosity_work" "J" "dissipation by bulk viscosity since the start";
     DensityDiffusionWork "density_diffusion_work" "J" "work of the density diffusion since the start";
-    ArtificialStressWork "artificial_stress_work" "J" "work of the artificial stress since the start";
+    ArtificialStressWork "artificial_stress_work" "J" "energy stored in the repulsion of crowded neighbours (artificial stress)";
     UpdateResidue "update_residue" "J" "stress power minus stored and plastic energy: error of the stress update since the start";
     ThermoelasticWork "thermoelastic_work" "J" "stored elastic energy released because the modulus fell with temperature since the start";
     EnergyError "energy_error" "J" "work done on the workpiece minus all terms above, initial kinetic energy included: what nobody accounts for";

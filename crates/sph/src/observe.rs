@@ -100,10 +100,11 @@ impl<const D: usize> Engine<D> {
         let account = &self.account;
         let (kinetic, elastic) = (self.kinetic_energy(), self.elastic_energy());
         let contact = account.contact + self.stranger_energy();
+        let crowding = self.crowding_energy();
         let numerical = account.hourglass
             + account.viscosity
             + account.density_diffusion
-            + account.artificial_stress
+            + crowding
             + account.residue
             + contact;
         let supplied = account.initial_energy + account.tool_work + account.support_work;
@@ -123,7 +124,7 @@ impl<const D: usize> Engine<D> {
         set(ChannelId::HourglassWork, account.hourglass);
         set(ChannelId::ViscosityWork, account.viscosity);
         set(ChannelId::DensityDiffusionWork, account.density_diffusion);
-        set(ChannelId::ArtificialStressWork, account.artificial_stress);
+        set(ChannelId::ArtificialStressWork, crowding);
         set(ChannelId::UpdateResidue, account.residue);
         set(ChannelId::ThermoelasticWork, account.thermoelastic);
         set(ChannelId::EnergyError, supplied - found);
@@ -327,7 +328,7 @@ impl<const D: usize> Engine<D> {
             let histories = reader.reals("history", count * width)?;
             engine.history = histories.chunks_exact(width).map(History::from_slice).collect();
         }
-        let account = reader.reals("account", 21)?;
+        let account = reader.reals("account", 20)?;
         engine.account = Account::from_array(account.try_into().expect("length was checked"));
         engine.id = reader.integers("id")?.to_vec();
         engine.body = narrow(reader.integers("body")?)?;

@@ -117,6 +117,15 @@ pub const NUMERICS: &[Parameter] = &[
         "docs/numerics.md",
     ),
     number(
+        "core_distance",
+        "r_c/dx",
+        Range::closed(0.0, 0.6),
+        0.35,
+        "distance in particle spacings below which neighbours repel each other, so that they do not \
+         collapse into pairs; 0 for none",
+        "docs/numerics.md",
+    ),
+    number(
         "linear_viscosity",
         "alpha_v",
         Range::closed(0.0, 4.0),

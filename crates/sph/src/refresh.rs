@@ -90,6 +90,7 @@ impl<const D: usize> Engine<D> {
         let reach = (1.0 + STRANGER_MARGIN) * self.spacing;
         self.strangers = find_strangers(cells, &self.reference, kinship, reach);
         self.list = list;
+        self.find_crowded();
         let limits = self.correct_operators();
         self.set_time_step(&limits);
         if let Some(mut tool) = self.tool.take() {
