@@ -93,9 +93,10 @@ pub const NUMERICS: &[Parameter] = &[
     number(
         "residual_density_diffusion",
         "delta_r",
-        Range::closed(0.0, 1.0),
-        0.01,
-        "diffusion of the zig-zag that plastic flow leaves behind, in terms of c h_s eps_p",
+        Range::closed(0.0, 10.0),
+        1.2,
+        "diffusion of the zig-zag that plastic flow leaves behind, in terms of h_s and the way of \
+         the tool past the particle",
         "docs/numerics.md",
     ),
     number(
