@@ -94,6 +94,10 @@ pub(crate) fn is_told(snapshot: &Snapshot, particle: usize) -> bool {
     !snapshot.friction_use[particle].is_nan() && !snapshot.shear_friction_factor[particle].is_nan()
 }
 
+/// Gaps between touching particles up to this many spacings are contact as well: on the machined surface
+/// the particles of an elongated lattice lie up to two spacings apart (`resolution.lattice_aspect`).
+const BRIDGED: f64 = 1.0;
+
 /// Length of the outline that is covered at least once: rake and flank side.
 fn covered<'a>(
     outline: &Outline,
@@ -107,7 +111,8 @@ fn covered<'a>(
     let mut lengths = [0.0; 2];
     let mut end = f64::NEG_INFINITY;
     for (from, to) in pieces {
-        add_piece(outline, (from.max(end), to), &mut lengths);
+        let from = if from <= end + BRIDGED * spacing { end } else { from };
+        add_piece(outline, (from, to.max(from)), &mut lengths);
         end = end.max(to);
     }
     lengths

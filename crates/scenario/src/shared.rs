@@ -7,7 +7,7 @@ use crate::record::Record;
 use crate::section::Section;
 use crate::sections::{self, LATTICES};
 use sphcut_physics::friction::{self, FrictionEntry};
-use sphcut_physics::{Parameter, Values};
+use sphcut_physics::{Parameter, Quantity, Values};
 use sphcut_sph::kernel::KernelChoice;
 use sphcut_sph::options;
 use sphcut_sph::setup::{Discretisation, Heat, Lattice, Switch};
@@ -91,6 +91,11 @@ pub(crate) fn contact(findings: &mut Findings, root: &Record<'_>) -> Option<(Val
     })
 }
 
+/// Length of the workpiece's cells along the cut over their height. The shear zone shortens them by
+/// the chip compression ratio, about 2, and makes them as much taller: its root keeps cells of chip
+/// and workpiece equally far from square (docs/numerics.md). Turning has not been studied.
+const PLANE_CUT_LATTICE_ASPECT: f64 = 2.0;
+
 /// `[resolution]` without the spacing.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Resolution {
@@ -123,9 +128,17 @@ pub(crate) fn resolution(
         };
         findings.problem(&record.source, record.span("seed"), mistake);
     }
+    let lattice_aspect = if record.is_written("lattice_aspect") {
+        record.number("lattice_aspect")?
+    } else {
+        let plane = root.count("dimension").unwrap_or(2) == 2;
+        let usual = if has_process && plane { PLANE_CUT_LATTICE_ASPECT } else { 1.0 };
+        findings.derived("resolution", "lattice_aspect", Quantity::Dimensionless, usual);
+        usual
+    };
     Some(Resolution {
         particle_spacing: particle_spacing?,
-        discretisation: Discretisation { kernel, lattice },
+        discretisation: Discretisation { kernel, lattice, lattice_aspect },
         seed: record.count("seed")?.unsigned_abs(),
     })
 }
@@ -170,7 +183,7 @@ fn spacing(
     let preset = record.text("preset")?;
     let count = sections::PRESETS.iter().find(|known| known.0 == preset)?.1;
     let spacing = uncut_chip_thickness? / count;
-    findings.derived("resolution", "particle_spacing", sphcut_physics::Quantity::Length, spacing);
+    findings.derived("resolution", "particle_spacing", Quantity::Length, spacing);
     Some(spacing)
 }
 

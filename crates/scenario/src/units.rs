@@ -451,6 +451,9 @@ impl Dimensions {
 /// A value in the accepted unit that needs the fewest leading or trailing zeros; never in inches,
 /// which nobody asked for.
 pub(crate) fn readable(quantity: Quantity, si: f64) -> String {
+    if quantity == Quantity::Dimensionless {
+        return significant(si);
+    }
     let distance = |unit: &Unit| {
         let number = unit.size.undo(si - unit.offset).abs();
         if number == 0.0 { 0.0 } else { (number.log10() - 1.0).abs() }

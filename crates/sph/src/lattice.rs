@@ -49,7 +49,7 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
     let spacing = setup.particle_spacing;
     match &body.shape {
         Shape::Box { min, max, .. } => {
-            let points = box_points(setup, min, max);
+            let points = box_points(setup, min, max, setup.discretisation.lattice_aspect);
             points.into_iter().map(|(p, v)| (placed(&body.shape, &p), v)).collect()
         }
         Shape::Cylinder { centre, radius, inner_radius, length } => {
@@ -58,7 +58,7 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
             let half = (radius / spacing).ceil() * spacing;
             let min = [centre[0] - half, centre[1] - half, centre[2]];
             let max = [centre[0] + half, centre[1] + half, centre[2] + length];
-            let mut points = box_points(setup, &min, &max);
+            let mut points = box_points(setup, &min, &max, 1.0);
             points.retain(|(p, _)| {
                 let distance = (p[0] - centre[0]).hypot(p[1] - centre[1]);
                 distance <= *radius && distance >= *inner_radius
@@ -74,24 +74,22 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
     }
 }
 
-/// Centres of the cells of a box; the spacing is adjusted so that whole cells fill it.
-fn box_points(setup: &Setup, min: &Vector, max: &Vector) -> Vec<(Vector, f64)> {
-    let spacing = setup.particle_spacing;
+/// Centres of the cells of a box; the spacing is adjusted so that whole cells fill it. Cells are
+/// `aspect` times as long along the first axis as along the others, at the same volume.
+fn box_points(setup: &Setup, min: &Vector, max: &Vector, aspect: f64) -> Vec<(Vector, f64)> {
+    let planar = setup.dimension == Dimension::Two;
+    let spacing = setup.particle_spacing * narrowing(setup.dimension, aspect);
     let hexagonal = setup.discretisation.lattice == Lattice::Hexagonal;
     // Equal area per particle: rows 3^(1/2)/2 a apart with a = (2/3^(1/2))^(1/2) dx.
     let along = if hexagonal { spacing * (2.0 / 3.0_f64.sqrt()).sqrt() } else { spacing };
     let across = if hexagonal { along * 3.0_f64.sqrt() / 2.0 } else { spacing };
     let cells = |k: usize, pitch: f64| ((max[k] - min[k]) / pitch).round() as usize;
-    let counts = [
-        cells(0, along),
-        cells(1, across),
-        if setup.dimension == Dimension::Two { 1 } else { cells(2, spacing) },
-    ];
+    let counts =
+        [cells(0, along * aspect), cells(1, across), if planar { 1 } else { cells(2, spacing) }];
     if counts.contains(&0) {
         return Vec::new();
     }
     let pitch = |k: usize| (max[k] - min[k]) / counts[k] as f64;
-    let planar = setup.dimension == Dimension::Two;
     let volume = pitch(0) * pitch(1) * if planar { 1.0 } else { pitch(2) };
     let mut points = Vec::with_capacity(counts[0] * counts[1] * counts[2]);
     for layer in 0..counts[2] {
@@ -114,6 +112,12 @@ fn box_points(setup: &Setup, min: &Vector, max: &Vector) -> Vec<(Vector, f64)> {
         }
     }
     points
+}
+
+/// Distance of particles across the first axis over that of a cubic lattice of the same volume.
+fn narrowing(dimension: Dimension, aspect: f64) -> f64 {
+    let axes = if dimension == Dimension::Two { 2.0 } else { 3.0 };
+    aspect.powf(-1.0 / axes)
 }
 
 /// A point of the unrotated box, mirrored and rotated into place.
@@ -178,13 +182,16 @@ fn cantilever_shape(s: f64) -> f64 {
     if s <= 0.0 { 0.0 } else { mode(s) / mode(1.0) }
 }
 
-/// Moves every particle by up to a fifth of the spacing in each direction.
+/// Moves every particle by up to a fifth of the smallest spacing in each direction.
 fn disorder(seeds: &mut [Seed], setup: &Setup) {
     let axes = if setup.dimension == Dimension::Two { 2 } else { 3 };
+    let aspect = setup.discretisation.lattice_aspect;
+    let across = narrowing(setup.dimension, aspect);
+    let reach = 0.2 * setup.particle_spacing * across.min(across * aspect);
     let mut state = setup.seed;
     for seed in seeds {
         for k in 0..axes {
-            seed.position[k] += 0.2 * setup.particle_spacing * (2.0 * uniform(&mut state) - 1.0);
+            seed.position[k] += reach * (2.0 * uniform(&mut state) - 1.0);
         }
     }
 }
@@ -214,6 +221,24 @@ mod tests {
             + cantilever_shape(1.0 - 2.0 * d))
             / (d * d);
         assert!(curvature.abs() < 0.02, "{curvature}");
+    }
+
+    #[test]
+    fn cells_are_as_long_as_asked_and_keep_their_volume() {
+        for (dimension, counts) in [(Dimension::Two, [6, 24, 1]), (Dimension::Three, [4, 16, 16])] {
+            let mut setup = Setup::empty(dimension, 0.1, 1.0);
+            // 1.2 by 1.2: cells of 0.2 by 0.05; 1 cubed: cells of 0.252 by 0.063 by 0.063.
+            let side = if dimension == Dimension::Two { 1.2 } else { 1.0 };
+            setup.discretisation.lattice_aspect = 4.0;
+            let points = box_points(&setup, &[0.0; 3], &[side; 3], 4.0);
+            assert_eq!(points.len(), counts.iter().product::<usize>());
+            let total: f64 = points.iter().map(|(_, volume)| volume).sum();
+            let axes = if dimension == Dimension::Two { 2 } else { 3 };
+            assert!((total - f64::powi(side, axes)).abs() < 1e-12);
+            let first = points[0].0;
+            assert!((first[0] - 0.5 * side / counts[0] as f64).abs() < 1e-15);
+            assert!((first[1] - 0.5 * side / counts[1] as f64).abs() < 1e-15);
+        }
     }
 
     #[test]

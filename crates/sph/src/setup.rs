@@ -452,17 +452,24 @@ impl Switch {
 }
 
 /// Kernel and initial arrangement of the particles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discretisation {
     /// The kernel.
     pub kernel: crate::kernel::KernelChoice,
     /// The initial arrangement.
     pub lattice: Lattice,
+    /// Distance of particles along the first axis of a box over that along the others; their
+    /// volume is that of the particle spacing.
+    pub lattice_aspect: f64,
 }
 
 impl Default for Discretisation {
     fn default() -> Self {
-        Self { kernel: crate::kernel::KernelChoice::WendlandC2, lattice: Lattice::Square }
+        Self {
+            kernel: crate::kernel::KernelChoice::WendlandC2,
+            lattice: Lattice::Square,
+            lattice_aspect: 1.0,
+        }
     }
 }
 

@@ -181,6 +181,13 @@ pub(crate) fn resolution() -> Section {
                 "initial arrangement of the particles",
             ),
             Field::new(
+                "lattice_aspect",
+                Kind::Quantity(Quantity::Dimensionless, Range::closed(0.25, 4.0)),
+                Presence::Derived("2 for a plane cut, 1 otherwise"),
+                "distance of particles along the first axis of a box (the cutting direction) over that \
+                 across it, at the same volume",
+            ),
+            Field::new(
                 "seed",
                 Kind::Count { min: 0, max: i64::MAX },
                 default("0"),
