@@ -50,6 +50,9 @@ pub const DRIFT_SIGNIFICANCE: f64 = 0.10;
 pub const NEGLIGIBLE_DRIFT: f64 = 0.25;
 /// Largest drift over the window that may remain possible, in terms of the wanted half width.
 pub const DRIFT_ALLOWANCE: f64 = 4.0;
+/// Share of the least travel that a record may fall short of: its first sample ends an interval later than
+/// it begins.
+const MISSING_TRAVEL: f64 = 5e-3;
 /// Fewest samples in a window.
 const MINIMUM_SAMPLES: usize = 40;
 /// The shares of the record on which the verdict must be the same.
@@ -315,7 +318,7 @@ fn first_failure(
     let mean = window.mean.mean.abs();
     let share = |value: f64| value.abs() / mean;
     // Rounding of the travel must not decide.
-    if travel < options.minimum_travel * (1.0 - 1e-9) {
+    if travel < options.minimum_travel * (1.0 - MISSING_TRAVEL) {
         return Reason::TooShort { travel, minimum: options.minimum_travel };
     }
     if 2 * window.first > window.first + window.samples {
