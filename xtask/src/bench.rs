@@ -36,7 +36,7 @@ struct Burst {
 struct Track {
     case: Case,
     simulation: Simulation,
-    resident_bytes: Option<u64>,
+    allocated_bytes: Option<u64>,
     /// For each of [`THREADS`].
     bursts: Vec<Vec<Burst>>,
 }
@@ -83,15 +83,16 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, String> {
 
 /// Builds the case and steps it until something happens in it.
 fn prepare(case: Case) -> Result<Track, String> {
-    let before = machine::resident_bytes();
+    let before = machine::allocated_bytes();
     let mut simulation = Simulation::new((case.setup)()).map_err(|error| error.to_string())?;
     eprintln!("{}: {} particles", case.name, simulation.particle_count());
     for _ in 0..case.warm_up {
         simulation.step().map_err(|error| error.to_string())?;
     }
-    let resident_bytes =
-        before.zip(machine::resident_bytes()).and_then(|(before, after)| after.checked_sub(before));
-    Ok(Track { case, simulation, resident_bytes, bursts: vec![Vec::new(); THREADS.len()] })
+    let allocated_bytes = before
+        .zip(machine::allocated_bytes())
+        .and_then(|(before, after)| after.checked_sub(before));
+    Ok(Track { case, simulation, allocated_bytes, bursts: vec![Vec::new(); THREADS.len()] })
 }
 
 fn burst(simulation: &mut Simulation) -> Result<Burst, String> {
@@ -133,7 +134,7 @@ fn section(root: &Path, load: Option<f64>, tracks: &[Track]) -> String {
     let mut text = format!("\n## {}\n\n{}\n\n", machine::date(), machine::description(root, load));
     text.push_str(
         "| case | particles | neighbours | threads | updates/s (M) | per CPU second (M) | \
-         pairs/s (M) | against 1 thread | bytes/particle (arrays; resident) |\n\
+         pairs/s (M) | against 1 thread | bytes/particle (arrays; allocated in all) |\n\
          |---|---|---|---|---|---|---|---|---|\n",
     );
     for track in tracks {
@@ -193,7 +194,7 @@ fn stage_table(tracks: &[Track]) -> String {
 fn memory(track: &Track) -> String {
     let particles = track.simulation.particle_count() as u64;
     let arrays = track.simulation.estimate().memory_bytes / particles;
-    let resident = track.resident_bytes.map(|bytes| (bytes / particles).to_string());
+    let resident = track.allocated_bytes.map(|bytes| (bytes / particles).to_string());
     format!("{arrays}; {}", resident.unwrap_or_else(|| "-".to_owned()))
 }
 

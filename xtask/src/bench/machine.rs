@@ -14,10 +14,11 @@ pub fn processor_seconds() -> Option<f64> {
     Some(nanoseconds as f64 * 1e-9)
 }
 
-/// Resident memory of this process in bytes.
-pub fn resident_bytes() -> Option<u64> {
+/// Memory in bytes that this process has allocated and touched; not the pages of the program's own file,
+/// which come in as the code first runs.
+pub fn allocated_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let line = text.lines().find_map(|line| line.strip_prefix("RssAnon:"))?;
     Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
