@@ -30,7 +30,7 @@ fn check_shows_both_units_the_cost_and_warnings() {
         "4 particles across the uncut chip thickness",
         "0.8 particles across the edge radius",
         // 0.8 mm x 0.3 mm / (25 um)^2
-        "384 particles",
+        "391 particles",
         "on 1 thread (",
         "warnings",
     ];

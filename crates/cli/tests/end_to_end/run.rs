@@ -16,7 +16,7 @@ fn a_run_leaves_its_files_in_the_default_folder() {
     shop.write("tiny.toml", TINY);
     let ended = shop.sphcut(&["run", "tiny.toml"]).expect_code(0);
     assert!(ended.err.contains("100 %"), "plain progress lines: {}", ended.err);
-    assert!(ended.out.contains("384 particles"), "{}", ended.out);
+    assert!(ended.out.contains("391 particles"), "{}", ended.out);
     for name in ["run.h5", "forces.csv", "snapshots.vtkhdf", "summary.json", "report.html"] {
         assert!(shop.path("out/tiny").join(name).exists(), "{name}");
     }
@@ -46,7 +46,7 @@ fn the_summary_has_the_numbers_that_scripts_read() {
     for key in numbers {
         assert!(summary.pointer(key).is_some_and(Value::is_number), "{key}: {summary}");
     }
-    assert_eq!(summary["performance"]["particles"], 384);
+    assert_eq!(summary["performance"]["particles"], 391);
     assert!(summary["warnings"].is_array() && summary["steady"]["reached"].is_boolean());
     // Too short to be steady, and it says so.
     assert_eq!(summary["steady"]["reached"], false);

@@ -194,9 +194,11 @@ fn context(run: &Run, window_start: f64) -> Result<Context, SpringbackError> {
     let clear_distance = radius.max(3.0 * spacing) + thickness;
     let start = window_start.max(4.0 * spacing);
     let end = lowest.rear - clear_distance - origin;
-    // Ten strips of two spacings are the least that a mean is taken over.
-    let needed = 4.0 * spacing + clear_distance + 20.0 * spacing;
-    if end.partial_cmp(&(24.0 * spacing)) != Some(std::cmp::Ordering::Greater) {
+    // Ten strips of two spacings are the least that a mean is taken over, after four spacings of entry.
+    let least = 24.0 * spacing;
+    if end.partial_cmp(&least) != Some(std::cmp::Ordering::Greater) {
+        // What the tool had to go before it cut (its gap, its edge) is in the travel.
+        let needed = travel + (least - end);
         return Err(SpringbackError::TooShort { travel, needed });
     }
     Ok(Context {
