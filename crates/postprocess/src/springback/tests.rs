@@ -149,8 +149,12 @@ fn the_error_bar_has_the_overlap_of_the_contact_force() {
 fn runs_without_a_machined_surface_are_refused() {
     let refused = |run: &Run| measure(run, &evaluate(run).unwrap()).unwrap_err().to_string();
     let mut run = SyntheticCut::default().run(0.3e-3, 5);
-    // 4 dx + (50 + 100) um + 20 dx = 390 um
-    assert!(refused(&run).contains("0.390 mm are needed"), "{}", refused(&run));
+    // 4 dx + (50 + 100) um + 20 dx = 390 um, and 4 um that the lowest point is behind the travel.
+    assert!(refused(&run).contains("0.394 mm are needed"), "{}", refused(&run));
+    let enough = SyntheticCut::default().run(0.396e-3, 5);
+    assert!(measure(&enough, &evaluate(&enough).unwrap()).is_ok());
+    let short = SyntheticCut::default().run(0.392e-3, 5);
+    assert!(refused(&short).contains("0.394 mm are needed"), "{}", refused(&short));
     run.facts.passes = vec![Pass { start: 0.0, end: 1.0 }, Pass { start: 2.0, end: 3.0 }];
     assert!(refused(&run).contains("several"));
     run.facts.passes.clear();
