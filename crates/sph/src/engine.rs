@@ -21,7 +21,7 @@ use crate::error::{Diverged, SetupError};
 use crate::history::{History, Memory};
 use crate::material_point::MaterialPoint;
 use crate::neighbours::{CHUNK, NeighbourList, Smoothing};
-use crate::setup::{HeatSource, Setup};
+use crate::setup::{CuttingFrame, HeatSource, Setup};
 use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
 use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
@@ -136,6 +136,9 @@ pub(crate) struct Engine<const D: usize> {
     /// Whether different bodies are one continuum.
     pub(crate) bonded: bool,
     // The whole.
+    /// Directions of cut, feed and edge as rows, where they are not the axes: what triggers a renewal is
+    /// measured along them, so that a rotated scenario renews at the same times.
+    pub(crate) tilted_axes: Option<Matrix<D>>,
     pub(crate) materials: Vec<MaterialData>,
     pub(crate) holds: Vec<Hold<D>>,
     pub(crate) tool: Option<ToolContact<D>>,
@@ -294,6 +297,7 @@ impl<const D: usize> Engine<D> {
                 * stiffest
                 * setup.particle_spacing.powi(D as i32 - 2),
             bonded: setup.bonded.is_on(),
+            tilted_axes: tilted_axes(&setup.frame),
             materials,
             holds: Hold::all(setup),
             tool,
@@ -517,6 +521,14 @@ impl<const D: usize> Engine<D> {
             }
         }
     }
+}
+
+/// The directions of a frame as rows; `None` where they are axes.
+fn tilted_axes<const D: usize>(frame: &CuttingFrame) -> Option<Matrix<D>> {
+    let directions = [frame.cutting, frame.feed, frame.passive];
+    let rows: Matrix<D> = std::array::from_fn(|k| reduced(&directions[k]));
+    let is_axis = |row: &Vector<D>| row.iter().all(|x| *x == 0.0 || x.abs() == 1.0);
+    (!rows.iter().all(is_axis)).then_some(rows)
 }
 
 /// Constants of the materials for a smoothing length.

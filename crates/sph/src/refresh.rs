@@ -1,5 +1,6 @@
 //! Renewal of the reference configuration: storage order, neighbours, corrections, time step.
 
+use crate::contact::reduced;
 use crate::engine::{Engine, Frame, MaterialData};
 use crate::laplacian;
 use crate::neighbours::{CHUNK, Cells, NeighbourList, TURN, build_list, find_strangers};
@@ -42,8 +43,11 @@ impl<const D: usize> Engine<D> {
         }
         let (mut low, mut high) = (since.low, since.high);
         if let Some(tool) = &self.tool {
-            let moved = tool.way(self.refresh_time, self.time);
-            for k in 0..3 {
+            let mut moved: Vector<D> = reduced(&tool.way(self.refresh_time, self.time));
+            if let Some(axes) = &self.tilted_axes {
+                moved = apply(axes, &moved);
+            }
+            for k in 0..D {
                 low[k] = low[k].min(moved[k]);
                 high[k] = high[k].max(moved[k]);
             }

@@ -114,6 +114,12 @@ fn check_point<const D: usize>(point: &MaterialPoint<D>, i: usize, tally: &mut T
     }
 }
 
+/// Q F Q^T: a tensor in the axes that are the rows of Q.
+#[inline]
+fn turned<const D: usize>(tensor: &Matrix<D>, axes: &Matrix<D>) -> Matrix<D> {
+    product(&product(axes, tensor), &transpose(axes))
+}
+
 /// Largest component of the Green strain `(F^T F - I) / 2`.
 #[inline]
 fn green_strain<const D: usize>(deformation: &Matrix<D>) -> f64 {
@@ -133,7 +139,7 @@ impl<const D: usize> Engine<D> {
         let (list, reference, velocity) = (&self.list, &self.reference, &self.velocity);
         let (frame, material, volume) = (&self.frame, &self.material, &self.volume);
         let (materials, position) = (&self.materials, &self.position);
-        let yield_fraction = self.numerics.yield_fraction;
+        let (tilted_axes, yield_fraction) = (self.tilted_axes, self.numerics.yield_fraction);
         let forgetful = if self.history.is_empty() { self.tallies.len() } else { 0 };
         let none = (0..forgetful).into_par_iter().map(|_| None);
         let histories = self.history.par_chunks_mut(CHUNK).map(Some).chain(none);
@@ -164,8 +170,14 @@ impl<const D: usize> Engine<D> {
                         tally.viscosity += work.viscosity * volume[i];
                         tally.residue += work.residue * volume[i];
                         tally.heat += work.plastic * volume[i] * share;
-                        tally.strain = tally.strain.max(green_strain(&point.deformation));
-                        tally.spread(&extended(&minus(&position[i], &reference[i])));
+                        let mut moved = minus(&position[i], &reference[i]);
+                        let mut strain = green_strain(&point.deformation);
+                        if let Some(axes) = &tilted_axes {
+                            moved = apply(axes, &moved);
+                            strain = green_strain(&turned(&point.deformation, axes));
+                        }
+                        tally.strain = tally.strain.max(strain);
+                        tally.spread(&extended(&moved));
                         check_point(point, i, tally);
                     }
                     let damping = damping_of(point, data, yield_fraction);
