@@ -201,6 +201,10 @@ mod tests {
         assert!((contact.rake - 2.5).abs() < 1e-12, "{contact:?}");
         assert!((contact.sticking - 1.0).abs() < 1e-12, "{contact:?}");
         assert_eq!(contact.flank, 0.0);
+        // The last that touches, 1.5 spacings from the others: [1.5, 3.0] and [3.5, 4.5] are one contact.
+        snapshot.position[43][1] = 4.0;
+        let bridged = measured(&snapshot).unwrap();
+        assert!((bridged.rake - 3.0).abs() < 1e-12, "{bridged:?}");
         snapshot.tool.clear();
         assert_eq!(measured(&snapshot), None);
     }
