@@ -3,10 +3,11 @@
 //! A particle is a sphere of radius `dx/2`. Its overlap `g` with the surface
 //! gives the normal force `f_n = kappa M dx^(D-2) g` (M: p-wave modulus; per
 //! width in 2D). Friction is the force that stops the slip predicted for the
-//! coming step, clipped at the law's limit: it sticks below and slides at it,
-//! whatever the time step or stiffness. The slip is the true projection
-//! `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
+//! coming step, clipped at the law's limit on the particle's share of the surface
+//! ([`crate::contact_area`]): it sticks below and slides at it, whatever the time step or stiffness.
+//! The slip is the true projection `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
 
+use crate::contact_area::{Footing, SurfaceShares};
 use crate::error::SetupError;
 use crate::setup::{Tool, ToolSurface, Vector as Vector3};
 use crate::tensor::Vector;
@@ -309,6 +310,8 @@ pub(crate) struct Touch<const D: usize> {
     pub(crate) friction_force: Vector<D>,
     /// Friction over the law's limit: 1 slides, less sticks.
     pub(crate) friction_use: f64,
+    /// Share of the tool's surface in m^2 (m in 2D).
+    pub(crate) area: f64,
 }
 
 /// The tool in contact with particles.
@@ -323,11 +326,15 @@ pub(crate) struct ToolContact<const D: usize> {
     pub(crate) velocity: Vector3,
     radius: f64,
     stiffness: f64,
-    area: f64,
+    spacing: f64,
     candidates: Vec<Candidate>,
     candidate_facets: Vec<u32>,
     /// Contacts of the last force evaluation, ordered by particle.
     pub(crate) touches: Vec<Touch<D>>,
+    /// Who touches in the present evaluation, and where they stand.
+    pressed: Vec<(u32, Nearest)>,
+    footings: Vec<Footing>,
+    shares: SurfaceShares,
 }
 
 /// Kinematics of one particle as contact sees it.
@@ -368,10 +375,13 @@ impl<const D: usize> ToolContact<D> {
             velocity: tool.velocity,
             radius: 0.5 * spacing,
             stiffness: kappa * modulus * spacing.powi(power - 2),
-            area: spacing.powi(power - 1),
+            spacing,
             candidates: Vec::new(),
             candidate_facets: Vec::new(),
             touches: Vec::new(),
+            pressed: Vec::new(),
+            footings: Vec::new(),
+            shares: SurfaceShares::default(),
         })
     }
 
@@ -383,7 +393,7 @@ impl<const D: usize> ToolContact<D> {
     /// Friction of `touch` over the shear strength sigma_y / sqrt(3) of the particle: Tresca's m.
     pub(crate) fn shear_friction_factor(&self, touch: &Touch<D>, flow_stress: f64) -> f64 {
         let friction = crate::tensor::dot(&touch.friction_force, &touch.friction_force).sqrt();
-        friction / self.area * 3.0_f64.sqrt() / flow_stress
+        friction / touch.area * 3.0_f64.sqrt() / flow_stress
     }
 
     /// Displacement of the tool at `time`.
@@ -484,17 +494,25 @@ impl<const D: usize> ToolContact<D> {
     ) {
         let displacement = self.displacement(time);
         let velocity = reduced(&self.mean_velocity(time, time_step));
-        let mut touches = std::mem::take(&mut self.touches);
-        touches.clear();
+        self.footings.clear();
+        self.pressed.clear();
         for candidate in &self.candidates {
-            let input = look(candidate.particle as usize);
-            let x = sub(&extended(&input.position), &displacement);
+            let centre = sub(&extended(&look(candidate.particle as usize).position), &displacement);
             let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
-            let Some(nearest) = self.surface.nearest_of(&x, facets) else { continue };
+            let Some(nearest) = self.surface.nearest_of(&centre, facets) else { continue };
             if nearest.distance >= self.radius {
                 continue;
             }
-            touches.push(self.touch(candidate.particle, &input, &nearest, &velocity, time_step));
+            let foot = along(&centre, -nearest.distance, &nearest.normal);
+            self.footings.push(Footing { centre, foot, normal: nearest.normal });
+            self.pressed.push((candidate.particle, nearest));
+        }
+        self.shares.share_out(&self.footings, self.spacing, D);
+        let mut touches = std::mem::take(&mut self.touches);
+        touches.clear();
+        for (&(particle, nearest), &area) in self.pressed.iter().zip(self.shares.areas()) {
+            let input = look(particle as usize);
+            touches.push(self.touch(particle, &input, &nearest, area, &velocity, time_step));
         }
         self.touches = touches;
     }
@@ -504,6 +522,7 @@ impl<const D: usize> ToolContact<D> {
         particle: u32,
         input: &ContactInput<D>,
         nearest: &Nearest,
+        area: f64,
         tool_velocity: &Vector<D>,
         time_step: f64,
     ) -> Touch<D> {
@@ -522,9 +541,9 @@ impl<const D: usize> ToolContact<D> {
         let speed = crate::tensor::dot(&slip, &slip).sqrt();
         let across = crate::tensor::dot(&now, &normal);
         let sliding = crate::tensor::dot(&now, &now) - across * across;
-        let limit = self.area
+        let limit = area
             * self.law.shear_limit(&ContactState {
-                pressure: pressing / self.area,
+                pressure: pressing / area,
                 flow_stress: input.flow_stress,
                 // Not the predicted slip: without friction it is too fast by a step's acceleration.
                 sliding_speed: sliding.max(0.0).sqrt(),
@@ -535,7 +554,7 @@ impl<const D: usize> ToolContact<D> {
         let friction_force = if speed > 0.0 { slip.map(|v| -v / speed * size) } else { [0.0; D] };
         // Without friction nothing holds the particle: it slides.
         let friction_use = if limit > 0.0 { size / limit } else { 1.0 };
-        Touch { particle, normal_force, friction_force, friction_use }
+        Touch { particle, normal_force, friction_force, friction_use, area }
     }
 
     /// Particles that lie on the tool, or overlap it by no more than rounding: those that exchange heat

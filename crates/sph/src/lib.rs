@@ -5,6 +5,7 @@
 
 mod account;
 mod contact;
+mod contact_area;
 mod crowding;
 mod density_diffusion;
 mod engine;

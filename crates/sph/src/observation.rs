@@ -71,7 +71,7 @@ channels! {
     MinDensityRatio "min_density_ratio" "" "lowest density over initial density";
     MaxDensityRatio "max_density_ratio" "" "highest density over initial density";
     ContactCount "contact_count" "" "particles in contact with the tool";
-    ContactLength "contact_length" "m" "length (2D) of the tool in contact: contact count times spacing";
+    ContactLength "contact_length" "m" "length of the tool in contact (area in m^2 in 3D)";
     MeanNeighbours "mean_neighbours" "" "mean number of neighbours";
     MinNeighbours "min_neighbours" "" "smallest number of neighbours: 0 is a lost particle";
     TimeStep "time_step" "s" "time step at the end";

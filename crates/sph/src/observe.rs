@@ -167,7 +167,7 @@ impl<const D: usize> Engine<D> {
                 heat += size * self.point[touch.particle as usize].temperature;
             }
             set(ChannelId::ContactCount, touches.len() as f64);
-            set(ChannelId::ContactLength, touches.len() as f64 * self.spacing);
+            set(ChannelId::ContactLength, touches.iter().map(|touch| touch.area).sum());
             set(ChannelId::InterfaceTemperature, if force > 0.0 { heat / force } else { 0.0 });
         }
     }
@@ -287,6 +287,7 @@ impl<const D: usize> Engine<D> {
             real(name, values);
         }
         real("friction_use", touches.iter().map(|t| t.friction_use).collect());
+        real("contact_area", touches.iter().map(|t| t.area).collect());
         let mut integer =
             |name: &str, values: Vec<u64>| state.integers.push((name.to_owned(), values));
         integer("id", self.id.clone());
@@ -380,11 +381,12 @@ impl<const D: usize> Engine<D> {
         let touched = reader.state.integer("touched").ok_or_else(|| missing("touched"))?;
         let forces = reader.reals("touches", touched.len() * 2 * D)?;
         let uses = reader.reals("friction_use", touched.len())?;
+        let areas = reader.reals("contact_area", touched.len())?;
         tool.touches = touched
             .iter()
             .zip(forces.chunks_exact(2 * D))
-            .zip(uses)
-            .map(|((&particle, force), &friction_use)| {
+            .zip(uses.iter().zip(areas))
+            .map(|((&particle, force), (&friction_use, &area))| {
                 let particle =
                     u32::try_from(particle).ok().filter(|p| (*p as usize) < reader.count);
                 Ok(Touch {
@@ -392,6 +394,7 @@ impl<const D: usize> Engine<D> {
                     normal_force: std::array::from_fn(|k| force[k]),
                     friction_force: std::array::from_fn(|k| force[D + k]),
                     friction_use,
+                    area,
                 })
             })
             .collect::<Result<_, SetupError>>()?;
