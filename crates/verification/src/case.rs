@@ -4,6 +4,7 @@ use crate::error::CaseError;
 use crate::observable::{self, Arguments};
 use crate::replicates;
 use crate::table::Table;
+use crate::variants::{self, Variant};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs;
@@ -73,6 +74,9 @@ pub enum Metric {
     DifferenceOfMeans,
     /// Widest of these intervals (half width) as a share of the mean; at most the tolerance.
     IntervalOfDifference,
+    /// Nothing is expected: a variant beside what is judged.
+    #[serde(skip)]
+    Shown,
 }
 
 impl Metric {
@@ -111,6 +115,7 @@ impl Metric {
             Self::Identical => "identical",
             Self::DifferenceOfMeans => "difference of means",
             Self::IntervalOfDifference => "interval of the difference of means",
+            Self::Shown => "shown",
         }
     }
 }
@@ -181,6 +186,8 @@ pub struct Case {
     pub claim: String,
     /// Its runs.
     pub runs: Vec<RunSpecification>,
+    /// The same runs with other models.
+    pub variants: Vec<Variant>,
     /// Its expectations.
     pub expectations: Vec<Expectation>,
     /// `reference.csv`; empty if there is none.
@@ -196,6 +203,8 @@ struct RawCase {
     claim: String,
     #[serde(default)]
     run: Vec<RawRun>,
+    #[serde(default)]
+    variant: Vec<Variant>,
     expect: Vec<RawExpectation>,
 }
 
@@ -276,13 +285,17 @@ impl Case {
         let raw: RawCase =
             toml::from_str(&text).map_err(|error| CaseError::invalid(&path, error.to_string()))?;
         let reference = reference_table(folder, raw.kind)?;
-        let runs = runs(folder, raw.run);
-        let expectations = raw
+        let runs = variants::expand(runs(folder, raw.run), &raw.variant)
+            .map_err(|reason| CaseError::invalid(&path, reason))?;
+        let mut expectations = raw
             .expect
             .into_iter()
             .map(|expectation| resolve(expectation, &runs, &reference))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|reason| CaseError::invalid(&path, reason))?;
+        let shown: Vec<Expectation> =
+            expectations.iter().filter_map(|judged| variants::shown(judged, &runs)).collect();
+        expectations.extend(shown);
         if expectations.is_empty() {
             return Err(CaseError::invalid(&path, "a case without expectations claims nothing"));
         }
@@ -295,6 +308,7 @@ impl Case {
             tier: raw.tier,
             claim: raw.claim,
             runs,
+            variants: raw.variant,
             expectations,
             reference,
         })
@@ -361,7 +375,7 @@ fn resolve(
         .ok_or_else(|| format!("no observable is called `{}`", raw.observable))?;
     let arguments = Arguments::resolve(observable, &raw.arguments)?;
     let indices: Vec<usize> = match &raw.runs {
-        None => (0..runs.len()).collect(),
+        None => (0..runs.len()).filter(|run| !variants::is_variant(&runs[*run])).collect(),
         Some(names) => {
             let found = names.iter().map(|name| run_indices(runs, name));
             found.collect::<Result<Vec<_>, _>>()?.concat()

@@ -3,6 +3,7 @@
 use crate::case::{Case, Expectation, Metric, Reference};
 use crate::error::CaseError;
 use crate::replicates::{Difference, differences, summary};
+use crate::variants;
 use crate::verdict::Finding;
 
 /// What one run contributes to the judgement.
@@ -56,7 +57,7 @@ fn single_finding(
         Reference::Column(column) => {
             let number = case
                 .reference
-                .lookup("run", run, column)
+                .lookup("run", variants::stem(run), column)
                 .map_err(|reason| CaseError::invalid(case.folder.join("reference.csv"), reason))?;
             (number, number)
         }
@@ -72,6 +73,7 @@ fn single_finding(
     let holds = match expectation.metric {
         Metric::AtMost => value <= low + tolerance,
         Metric::AtLeast => value >= low - tolerance,
+        Metric::Shown => true,
         _ => result.abs() <= tolerance,
     };
     let reference =

@@ -1,7 +1,8 @@
 //! The validation ledger: verdicts as a Markdown table.
 
-use crate::case::{Case, Kind, Tier};
+use crate::case::{Case, Kind, Metric, Tier};
 use crate::judge::number;
+use crate::variants;
 use crate::verdict::{Finding, Outcome, Verdict};
 use std::fmt::Write;
 
@@ -80,11 +81,12 @@ fn section(text: &mut String, entry: &Entry) {
     }
     text.push_str("| run | observable | value | reference | result | tolerance | holds |\n");
     text.push_str("|---|---|---|---|---|---|---|\n");
-    for finding in &verdict.findings {
+    let judged = || verdict.findings.iter().filter(|finding| finding.metric != Metric::Shown);
+    for finding in judged() {
         row(text, finding);
     }
     let mut reasons: Vec<String> = Vec::new();
-    for finding in &verdict.findings {
+    for finding in judged() {
         let gap = finding.known_gap.as_ref().map(|gap| format!(" **Known gap:** {}", gap.trim()));
         let because = finding.because.trim();
         let reason = format!("- `{}`: {because}{}", finding.observable, gap.unwrap_or_default());
@@ -93,6 +95,7 @@ fn section(text: &mut String, entry: &Entry) {
         }
     }
     let _ = writeln!(text, "\n{}", reasons.join("\n"));
+    text.push_str(&variants::table(case, &verdict.findings));
 }
 
 fn row(text: &mut String, finding: &Finding) {

@@ -19,6 +19,7 @@ mod replicates;
 mod runner;
 pub mod store;
 mod table;
+mod variants;
 mod verdict;
 
 pub use case::{Case, Expectation, Kind, Metric, Mode, Reference, RunSpecification, Tier, cases};
