@@ -411,6 +411,7 @@ impl Cut {
             velocity: VelocityField::Uniform([0.0; 3]),
             temperature: self.workpiece.temperature,
         }];
+        setup.discretisation.parting_height = Some(-self.process.depth);
         setup.supports = self.supports();
         setup.machine = self.tool.machine;
         setup.frame = match self.process.kind {

@@ -93,8 +93,8 @@ pub(crate) fn contact(findings: &mut Findings, root: &Record<'_>) -> Option<(Val
 
 /// Length of the workpiece's cells along the cut over their height. The shear zone shortens them by
 /// the chip compression ratio, about 2, and makes them as much taller: its root keeps cells of chip
-/// and workpiece equally far from square (docs/numerics.md). Turning has not been studied.
-const PLANE_CUT_LATTICE_ASPECT: f64 = 2.0;
+/// and workpiece equally far from square (docs/numerics.md).
+const CUT_LATTICE_ASPECT: f64 = 2.0;
 
 /// `[resolution]` without the spacing.
 #[derive(Debug, Clone, Copy)]
@@ -131,14 +131,13 @@ pub(crate) fn resolution(
     let lattice_aspect = if record.is_written("lattice_aspect") {
         record.number("lattice_aspect")?
     } else {
-        let plane = root.count("dimension").unwrap_or(2) == 2;
-        let usual = if has_process && plane { PLANE_CUT_LATTICE_ASPECT } else { 1.0 };
+        let usual = if has_process { CUT_LATTICE_ASPECT } else { 1.0 };
         findings.derived("resolution", "lattice_aspect", Quantity::Dimensionless, usual);
         usual
     };
     Some(Resolution {
         particle_spacing: particle_spacing?,
-        discretisation: Discretisation { kernel, lattice, lattice_aspect },
+        discretisation: Discretisation { kernel, lattice, lattice_aspect, parting_height: None },
         seed: record.count("seed")?.unsigned_abs(),
     })
 }

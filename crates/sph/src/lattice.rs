@@ -1,7 +1,7 @@
 //! Fills the bodies of a setup with particles.
 
 use crate::error::SetupError;
-use crate::setup::{Body, Dimension, Lattice, Setup, Shape, Vector, VelocityField};
+use crate::setup::{Body, Dimension, Discretisation, Lattice, Setup, Shape, Vector, VelocityField};
 use std::f64::consts::PI;
 
 /// A particle at the start.
@@ -49,7 +49,8 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
     let spacing = setup.particle_spacing;
     match &body.shape {
         Shape::Box { min, max, .. } => {
-            let points = box_points(setup, min, max, setup.discretisation.lattice_aspect);
+            let Discretisation { lattice_aspect, parting_height, .. } = setup.discretisation;
+            let points = box_points(setup, min, max, lattice_aspect, parting_height);
             points.into_iter().map(|(p, v)| (placed(&body.shape, &p), v)).collect()
         }
         Shape::Cylinder { centre, radius, inner_radius, length } => {
@@ -58,7 +59,7 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
             let half = (radius / spacing).ceil() * spacing;
             let min = [centre[0] - half, centre[1] - half, centre[2]];
             let max = [centre[0] + half, centre[1] + half, centre[2] + length];
-            let mut points = box_points(setup, &min, &max, 1.0);
+            let mut points = box_points(setup, &min, &max, 1.0, None);
             points.retain(|(p, _)| {
                 let distance = (p[0] - centre[0]).hypot(p[1] - centre[1]);
                 distance <= *radius && distance >= *inner_radius
@@ -75,8 +76,15 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
 }
 
 /// Centres of the cells of a box; the spacing is adjusted so that whole cells fill it. Cells are
-/// `aspect` times as long along the first axis as along the others, at the same volume.
-fn box_points(setup: &Setup, min: &Vector, max: &Vector, aspect: f64) -> Vec<(Vector, f64)> {
+/// `aspect` times as long along the first axis as along the others, at the same volume. Two rows meet
+/// at `parting`, if it is given: below and above it the pitch is adjusted separately.
+fn box_points(
+    setup: &Setup,
+    min: &Vector,
+    max: &Vector,
+    aspect: f64,
+    parting: Option<f64>,
+) -> Vec<(Vector, f64)> {
     let planar = setup.dimension == Dimension::Two;
     let spacing = setup.particle_spacing * narrowing(setup.dimension, aspect);
     let hexagonal = setup.discretisation.lattice == Lattice::Hexagonal;
@@ -84,34 +92,50 @@ fn box_points(setup: &Setup, min: &Vector, max: &Vector, aspect: f64) -> Vec<(Ve
     let along = if hexagonal { spacing * (2.0 / 3.0_f64.sqrt()).sqrt() } else { spacing };
     let across = if hexagonal { along * 3.0_f64.sqrt() / 2.0 } else { spacing };
     let cells = |k: usize, pitch: f64| ((max[k] - min[k]) / pitch).round() as usize;
-    let counts =
-        [cells(0, along * aspect), cells(1, across), if planar { 1 } else { cells(2, spacing) }];
-    if counts.contains(&0) {
+    let columns = cells(0, along * aspect);
+    let rows = rows(min[1], max[1], across, parting);
+    let layers = if planar { 1 } else { cells(2, spacing) };
+    if columns == 0 || layers == 0 {
         return Vec::new();
     }
-    let pitch = |k: usize| (max[k] - min[k]) / counts[k] as f64;
-    let volume = pitch(0) * pitch(1) * if planar { 1.0 } else { pitch(2) };
-    let mut points = Vec::with_capacity(counts[0] * counts[1] * counts[2]);
-    for layer in 0..counts[2] {
-        for row in 0..counts[1] {
+    let pitch = |k: usize, count: usize| (max[k] - min[k]) / count as f64;
+    let (length, width) = (pitch(0, columns), if planar { 1.0 } else { pitch(2, layers) });
+    let mut points = Vec::with_capacity(columns * rows.len() * layers);
+    for layer in 0..layers {
+        for (row, &(centre, height)) in rows.iter().enumerate() {
             let shift = match (hexagonal, row % 2) {
                 (false, _) => 0.5,
                 (true, 0) => 0.25,
                 (true, _) => 0.75,
             };
-            for column in 0..counts[0] {
+            for column in 0..columns {
                 points.push((
                     [
-                        min[0] + (column as f64 + shift) * pitch(0),
-                        min[1] + (row as f64 + 0.5) * pitch(1),
-                        if planar { 0.0 } else { min[2] + (layer as f64 + 0.5) * pitch(2) },
+                        min[0] + (column as f64 + shift) * length,
+                        centre,
+                        if planar { 0.0 } else { min[2] + (layer as f64 + 0.5) * width },
                     ],
-                    volume,
+                    length * height * width,
                 ));
             }
         }
     }
     points
+}
+
+/// Centre and height of the rows between `low` and `high`, about `pitch` high.
+fn rows(low: f64, high: f64, pitch: f64, parting: Option<f64>) -> Vec<(f64, f64)> {
+    let fill = |low: f64, high: f64| {
+        let count = ((high - low) / pitch).round() as usize;
+        let height = (high - low) / count as f64;
+        (0..count).map(move |row| (low + (row as f64 + 0.5) * height, height))
+    };
+    // A part that is less than half a row joins the other.
+    let splits = |level: &f64| level - low >= 0.5 * pitch && high - level >= 0.5 * pitch;
+    match parting.filter(splits) {
+        Some(level) => fill(low, level).chain(fill(level, high)).collect(),
+        None => fill(low, high).collect(),
+    }
 }
 
 /// Distance of particles across the first axis over that of a cubic lattice of the same volume.
@@ -230,7 +254,7 @@ mod tests {
             // 1.2 by 1.2: cells of 0.2 by 0.05; 1 cubed: cells of 0.252 by 0.063 by 0.063.
             let side = if dimension == Dimension::Two { 1.2 } else { 1.0 };
             setup.discretisation.lattice_aspect = 4.0;
-            let points = box_points(&setup, &[0.0; 3], &[side; 3], 4.0);
+            let points = box_points(&setup, &[0.0; 3], &[side; 3], 4.0, None);
             assert_eq!(points.len(), counts.iter().product::<usize>());
             let total: f64 = points.iter().map(|(_, volume)| volume).sum();
             let axes = if dimension == Dimension::Two { 2 } else { 3 };
@@ -238,6 +262,31 @@ mod tests {
             let first = points[0].0;
             assert!((first[0] - 0.5 * side / counts[0] as f64).abs() < 1e-15);
             assert!((first[1] - 0.5 * side / counts[1] as f64).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn two_rows_meet_at_the_parting_height() {
+        // Pitch 0.1: the upper 0.23 get two rows of 0.115, the lower 0.77 eight of 0.09625.
+        let setup = Setup::empty(Dimension::Two, 0.1, 1.0);
+        let points = box_points(&setup, &[0.0, -1.0, 0.0], &[0.5, 0.0, 0.0], 1.0, Some(-0.23));
+        assert_eq!(points.len(), 5 * 10);
+        let total: f64 = points.iter().map(|(_, volume)| volume).sum();
+        assert!((total - 0.5).abs() < 1e-14);
+        let mut heights: Vec<f64> = points.iter().map(|(point, _)| point[1] + 0.23).collect();
+        heights.sort_by(f64::total_cmp);
+        assert!((heights[5 * 8 - 1] + 0.5 * 0.09625).abs() < 1e-14, "{heights:?}");
+        assert!((heights[5 * 8] - 0.5 * 0.115).abs() < 1e-14);
+        assert!((points[0].1 - 0.1 * 0.09625).abs() < 1e-15);
+        assert!((points[49].1 - 0.1 * 0.115).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_parting_height_near_the_surface_changes_nothing() {
+        let setup = Setup::empty(Dimension::Two, 0.1, 1.0);
+        let block = |parting| box_points(&setup, &[0.0; 3], &[0.5, 0.42, 0.0], 1.0, parting);
+        for parting in [-1.0, 0.0, 0.04, 0.39, 0.42, 2.0] {
+            assert_eq!(block(Some(parting)), block(None));
         }
     }
 

@@ -461,6 +461,8 @@ pub struct Discretisation {
     /// Distance of particles along the first axis of a box over that along the others; their
     /// volume is that of the particle spacing.
     pub lattice_aspect: f64,
+    /// Height in m (y before rotation) at which two rows of the cells of a box meet, if one is given.
+    pub parting_height: Option<f64>,
 }
 
 impl Default for Discretisation {
@@ -469,6 +471,7 @@ impl Default for Discretisation {
             kernel: crate::kernel::KernelChoice::WendlandC2,
             lattice: Lattice::Square,
             lattice_aspect: 1.0,
+            parting_height: None,
         }
     }
 }
