@@ -183,7 +183,7 @@ pub(crate) fn resolution() -> Section {
             Field::new(
                 "lattice_aspect",
                 Kind::Quantity(Quantity::Dimensionless, Range::closed(0.25, 4.0)),
-                Presence::Derived("2 for a plane cut, 1 otherwise"),
+                Presence::Derived("2 for a cut, 1 otherwise"),
                 "distance of particles along the first axis of a box (the cutting direction) over that \
                  across it, at the same volume",
             ),
