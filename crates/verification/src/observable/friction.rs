@@ -4,7 +4,7 @@ use super::energy::energy_put_in;
 use super::{Observable, argument};
 use crate::evidence::Evidence;
 use sphcut_sph::setup::{Dimension, ToolSurface, Vector};
-use sphcut_sph::{ChannelId, Sample};
+use sphcut_sph::{ChannelId, Sample, Snapshot};
 
 /// Tangential over normal impulse of the wall on the body.
 pub(super) const IMPULSE_RATIO: Observable = Observable {
@@ -52,19 +52,31 @@ pub(super) const FRICTION_SHARE: Observable = Observable {
     },
 };
 
-/// Largest tangential stress of any touching particle.
+/// Largest mean shear stress between body and wall.
 pub(super) const CONTACT_SHEAR_STRESS: Observable = Observable {
     name: "contact_shear_stress",
     unit: "Pa",
-    meaning: "largest tangential force of the wall on a particle in all snapshots, over its share \
-              of the surface (one spacing in 2D, its square in 3D)",
+    meaning: "largest tangential force of the wall on the body in all snapshots over the length of the \
+              contact: from the first to the last touching particle, and half a spacing beyond (2D)",
     arguments: &[],
     evaluate: |evidence, _| {
+        if evidence.setup.dimension != Dimension::Two {
+            return Err("the length of a contact is known in 2D only".to_owned());
+        }
         let normal = wall_normal(evidence)?;
-        let exponent = if evidence.setup.dimension == Dimension::Two { 1 } else { 2 };
-        let area = evidence.setup.particle_spacing.powi(exponent);
-        let forces = evidence.snapshots.iter().flat_map(|snapshot| &snapshot.contact_force);
-        Ok(forces.map(|force| split(force, &normal).1 / area).fold(0.0, f64::max))
+        let spacing = evidence.setup.particle_spacing;
+        let stress = |snapshot: &Snapshot| {
+            let (mut force, mut low, mut high) = ([0.0; 3], f64::INFINITY, f64::NEG_INFINITY);
+            for (contact, x) in snapshot.contact_force.iter().zip(&snapshot.position) {
+                if *contact != [0.0; 3] {
+                    let along = normal[0] * x[1] - normal[1] * x[0];
+                    (low, high) = (low.min(along), high.max(along));
+                    force = std::array::from_fn(|axis| force[axis] + contact[axis]);
+                }
+            }
+            if low > high { 0.0 } else { split(&force, &normal).1 / (high - low + spacing) }
+        };
+        Ok(evidence.snapshots.iter().map(stress).fold(0.0, f64::max))
     },
 };
 
