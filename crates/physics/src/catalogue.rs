@@ -1,11 +1,11 @@
 //! The catalogue: every law with its equation, parameters and source, as data.
 
-use crate::{Parameter, effects, flow_stress, friction, heat, process};
+use crate::{Parameter, effects, equation_of_state, flow_stress, friction, heat, process};
 
 /// One entry of the catalogue, whatever its kind.
 #[derive(Debug, Clone, Copy)]
 pub struct CatalogueEntry {
-    /// `flow_stress`, `effects`, `friction`, `process` or `heat`.
+    /// `flow_stress`, `equation_of_state`, `effects`, `friction`, `process` or `heat`.
     pub kind: &'static str,
     /// Name in the scenario file.
     pub key: &'static str,
@@ -26,6 +26,15 @@ pub struct CatalogueEntry {
 pub fn entries() -> Vec<CatalogueEntry> {
     let flow = flow_stress::LAWS.iter().map(|law| CatalogueEntry {
         kind: "flow_stress",
+        key: law.key,
+        title: law.title,
+        equation: law.equation,
+        source: law.source,
+        validity: law.validity,
+        parameters: law.parameters,
+    });
+    let equation_of_state = equation_of_state::LAWS.iter().map(|law| CatalogueEntry {
+        kind: "equation_of_state",
         key: law.key,
         title: law.title,
         equation: law.equation,
@@ -70,7 +79,12 @@ pub fn entries() -> Vec<CatalogueEntry> {
         validity: "constant shares; conduction by Fourier's law",
         parameters: heat::PARAMETERS,
     };
-    flow.chain(effects).chain(friction).chain(process).chain([heat]).collect()
+    flow.chain(equation_of_state)
+        .chain(effects)
+        .chain(friction)
+        .chain(process)
+        .chain([heat])
+        .collect()
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 //! `K = E / (3 (1 - 2 nu))`, `G = E / (2 (1 + nu))`, and with the volume ratio
 //! `J = V / V_0 = rho_0 / rho` the pressure `p = K (1/J - 1)`.
 //! Valid for the few per cent of volume change of metal cutting; shock
-//! compression (several GPa) needs Mie-Gruneisen.
+//! compression (several GPa), thermal expansion and the heat of compression need
+//! [`crate::equation_of_state`].
 
 /// Bulk modulus and shear modulus of an isotropic elastic solid.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,6 +10,7 @@
 pub mod catalogue;
 pub mod effects;
 pub mod elasticity;
+pub mod equation_of_state;
 pub mod flow_stress;
 pub mod friction;
 pub mod heat;

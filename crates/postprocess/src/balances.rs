@@ -20,7 +20,11 @@ pub const ENERGY_TERMS: &[(ChannelId, TermKind, &str)] = &[
     (ChannelId::FrictionWork, TermKind::Physical, "Friction"),
     (ChannelId::ElasticEnergy, TermKind::Physical, "Elastic energy"),
     (ChannelId::KineticEnergy, TermKind::Physical, "Kinetic energy"),
-    (ChannelId::ThermoelasticWork, TermKind::Physical, "Released by a falling modulus"),
+    (
+        ChannelId::ThermoelasticWork,
+        TermKind::Physical,
+        "Released by a falling modulus, or turned into heat by thermal pressure",
+    ),
     (ChannelId::HourglassWork, TermKind::Numerical, "Hourglass control"),
     (ChannelId::ViscosityWork, TermKind::Numerical, "Bulk viscosity"),
     (ChannelId::DensityDiffusionWork, TermKind::Numerical, "Density diffusion"),

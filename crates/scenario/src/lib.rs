@@ -10,6 +10,7 @@ mod columns;
 mod cut;
 mod effects;
 mod ending;
+mod equation_of_state;
 mod field_reader;
 mod files;
 mod findings;

@@ -7,8 +7,9 @@ use crate::problem::{Mistake, Source};
 use crate::reader::{self, Defaults};
 use crate::record::Record;
 use crate::section::Presence;
-use crate::{flow_stress_table, library, sections, spelling};
+use crate::{equation_of_state, flow_stress_table, library, sections, spelling};
 use sphcut_physics::elasticity::ElasticModuli;
+use sphcut_physics::equation_of_state::Reference;
 use sphcut_physics::flow_stress::{self, FlowStressEntry, FlowStressTable};
 use sphcut_physics::{ParameterError, TemperatureTable, Values};
 use sphcut_sph::setup::{Material, TemperatureTables};
@@ -36,6 +37,7 @@ struct Draft {
     law: Option<&'static FlowStressEntry>,
     law_numbers: Vec<(&'static str, f64)>,
     law_table: Option<Arc<FlowStressTable>>,
+    equation_of_state: Option<equation_of_state::Chosen>,
 }
 
 impl Draft {
@@ -185,6 +187,11 @@ impl<'t> Shelf<'t> {
         if let Some(flow) = record.table("flow_stress") {
             law_numbers = self.override_flow_stress(findings, &name, flow, draft);
         }
+        if let Some(table) = record.table("equation_of_state") {
+            let name = format!("{name}.equation_of_state");
+            draft.equation_of_state =
+                equation_of_state::read(findings, &owner.source, table, &name);
+        }
         draft.set(&record, &law_numbers);
     }
 
@@ -224,7 +231,8 @@ impl<'t> Shelf<'t> {
             if let Some(value) = draft.number(key) {
                 return Some(value);
             }
-            if !self.heat_acts {
+            let compressed = key == "specific_heat" && draft.equation_of_state.is_some();
+            if !self.heat_acts && !compressed {
                 // Nothing reads it where no heat is generated or conducted.
                 return Some(1.0);
             }
@@ -232,10 +240,14 @@ impl<'t> Shelf<'t> {
             let field = section.field(key).expect("the caller names keys of the section");
             let mut mistake = reader::missing(&section, field);
             if let Mistake::Missing { meaning, .. } = &mut mistake {
-                *meaning = format!(
-                    "heat acts in this scenario; give the value or switch off plastic_heating, \
-                     friction_heating and conduction in [heat] ({meaning})"
-                );
+                *meaning = if self.heat_acts {
+                    format!(
+                        "heat acts in this scenario; give the value or switch off plastic_heating, \
+                         friction_heating and conduction in [heat] ({meaning})"
+                    )
+                } else {
+                    format!("`equation_of_state` needs it ({meaning})")
+                };
             }
             findings.problem(&owner.source, owner.span("material"), mistake);
             None
@@ -260,23 +272,32 @@ impl<'t> Shelf<'t> {
             return None;
         }
         check_temperatures(findings, owner, &flow_stress_values)?;
-        Some(Material {
+        let (density, specific_heat) = (draft.number("density")?, specific_heat?);
+        let material = Material {
             name: draft.title.clone(),
-            density: draft.number("density")?,
+            density,
             moduli: ElasticModuli::from_young(
                 draft.number("young_modulus")?,
                 draft.number("poisson_ratio")?,
             ),
-            specific_heat: specific_heat?,
+            specific_heat,
             thermal_conductivity: thermal_conductivity?,
             tables: TemperatureTables {
                 young_modulus: draft.table("young_modulus"),
                 specific_heat: draft.table("specific_heat"),
                 thermal_conductivity: draft.table("thermal_conductivity"),
             },
+            equation_of_state: None,
             flow_stress: law,
             flow_stress_values,
-        })
+        };
+        let state = draft.equation_of_state.as_ref();
+        let Some((values, build)) = state.and_then(|(law, values)| Some((values, law.build?)))
+        else {
+            return Some(material);
+        };
+        let law = build(values, &Reference { density, specific_heat });
+        Some(material.with_equation_of_state(law))
     }
 }
 
@@ -382,6 +403,10 @@ fn read_draft(
             read_unknown_law(findings, source, flow, &flow_section);
         }
     }
+    if let Some(table) = record.table("equation_of_state") {
+        let name = format!("{section}.equation_of_state");
+        draft.equation_of_state = equation_of_state::read(findings, source, table, &name);
+    }
     if sources == Sources::Required {
         require_sources(findings, &record, draft.law);
     }
@@ -425,6 +450,9 @@ fn require_sources(
         record.written_numbers().iter().map(|number| number.0).collect();
     if law.is_some_and(|law| !law.parameters.is_empty() || law.table.is_some()) {
         keys.push("flow_stress");
+    }
+    if record.is_written("equation_of_state") {
+        keys.push("equation_of_state");
     }
     let heading = sources.as_ref().map_or_else(|| record.heading.clone(), |(_, span)| span.clone());
     for key in keys.into_iter().filter(|key| !has(key)) {

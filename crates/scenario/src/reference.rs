@@ -5,7 +5,7 @@ use crate::schema::preferred;
 use crate::section::{Field, Kind, Presence, Section, range_text};
 use crate::sections;
 use crate::units;
-use sphcut_physics::{Quantity, effects, flow_stress, friction};
+use sphcut_physics::{Quantity, effects, equation_of_state, flow_stress, friction};
 use std::fmt::Write;
 
 const HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
@@ -219,6 +219,14 @@ fn laws(page: &mut String) {
     for law in flow_stress::LAWS {
         let about = (law.key, law.title, law.equation, law.validity, law.source);
         self::law(page, about, &sections::flow_stress("flow_stress", Some(law)));
+    }
+    page.push_str(
+        "# Equations of state\n\nKeys of `equation_of_state` of a material, after `law`. An override states it anew, as a \
+         whole.\n\n",
+    );
+    for law in equation_of_state::LAWS {
+        let about = (law.key, law.title, law.equation, law.validity, law.source);
+        self::law(page, about, &sections::equation_of_state("equation_of_state", Some(law)));
     }
     page.push_str(
         "# Effects\n\nKeys of `[effects.NAME]`. An effect acts on all materials of the scenario; several act together. \

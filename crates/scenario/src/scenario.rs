@@ -10,7 +10,10 @@ use crate::reader;
 use crate::record::Record;
 use crate::shared::{self, Resolution};
 use crate::tool::Space;
-use crate::{LoadOptions, bodies, effects, heat_source, passes, sections, tool, wall, warnings};
+use crate::{
+    LoadOptions, bodies, effects, equation_of_state, heat_source, passes, sections, tool, wall,
+    warnings,
+};
 use sphcut_physics::Quantity;
 use sphcut_physics::effects::ChosenEffect;
 use sphcut_sph::Setup;
@@ -339,6 +342,7 @@ fn finished(
 ) -> Scenario {
     effects::check(findings, root, &setup);
     told.extend(warnings::temperatures(&setup));
+    told.extend(equation_of_state::warnings(&setup));
     let name = safe_name(&root.source.name);
     Scenario {
         title: root.text("title").unwrap_or_default().to_owned(),
@@ -384,6 +388,9 @@ fn acting(setup: &Setup) -> Vec<(String, String)> {
     };
     for material in &setup.materials {
         add("flow_stress", material.flow_stress.key);
+    }
+    if setup.materials.iter().any(|material| material.equation_of_state.is_some()) {
+        add("equation_of_state", "mie_gruneisen");
     }
     for effect in &setup.effects {
         add("effect", &effects::told(effect));

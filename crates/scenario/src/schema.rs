@@ -5,7 +5,7 @@ use crate::section::{Field, Kind, Presence, Section, range_text};
 use crate::sections;
 use crate::units::{self, Unit};
 use serde_json::{Map, Value, json};
-use sphcut_physics::{Quantity, Range, effects, flow_stress, friction};
+use sphcut_physics::{Quantity, Range, effects, equation_of_state, flow_stress, friction};
 
 /// Whether what the section requires is required of the table.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -125,6 +125,13 @@ fn material_child(field: &Field, completeness: Completeness) -> Option<Value> {
             });
             let key = if completeness == Completeness::Whole { "oneOf" } else { "anyOf" };
             Some(json!({ key: laws.collect::<Vec<_>>() }))
+        }
+        "equation_of_state" => {
+            let laws = equation_of_state::LAWS.iter().map(|law| {
+                let section = sections::equation_of_state("equation_of_state", Some(law));
+                law_table(&section, law.key, Completeness::Whole)
+            });
+            Some(json!({ "oneOf": laws.collect::<Vec<_>>() }))
         }
         "sources" => Some(free_texts()),
         _ => None,

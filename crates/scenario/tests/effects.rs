@@ -339,3 +339,34 @@ fn a_table_taken_from_a_law_cuts_like_the_law() {
     let ratio = force_ratio(&cut);
     assert!(ratio > 0.97 && ratio < 1.01, "{ratio}");
 }
+
+/// The cut of a material with an equation of state: `override` of the workpiece.
+fn with_equation_of_state(values: &str) -> String {
+    let state = format!("override = {{ equation_of_state = {{ {values} }} }}");
+    changed(&[("height = \"0.3 mm\"\n", &format!("height = \"0.3 mm\"\n{state}\n"))])
+}
+
+#[test]
+fn a_linear_equation_of_state_leaves_every_bit() {
+    assert!(run(&with_equation_of_state("law = \"linear\"")).bits == base().bits);
+}
+
+/// Steel with the bulk modulus of E and nu, 205 GPa/(3 x 0.4) = 7850 x 4665^2.
+#[test]
+fn thermal_pressure_expands_the_hot_chip_and_hardly_changes_the_forces() {
+    let state = "law = \"mie_gruneisen\", bulk_sound_speed = \"4665 m/s\", shock_slope = 1.33, \
+                 gruneisen_parameter = 1.67";
+    let on = run(&with_equation_of_state(state));
+    on.books_close();
+    // What flows through the shear zone is heated by some 400 K at hardly any pressure, so it expands by
+    // alpha_v dT = 1.4 %: the thermal pressure works against K, K (alpha_v dT)^2/2 = 17 MJ/m^3 of the 1.5 GJ/m^3
+    // of its heat, and that is stored energy.
+    let share = on.last(ChannelId::ThermoelasticWork) / on.last(ChannelId::PlasticWork);
+    assert!(share < -0.003 && share > -0.03, "{share}");
+    assert!(on.last(ChannelId::ElasticEnergy) > 1.2 * base().last(ChannelId::ElasticEnergy));
+    assert_eq!(base().last(ChannelId::ThermoelasticWork), 0.0);
+    let force = |outcome: &Outcome| outcome.mean(ChannelId::CuttingForce);
+    let ratio = over_lattices(&with_equation_of_state(state), force) / over_lattices(CUT, force);
+    // Thermal pressure is hydrostatic: the flow stress does not see it, the contact does.
+    assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
+}

@@ -107,6 +107,7 @@ mod tests {
             specific_heat: 480.0,
             thermal_conductivity: 0.0,
             tables: TemperatureTables::default(),
+            equation_of_state: None,
             flow_stress: law,
             flow_stress_values: Values::defaults(law.parameters),
         });

@@ -115,11 +115,12 @@ impl<const D: usize> Engine<D> {
                         let jump = other.volume_ratio - own.volume_ratio - dot(&slope, &separation);
                         change += w * 0.5 * (own.reach + other.reach) * jump;
                     }
-                    let moduli = point.moduli(&materials[material[i] as usize].moduli);
-                    let before = moduli.volumetric_energy(point.volume_ratio);
+                    let elasticity = &materials[material[i] as usize].elasticity;
+                    let before = point.volumetric_energy(elasticity);
                     // V_ref/V_0 makes the exchange symmetric in V_0 J.
-                    point.volume_ratio += change * frame[i].volume_ratio;
-                    let after = moduli.volumetric_energy(point.volume_ratio);
+                    let smoothed = point.volume_ratio + change * frame[i].volume_ratio;
+                    point.set_volume_ratio(smoothed, elasticity);
+                    let after = point.volumetric_energy(elasticity);
                     released += volume[i] * (before - after);
                 }
                 released
@@ -167,6 +168,7 @@ mod tests {
             specific_heat: 480.0,
             thermal_conductivity: 0.0,
             tables: TemperatureTables::default(),
+            equation_of_state: None,
             flow_stress: law,
             flow_stress_values: Values::defaults(law.parameters),
         });

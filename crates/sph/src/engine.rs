@@ -17,6 +17,7 @@
 
 use crate::account::{Account, Tally};
 use crate::contact::{ContactInput, ToolContact, reduced};
+use crate::equation_of_state::Elasticity;
 use crate::error::{Diverged, SetupError};
 use crate::history::{History, Memory};
 use crate::material_point::MaterialPoint;
@@ -31,14 +32,13 @@ use crate::tool_holder::ToolHolder;
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
-use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressModel;
 
 /// Constants of one material.
 #[derive(Debug)]
 pub(crate) struct MaterialData {
     pub(crate) density: f64,
-    pub(crate) moduli: ElasticModuli,
+    pub(crate) elasticity: Elasticity,
     pub(crate) specific_heat: f64,
     pub(crate) conductivity: f64,
     /// E(T) over E at room temperature; `None` for a constant, as with the others.
@@ -181,7 +181,7 @@ pub(crate) struct Engine<const D: usize> {
 impl MaterialData {
     /// Density with scaled inertia, (K + 4G/3) / c^2, in kg/m^3.
     pub(crate) fn inertial_density(&self) -> f64 {
-        let moduli = self.moduli.scaled(self.stiffest());
+        let moduli = self.elasticity.moduli.scaled(self.stiffest());
         (moduli.bulk + 4.0 / 3.0 * moduli.shear) / (self.wave_speed * self.wave_speed)
     }
 
@@ -539,6 +539,8 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
         .materials
         .iter()
         .map(|material| {
+            let elasticity = Elasticity::of(material);
+            let (specific_heat, heat_table) = elasticity.heat_capacity(material);
             let stiffness_table = thermoelasticity::stiffness_table(material);
             let stiffest = stiffness_table.as_ref().map_or(1.0, TemperatureTable::max);
             let wave_speed = material
@@ -548,18 +550,15 @@ fn material_data(setup: &Setup, smoothing_length: f64) -> Vec<MaterialData> {
             let inertial_density = material.density * option("mass_scaling");
             let impedance = inertial_density * wave_speed * smoothing_length;
             let heats = setup.heat.plastic_heating.is_on();
-            let constant_heating = if heats {
-                taylor_quinney / (material.density * material.specific_heat)
-            } else {
-                0.0
-            };
+            let constant_heating =
+                if heats { taylor_quinney / (material.density * specific_heat) } else { 0.0 };
             MaterialData {
                 density: material.density,
-                moduli: material.moduli,
-                specific_heat: material.specific_heat,
+                elasticity,
+                specific_heat,
                 conductivity: material.thermal_conductivity,
                 stiffness_table,
-                heat_table: thermoelasticity::varying(material.tables.specific_heat.as_ref()),
+                heat_table,
                 conductivity_table: thermoelasticity::varying(
                     material.tables.thermal_conductivity.as_ref(),
                 ),

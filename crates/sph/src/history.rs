@@ -145,7 +145,7 @@ impl<const D: usize> MaterialPoint<D> {
         }
         self.flow(&returned, context.time_step);
         if increment > 0.0 {
-            let pressure = self.moduli(&context.moduli).pressure(self.volume_ratio);
+            let pressure = self.pressure(context.elasticity);
             let equivalent = self.equivalent(&self.deviator).max(f64::MIN_POSITIVE);
             let state = (-pressure / equivalent, self.plastic_strain_rate, self.temperature);
             past.wear(memory, increment, state);

@@ -9,6 +9,7 @@ mod contact_area;
 mod crowding;
 mod density_diffusion;
 mod engine;
+mod equation_of_state;
 pub mod error;
 mod heat_conduction;
 mod heat_source;

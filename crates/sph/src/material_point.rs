@@ -2,7 +2,7 @@
 //!
 //! State is the Kirchhoff stress `tau = J sigma = S - p J I`, so that stress
 //! power per reference volume is `tau : D` and stored energy is exact:
-//! `S:S / 4G + K (J - 1 - ln J)`. One step is hypoelastic with the Jaumann rate
+//! `S:S / 4G + K (J - 1 - ln J)` (another equation of state: `equation_of_state.rs`). One step is hypoelastic with the Jaumann rate
 //! (an exact rotation, then `2 G dev D dt`), then a radial return on the Cauchy
 //! stress. In the plane the out-of-plane deviator is minus the in-plane trace,
 //! which makes every formula the same in two and three dimensions.
@@ -12,10 +12,10 @@ use crate::tensor::{
     step_rotation, sum_scaled, trace, transpose, zero,
 };
 use sphcut_physics::TemperatureTable;
-use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::FlowStressModel;
 use sphcut_physics::radial_return::{Returned, TrialState};
 
+use crate::equation_of_state::Elasticity;
 use crate::history::{History, Memory};
 
 /// Time constant of the smoothed plastic strain rate in steps.
@@ -71,25 +71,15 @@ impl<const D: usize> MaterialPoint<D> {
         contract(deviator, deviator) + out_of_plane * out_of_plane
     }
 
-    /// The moduli that the stress is expressed with, from those at room temperature.
-    #[inline]
-    pub(crate) fn moduli(&self, moduli: &ElasticModuli) -> ElasticModuli {
-        // A factor of 1 leaves every bit as it is.
-        moduli.scaled(self.stiffness)
+    /// Stored elastic energy per reference volume in J/m^3.
+    pub(crate) fn elastic_energy(&self, elasticity: &Elasticity) -> f64 {
+        Self::deviator_square(&self.deviator) / (4.0 * self.moduli(elasticity).shear)
+            + self.volumetric_energy(elasticity)
     }
 
-    /// Stored elastic energy per reference volume in J/m^3; moduli at room temperature.
-    pub(crate) fn elastic_energy(&self, moduli: &ElasticModuli) -> f64 {
-        let moduli = self.moduli(moduli);
-        Self::deviator_square(&self.deviator) / (4.0 * moduli.shear)
-            + moduli.volumetric_energy(self.volume_ratio)
-    }
-
-    /// Kirchhoff stress S - (p J + q) I in Pa; moduli at room temperature.
-    pub(crate) fn kirchhoff_stress(&self, moduli: &ElasticModuli) -> Matrix<D> {
-        let moduli = self.moduli(moduli);
-        let pressure =
-            moduli.pressure(self.volume_ratio) * self.volume_ratio + self.viscous_pressure;
+    /// Kirchhoff stress S - (p J + q) I in Pa.
+    pub(crate) fn kirchhoff_stress(&self, elasticity: &Elasticity) -> Matrix<D> {
+        let pressure = self.pressure(elasticity) * self.volume_ratio + self.viscous_pressure;
         let mut stress = self.deviator;
         for (k, row) in stress.iter_mut().enumerate() {
             row[k] -= pressure;
@@ -99,16 +89,18 @@ impl<const D: usize> MaterialPoint<D> {
 
     /// First Piola-Kirchhoff stress per volume of the refreshed reference times V_ref / V_0:
     /// `tau F^-T` in Pa.
-    pub(crate) fn piola_stress(&self, moduli: &ElasticModuli) -> Matrix<D> {
-        product(&self.kirchhoff_stress(moduli), &transpose(&inverse_nonsingular(&self.deformation)))
+    pub(crate) fn piola_stress(&self, elasticity: &Elasticity) -> Matrix<D> {
+        product(
+            &self.kirchhoff_stress(elasticity),
+            &transpose(&inverse_nonsingular(&self.deformation)),
+        )
     }
 }
 
 /// What the stress update needs to know besides the point.
 #[derive(Debug)]
 pub(crate) struct UpdateContext<'a> {
-    /// At room temperature.
-    pub(crate) moduli: ElasticModuli,
+    pub(crate) elasticity: &'a Elasticity,
     pub(crate) law: &'a dyn FlowStressModel,
     pub(crate) time_step: f64,
     /// beta / (rho_0 cp) in K m^3/J; 0 without plastic heating.
@@ -131,7 +123,11 @@ pub(crate) struct UpdateWork {
     pub(crate) plastic: f64,
     /// Dissipation by bulk viscosity.
     pub(crate) viscosity: f64,
-    /// Stress power minus stored, plastic and viscous energy.
+    /// Work of the thermal pressure of an equation of state.
+    pub(crate) thermal: f64,
+    /// Heat beside that of plastic work.
+    pub(crate) heat: f64,
+    /// Stress power minus stored, plastic, thermal and viscous energy.
     pub(crate) residue: f64,
 }
 
@@ -145,9 +141,10 @@ impl<const D: usize> MaterialPoint<D> {
         past: Option<&mut History<D>>,
     ) -> UpdateWork {
         let dt = context.time_step;
-        let moduli = self.moduli(&context.moduli);
-        let shear = moduli.shear;
-        let energy_before = self.elastic_energy(&context.moduli);
+        let elasticity = context.elasticity;
+        let shear = self.moduli(elasticity).shear;
+        let energy_before = self.elastic_energy(elasticity);
+        let pressure_before = self.pressure(elasticity);
 
         let middle = sum_scaled(&self.deformation, 0.5 * dt, deformation_rate);
         let gradient = product(deformation_rate, &inverse_nonsingular(&middle));
@@ -157,6 +154,7 @@ impl<const D: usize> MaterialPoint<D> {
         self.deformation = sum_scaled(&self.deformation, dt, deformation_rate);
         let volume_before = self.volume_ratio;
         self.volume_ratio *= determinant(&self.deformation) / determinant_before;
+        let thermal = self.compress(volume_before, context);
 
         let volumetric_rate = trace(&strain_rate);
         let mut deviatoric_rate = strain_rate;
@@ -192,12 +190,13 @@ impl<const D: usize> MaterialPoint<D> {
         let volume_change = self.volume_ratio - volume_before;
         let viscosity = -0.5 * (viscosity_before + self.viscous_pressure) * volumetric_rate * dt;
 
-        let mean_pressure =
-            0.5 * (moduli.pressure(volume_before) + moduli.pressure(self.volume_ratio));
+        let heat = thermal + self.keep_dissipation(elasticity, viscosity);
+        let mean_pressure = 0.5 * (pressure_before + self.pressure(elasticity));
         let stress_power =
             0.5 * full_contract(&mean, &deviatoric_rate) * dt - mean_pressure * volume_change;
-        let stored = self.elastic_energy(&context.moduli) - energy_before;
-        UpdateWork { plastic, viscosity, residue: stress_power - stored - plastic }
+        let stored = self.elastic_energy(elasticity) - energy_before;
+        let residue = stress_power - stored - plastic - thermal;
+        UpdateWork { plastic, viscosity, thermal, heat, residue }
     }
 
     /// Replaces the deviator by `trial` returned to the yield surface; the plastic increment.
@@ -227,7 +226,7 @@ impl<const D: usize> MaterialPoint<D> {
             equivalent_stress: equivalent,
             plastic_strain: self.plastic_strain,
             temperature: self.temperature,
-            shear_modulus: self.moduli(&context.moduli).shear / self.volume_ratio,
+            shear_modulus: self.moduli(context.elasticity).shear / self.volume_ratio,
             time_step: context.time_step,
             heating: context.heating,
             expected_increment: self.plastic_strain_rate * context.time_step,

@@ -56,10 +56,10 @@ channels! {
     DensityDiffusionWork "density_diffusion_work" "J" "work of the density diffusion since the start";
     ArtificialStressWork "artificial_stress_work" "J" "energy stored in the repulsion of crowded neighbours (artificial stress)";
     UpdateResidue "update_residue" "J" "stress power minus stored and plastic energy: error of the stress update since the start";
-    ThermoelasticWork "thermoelastic_work" "J" "stored elastic energy released because the modulus fell with temperature since the start";
+    ThermoelasticWork "thermoelastic_work" "J" "stored elastic energy released because the modulus fell with temperature since the start, and the work of the thermal pressure, which becomes heat";
     EnergyError "energy_error" "J" "work done on the workpiece minus all terms above, initial kinetic energy included: what nobody accounts for";
     HeatContent "heat_content" "J" "thermal energy above the initial state";
-    HeatSupplied "heat_supplied" "J" "heat from plastic work, friction, heat sources and fixed-temperature boundaries since the start, less what passed into the tool";
+    HeatSupplied "heat_supplied" "J" "heat from plastic work, friction, thermal pressure, heat sources and fixed-temperature boundaries since the start, less what passed into the tool";
     HeatIntoTool "heat_into_tool" "J" "heat that passed from the workpiece through the contact into the tool since the start; friction heat not included";
     ToolFrictionHeat "tool_friction_heat" "J" "the tool's share of the heat of friction since the start, where the tool conducts heat";
     ToolBoundaryHeat "tool_boundary_heat" "J" "heat through the outer boundary into the tool since the start, negative where it leaves";

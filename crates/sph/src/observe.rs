@@ -25,21 +25,22 @@ impl<const D: usize> Engine<D> {
         (0..self.point.len())
             .map(|i| {
                 let data = &self.materials[self.material[i] as usize];
-                self.volume[i] * self.point[i].elastic_energy(&data.moduli)
+                self.volume[i] * self.point[i].elastic_energy(&data.elasticity)
             })
             .sum()
     }
 
-    /// Thermal energy above 0 K.
+    /// Thermal energy above 0 K, less what an equation of state counts as stored energy.
     pub(crate) fn heat_content(&self) -> f64 {
         (0..self.point.len())
             .map(|i| {
                 let data = &self.materials[self.material[i] as usize];
-                let temperature = self.point[i].temperature;
-                match &data.heat_table {
-                    None => self.mass(i) * data.specific_heat * temperature,
-                    Some(table) => self.mass(i) * table.integral(temperature),
-                }
+                let point = &self.point[i];
+                let heat = match &data.heat_table {
+                    None => self.mass(i) * data.specific_heat * point.temperature,
+                    Some(table) => self.mass(i) * table.integral(point.temperature),
+                };
+                heat - self.volume[i] * data.isentrope_heat(point.volume_ratio)
             })
             .sum()
     }
@@ -205,8 +206,8 @@ impl<const D: usize> Engine<D> {
         }
         for i in order {
             let (point, data) = (&self.point[i], &self.materials[self.material[i] as usize]);
-            let pressure = point.moduli(&data.moduli).pressure(point.volume_ratio)
-                + point.viscous_pressure / point.volume_ratio;
+            let pressure =
+                point.pressure(&data.elasticity) + point.viscous_pressure / point.volume_ratio;
             snapshot.id.push(self.id[i]);
             snapshot.body.push(self.body[i]);
             snapshot.position.push(extended(&self.position[i]));

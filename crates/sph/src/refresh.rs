@@ -173,6 +173,7 @@ impl<const D: usize> Engine<D> {
             self.materials.iter().map(MaterialData::best_conductivity).fold(0.0, f64::max);
         for data in &self.materials {
             let wave = self.numerics.courant * self.smoothing.length / data.wave_speed * crowding;
+            let wave = wave * self.compression_shortening(data);
             let wave = wave * viscous_shortening(data, self.smoothing.length, limits.gradient);
             let density = data.density * self.numerics.mass_scaling;
             let damping = if data.hourglass > 0.0 {

@@ -4,6 +4,7 @@
 use crate::options;
 use sphcut_physics::effects::{ChosenEffect, EffectContext};
 use sphcut_physics::elasticity::ElasticModuli;
+use sphcut_physics::equation_of_state::MieGruneisen;
 use sphcut_physics::flow_stress::FlowStressEntry;
 use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::process::{Oscillator, RunOut};
@@ -150,10 +151,23 @@ pub struct Material {
     pub thermal_conductivity: f64,
     /// What depends on temperature.
     pub tables: TemperatureTables,
+    /// The equation of state; `None` is the linear one of the moduli. See
+    /// [`Material::with_equation_of_state`].
+    pub equation_of_state: Option<MieGruneisen>,
     /// The flow-stress law.
     pub flow_stress: &'static FlowStressEntry,
     /// Its parameters.
     pub flow_stress_values: Values,
+}
+
+impl Material {
+    /// The same material with an equation of state, which brings its bulk modulus.
+    #[must_use]
+    pub fn with_equation_of_state(mut self, law: MieGruneisen) -> Self {
+        self.moduli.bulk = law.bulk_modulus();
+        self.equation_of_state = Some(law);
+        self
+    }
 }
 
 /// The temperature in K at which the single numbers of a tabulated property hold.

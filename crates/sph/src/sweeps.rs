@@ -100,12 +100,18 @@ fn remember<const D: usize>(
     power
 }
 
-fn check_point<const D: usize>(point: &MaterialPoint<D>, i: usize, tally: &mut Tally) {
+fn check_point<const D: usize>(
+    point: &MaterialPoint<D>,
+    data: &MaterialData,
+    i: usize,
+    tally: &mut Tally,
+) {
     let failed = |quantity, value| Some(Failure { index: i, quantity, value });
     if tally.failure.is_some() {
         return;
     }
-    if !VOLUME_RATIO_RANGE.contains(&point.volume_ratio) {
+    let too_dense = point.volume_ratio < data.elasticity.least_volume_ratio();
+    if !VOLUME_RATIO_RANGE.contains(&point.volume_ratio) || too_dense {
         tally.failure = failed("the volume ratio V/V_0", point.volume_ratio);
     } else if !point.deviator[0][0].is_finite() {
         tally.failure = failed("the deviatoric stress", point.deviator[0][0]);
@@ -169,7 +175,8 @@ impl<const D: usize> Engine<D> {
                         tally.plastic += work.plastic * volume[i];
                         tally.viscosity += work.viscosity * volume[i];
                         tally.residue += work.residue * volume[i];
-                        tally.heat += work.plastic * volume[i] * share;
+                        tally.thermoelastic += work.thermal * volume[i];
+                        tally.heat += work.plastic * volume[i] * share + work.heat * volume[i];
                         let mut moved = minus(&position[i], &reference[i]);
                         let mut strain = green_strain(&point.deformation);
                         if let Some(axes) = &tilted_axes {
@@ -178,16 +185,19 @@ impl<const D: usize> Engine<D> {
                         }
                         tally.strain = tally.strain.max(strain);
                         tally.spread(&extended(&moved));
-                        check_point(point, i, tally);
+                        check_point(point, data, i, tally);
                     }
                     let damping = damping_of(point, data, yield_fraction);
                     let residual = sums.square - contract(&rate, &sums.moment);
                     let mut power = damping * residual.max(0.0);
+                    let dissipation = power * frame.volume_ratio * dt;
+                    let kept = point.keep_dissipation(&data.elasticity, dissipation);
+                    tally.heat += kept * volume[i];
                     let drift = minus(&sums.difference, &apply(&rate, &frame.moment));
                     power += remember(point, data, &drift, frame.weight, dt, yield_fraction);
                     tally.hourglass += power * volume[i] * frame.volume_ratio * dt;
                     let spring = point.offset.map(|n| data.hourglass_stiffness * n);
-                    let flux = product(&point.piola_stress(&data.moduli), &frame.correction)
+                    let flux = product(&point.piola_stress(&data.elasticity), &frame.correction)
                         .map(|row| row.map(|component| component / frame.volume_ratio));
                     let mut flux = sum_scaled(&flux, -damping, &rate);
                     for row in 0..D {
@@ -276,7 +286,7 @@ fn context<'a, const D: usize>(
     dt: f64,
 ) -> UpdateContext<'a> {
     UpdateContext {
-        moduli: data.moduli,
+        elasticity: &data.elasticity,
         law: data.law.as_ref(),
         time_step: dt,
         heating: data.heating_at(point),
@@ -313,6 +323,7 @@ mod tests {
             specific_heat: 1.0,
             thermal_conductivity: 0.0,
             tables: TemperatureTables::default(),
+            equation_of_state: None,
             flow_stress: law,
             flow_stress_values: Values::defaults(law.parameters),
         });

@@ -18,8 +18,9 @@
 //!
 //! Neglected: the released energy does not heat the particle, and neither does the thermoelastic
 //! heat `T (d^2 psi/dT de) : de/dt` of loading. Both are of the order `T E'/E` (0.1 to 0.5 in metals)
-//! of the elastic energy, which in a cut is below a per cent of the plastic work. There is no thermal
-//! expansion. Hourglass terms, contact stiffness and time step keep the modulus at room temperature
+//! of the elastic energy, which in a cut is below a per cent of the plastic work. Thermal expansion
+//! and the heat of compression need an equation of state (`equation_of_state.rs`); only G then follows
+//! E(T). Hourglass terms, contact stiffness and time step keep the modulus at room temperature
 //! or, where stability asks for it, the largest of the table.
 //!
 //! **Heat.** The state is the heat content `H(T) = int cp dT`: heat `q` in J/kg leads from T to
@@ -108,17 +109,18 @@ impl<const D: usize> MaterialPoint<D> {
         if stiffness == self.stiffness {
             return 0.0;
         }
-        let before = self.elastic_energy(&data.moduli);
+        let before = self.elastic_energy(&data.elasticity);
         let ratio = stiffness / self.stiffness;
         self.deviator = self.deviator.map(|row| row.map(|component| ratio * component));
         self.stiffness = stiffness;
-        before - self.elastic_energy(&data.moduli)
+        before - self.elastic_energy(&data.elasticity)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::equation_of_state::Elasticity;
     use approx::assert_relative_eq;
     use sphcut_physics::elasticity::ElasticModuli;
     use sphcut_physics::flow_stress;
@@ -126,7 +128,7 @@ mod tests {
     fn data() -> MaterialData {
         MaterialData {
             density: 8000.0,
-            moduli: ElasticModuli { bulk: 160e9, shear: 80e9 },
+            elasticity: Elasticity::linear(ElasticModuli { bulk: 160e9, shear: 80e9 }),
             specific_heat: 500.0,
             conductivity: 40.0,
             stiffness_table: Some(TemperatureTable::new(&[(300.0, 1.0), (500.0, 0.5)]).unwrap()),
@@ -155,20 +157,20 @@ mod tests {
         point.volume_ratio = 0.99;
         // S:S = 1600 + 2*900 + 100 + 900 = 4400e12, /4G = 4400e12/320e9 = 13750 J/m^3;
         // K (J - 1 - ln J) = 160e9 * (-0.01 + 0.01005033585) = 8053736 J/m^3. Together 8067486.
-        let before = point.elastic_energy(&data.moduli);
+        let before = point.elastic_energy(&data.elasticity);
         assert_relative_eq!(before, 8_067_486.0, max_relative = 1e-6);
-        let pressure = point.moduli(&data.moduli).pressure(0.99);
+        let pressure = point.pressure(&data.elasticity);
         // 400 K: g = 0.75. A quarter of the energy is released.
         let released = point.follow_modulus(&data, table);
         assert_relative_eq!(released, 0.25 * before, max_relative = 1e-12);
         assert_relative_eq!(point.deviator[0][1], 22.5e6, max_relative = 1e-12);
-        let hot = point.moduli(&data.moduli).pressure(0.99);
+        let hot = point.pressure(&data.elasticity);
         assert_relative_eq!(hot, 0.75 * pressure, max_relative = 1e-12);
         // Nothing more happens at the same temperature; back at 300 K all is as it was.
         assert_eq!(point.follow_modulus(&data, table), 0.0);
         point.temperature = 300.0;
         let taken = point.follow_modulus(&data, table);
         assert_relative_eq!(taken, -released, max_relative = 1e-12);
-        assert_relative_eq!(point.elastic_energy(&data.moduli), before, max_relative = 1e-12);
+        assert_relative_eq!(point.elastic_energy(&data.elasticity), before, max_relative = 1e-12);
     }
 }

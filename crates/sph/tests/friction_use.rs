@@ -21,6 +21,7 @@ fn pressed(tangential: f64) -> Simulation {
         specific_heat: 480.0,
         thermal_conductivity: 50.0,
         tables: TemperatureTables::default(),
+        equation_of_state: None,
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &[]).unwrap(),
     });

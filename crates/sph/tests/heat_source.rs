@@ -24,6 +24,7 @@ fn heated(dimension: Dimension, form: HeatSourceForm, end_time: f64) -> Setup {
         specific_heat: 500.0,
         thermal_conductivity: 40.0,
         tables: TemperatureTables::default(),
+        equation_of_state: None,
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &[]).unwrap(),
     });

@@ -36,6 +36,7 @@ fn setup(law: &str, values: &[(&str, f64)], tables: TemperatureTables, temperatu
         specific_heat: 500.0,
         thermal_conductivity: 40.0,
         tables,
+        equation_of_state: None,
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, values).unwrap(),
     });

@@ -105,6 +105,7 @@ fn steel() -> Material {
         specific_heat: 480.0,
         thermal_conductivity: 45.0,
         tables: TemperatureTables::default(),
+        equation_of_state: None,
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &constants).expect(PART),
     }
@@ -124,6 +125,7 @@ fn taylor_bar() -> Setup {
         specific_heat: 385.0,
         thermal_conductivity: 390.0,
         tables: TemperatureTables::default(),
+        equation_of_state: None,
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &constants).expect(PART),
     });

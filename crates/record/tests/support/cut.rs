@@ -66,6 +66,7 @@ fn steel() -> Material {
         specific_heat: 470.0,
         thermal_conductivity: 50.0,
         tables: TemperatureTables::default(),
+        equation_of_state: None,
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &values).unwrap(),
     }

@@ -3,6 +3,7 @@
 use super::{choice, positive};
 use crate::section::{Field, Kind, Presence, Section};
 use sphcut_physics::effects::{self, EffectEntry};
+use sphcut_physics::equation_of_state::{self, EquationOfStateEntry};
 use sphcut_physics::flow_stress::{self, FlowStressEntry};
 use sphcut_physics::friction::{self, FrictionEntry};
 use sphcut_physics::{Quantity, Range};
@@ -57,6 +58,12 @@ pub(crate) fn material(name: &str) -> Section {
             Field::new("flow_stress", Kind::Table, Presence::Required, "when the material yields")
                 .example("flow_stress = { law = \"elastic\" }"),
             Field::new(
+                "equation_of_state",
+                Kind::Table,
+                Presence::Derived("linear"),
+                "pressure over volume and temperature",
+            ),
+            Field::new(
                 "sources",
                 Kind::Table,
                 Presence::Derived("required in material files"),
@@ -81,6 +88,17 @@ pub(crate) fn flow_stress(name: &str, law: Option<&'static FlowStressEntry>) -> 
         section.fields.push(file.example("\"flow_stress.csv\""));
     }
     section.with_parameters(law.parameters)
+}
+
+/// `equation_of_state` of a material.
+pub(crate) fn equation_of_state(name: &str, law: Option<&'static EquationOfStateEntry>) -> Section {
+    let names = choice(equation_of_state::LAWS.iter().map(|law| law.key));
+    let fields = vec![
+        Field::new("law", names, Presence::Required, "the equation of state")
+            .example("\"mie_gruneisen\""),
+    ];
+    let section = Section::new(name, "Pressure over volume and temperature.", fields);
+    law.map_or(section.clone(), |law| section.with_parameters(law.parameters))
 }
 
 /// `[effects]`: a table for each effect that acts.

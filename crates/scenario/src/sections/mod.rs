@@ -13,7 +13,7 @@ pub(crate) use cut::{
     boundaries, compliance, compliance_of, passes, process, run_out, tool, workpiece,
 };
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
-pub(crate) use material::{effect, effects, flow_stress, friction, material};
+pub(crate) use material::{effect, effects, equation_of_state, flow_stress, friction, material};
 pub(crate) use tool_heat::{coating, tool_heat};
 
 use crate::section::{Field, Kind, Presence, Section};
@@ -371,6 +371,8 @@ mod tests {
         sections.extend(VELOCITY_FIELDS.iter().map(|field| velocity(field)));
         sections.extend(HEAT_SOURCE_FORMS.iter().map(|form| heat_source(form)));
         sections.extend(flow_stress_laws::LAWS.iter().map(|law| flow_stress("flow", Some(law))));
+        let states = sphcut_physics::equation_of_state::LAWS.iter();
+        sections.extend(states.map(|law| equation_of_state("state", Some(law))));
         sections.extend(sphcut_physics::effects::EFFECTS.iter().map(|effect| self::effect(effect)));
         sections.extend(friction_laws::LAWS.iter().map(|law| friction("friction", Some(law))));
         sections

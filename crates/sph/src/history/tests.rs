@@ -2,12 +2,14 @@
 //! triaxiality.
 
 use super::*;
+use crate::equation_of_state::Elasticity;
 use approx::assert_relative_eq;
 use sphcut_physics::Values;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::{self, FlowStressModel};
 
 const MODULI: ElasticModuli = ElasticModuli { bulk: 160e9, shear: 80e9 };
+static ELASTICITY: Elasticity = Elasticity { moduli: MODULI, equation_of_state: None };
 const YIELD: f64 = 400e6;
 
 fn perfectly_plastic() -> Box<dyn FlowStressModel> {
@@ -18,7 +20,7 @@ fn perfectly_plastic() -> Box<dyn FlowStressModel> {
 
 fn context<'a>(law: &'a dyn FlowStressModel, memory: &'a Memory) -> UpdateContext<'a> {
     UpdateContext {
-        moduli: MODULI,
+        elasticity: &ELASTICITY,
         law,
         time_step: 1e-6,
         heating: 0.0,

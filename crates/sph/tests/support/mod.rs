@@ -37,6 +37,7 @@ fn steel() -> Material {
         specific_heat: 486.0,
         thermal_conductivity: 50.7,
         tables: TemperatureTables::default(),
+        equation_of_state: None,
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &values).unwrap(),
     }
