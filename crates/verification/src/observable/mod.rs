@@ -24,6 +24,7 @@ mod moving_source;
 mod oscillation;
 mod pressed_cylinder;
 mod restitution;
+mod shock;
 mod springback;
 mod steps;
 mod stress;
@@ -122,6 +123,10 @@ pub const ALL: &[&Observable] = &[
     &pressed_cylinder::CYLINDER_SIDE_RATIO,
     &restitution::RESTITUTION,
     &restitution::REBOUND,
+    &shock::SHOCK_SPEED,
+    &shock::SHOCKED_PRESSURE,
+    &shock::SHOCKED_TEMPERATURE,
+    &shock::SHOCKED_DENSITY,
     &springback::PLASTIC_PRESSURE_RATIO,
     &springback::SPRINGBACK_RATIO,
     &springback::SURFACE_SPRINGBACK_ERROR,
