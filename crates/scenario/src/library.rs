@@ -11,15 +11,18 @@ macro_rules! materials {
 
 materials![
     "aisi1045_jaspers",
+    "aisi1045_mie_gruneisen",
     "aisi1045_table5",
     "aisi1045_temperature_dependent",
     "en_aw_6262a_t8",
+    "en_aw_6262a_t8_mie_gruneisen",
     "en_aw_6262a_t8_temperature_dependent",
     "ofhc_copper_johnson_cook",
     "ofhc_copper_linear",
     "ti6al4v_calamaz",
     "ti6al4v_johnson_1985",
     "ti6al4v_klippel_2026",
+    "ti6al4v_mie_gruneisen",
     "ti6al4v_seo_2005",
     "ti6al4v_sima_ozel",
     "ti6al4v_temperature_dependent",
