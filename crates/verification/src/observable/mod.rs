@@ -17,6 +17,7 @@ mod fragments;
 mod friction;
 mod hertz;
 mod indentation;
+mod indented_surface;
 mod kernel;
 mod mean_force;
 mod momentum;
@@ -104,6 +105,10 @@ pub const ALL: &[&Observable] = &[
     &hertz::HERTZ_PRESSURE_RATIO,
     &hertz::HERTZ_STRESS_RATIO,
     &indentation::PRANDTL_RATIO,
+    &indented_surface::DENT_RECOVERY_ERROR,
+    &indented_surface::DENT_RECOVERY_RATIO,
+    &indented_surface::DENT_RIM_ERROR,
+    &indented_surface::DENT_REVERSE_FLOW,
     &kernel::KERNEL_INTEGRAL,
     &kernel::KERNEL_DERIVATIVE_ERROR,
     &kernel::KERNEL_OUTSIDE,

@@ -74,29 +74,29 @@ pub(super) const CYLINDER_CROWN_RATIO: Observable = Observable {
 };
 
 /// A recovery beside its exact value, in m.
-struct Recovery {
-    found: f64,
-    exact: f64,
+pub(super) struct Recovery {
+    pub(super) found: f64,
+    pub(super) exact: f64,
 }
 
 impl Recovery {
-    fn error(&self, evidence: &Evidence) -> f64 {
+    pub(super) fn error(&self, evidence: &Evidence) -> f64 {
         (self.found - self.exact) / evidence.setup.particle_spacing
     }
 
-    fn ratio(&self) -> f64 {
+    pub(super) fn ratio(&self) -> f64 {
         self.found / self.exact
     }
 }
 
 /// Snapshots under load and after release.
-struct Phases<'a> {
-    loaded: Vec<&'a Snapshot>,
-    free: Vec<&'a Snapshot>,
+pub(super) struct Phases<'a> {
+    pub(super) loaded: Vec<&'a Snapshot>,
+    pub(super) free: Vec<&'a Snapshot>,
 }
 
 impl<'a> Phases<'a> {
-    fn of(evidence: &'a Evidence, arguments: &Arguments) -> Result<Self, String> {
+    pub(super) fn of(evidence: &'a Evidence, arguments: &Arguments) -> Result<Self, String> {
         let hold = arguments.get("loaded_from")..=arguments.get("loaded_to");
         let released = arguments.get("released");
         let of = |wanted: &dyn Fn(f64) -> bool| -> Vec<&Snapshot> {
@@ -110,13 +110,13 @@ impl<'a> Phases<'a> {
         let touches =
             |snapshot: &&&Snapshot| snapshot.contact_force.iter().any(|force| force[1] != 0.0);
         if let Some(snapshot) = phases.free.iter().find(touches) {
-            return Err(format!("the cylinder still touches at {} s", snapshot.time));
+            return Err(format!("it still touches at {} s", snapshot.time));
         }
         Ok(phases)
     }
 }
 
-fn mean(snapshots: &[&Snapshot], value: impl Fn(&Snapshot) -> f64) -> f64 {
+pub(super) fn mean(snapshots: &[&Snapshot], value: impl Fn(&Snapshot) -> f64) -> f64 {
     snapshots.iter().map(|snapshot| value(snapshot)).sum::<f64>() / snapshots.len() as f64
 }
 
@@ -126,7 +126,7 @@ fn force(snapshot: &Snapshot) -> f64 {
 }
 
 /// 1 / E' = (3 K + 4 G) / (4 G (3 K + G)).
-fn compliance(moduli: &ElasticModuli) -> f64 {
+pub(super) fn compliance(moduli: &ElasticModuli) -> f64 {
     let (bulk, shear) = (3.0 * moduli.bulk, moduli.shear);
     (bulk + 4.0 * shear) / (4.0 * shear * (bulk + shear))
 }
@@ -166,7 +166,7 @@ fn half_widening(moduli: &ElasticModuli, place: f64) -> f64 {
 }
 
 /// Particles that the wall touches at some time under load.
-fn touched(phases: &Phases<'_>) -> Result<Vec<usize>, String> {
+pub(super) fn touched(phases: &Phases<'_>) -> Result<Vec<usize>, String> {
     let snapshots = &phases.loaded;
     let touched: Vec<usize> = (0..snapshots[0].position.len())
         .filter(|&i| snapshots.iter().any(|snapshot| snapshot.contact_force[i][1] != 0.0))
@@ -249,7 +249,7 @@ fn mean_logarithm(snapshot: &Snapshot, touched: &[usize], spacing: f64) -> f64 {
 
 /// Mean of ln |t + u - u'| over two cells of width 1, t apart: the second difference of
 /// `F(t) = t^2 (ln |t| / 2 - 3/4)`, whose second derivative is ln |t|.
-fn logarithm_of_cells(apart: f64) -> f64 {
+pub(super) fn logarithm_of_cells(apart: f64) -> f64 {
     let integral = |t: f64| if t == 0.0 { 0.0 } else { t * t * (0.5 * t.abs().ln() - 0.75) };
     integral(apart + 1.0) - 2.0 * integral(apart) + integral(apart - 1.0)
 }
