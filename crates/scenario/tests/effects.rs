@@ -370,3 +370,24 @@ fn thermal_pressure_expands_the_hot_chip_and_hardly_changes_the_forces() {
     // Thermal pressure is hydrostatic: the flow stress does not see it, the contact does.
     assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
 }
+
+#[test]
+fn strain_gradients_raise_the_specific_cutting_force_of_thin_chips_more() {
+    let gradient = with("strain_gradient");
+    gradient.books_close();
+    // Four times the coefficient of the example, so that the mean of five coarse cuts, good to 1 %, can tell. The
+    // strain rises by 1 to 2 over two or three spacings of 33 um: 4 x 7.2e12 Pa^2 m x 1.5e4 1/m = (0.66 GPa)^2 beside
+    // some (1 GPa)^2, 20 % in the middle of the shear zone and less about it.
+    let effect = table(find("strain_gradient").unwrap(), &[("taylor_coefficient", 1.0)]);
+    let ratio = force_ratio_over_lattices(CUT, &effect);
+    assert!(ratio > 1.04 && ratio < 1.2, "{ratio}");
+    // The same cut at half the size: twice the gradient.
+    let changes = [
+        ("uncut_chip_thickness = \"0.1 mm\"", "uncut_chip_thickness = \"0.05 mm\""),
+        ("edge_radius = \"20 um\"", "edge_radius = \"10 um\""),
+        ("travel = \"0.3 mm\"", "travel = \"0.15 mm\""),
+        ("sampling_travel = \"4 um\"", "sampling_travel = \"2 um\""),
+    ];
+    let thin = force_ratio_over_lattices(&changed(&changes), &effect);
+    assert!(thin > ratio + 0.02, "{thin} {ratio}");
+}

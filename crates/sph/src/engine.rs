@@ -384,6 +384,7 @@ impl<const D: usize> Engine<D> {
         self.kick_and_drift(0.5 * dt, 0.0);
         passed(Stage::Motion);
         self.diffuse_density_when_due(dt);
+        self.renew_strain_gradients_when_due();
         self.conduct_when_due(dt);
         self.heat_tool_when_due(dt);
         passed(Stage::Diffusion);

@@ -1,7 +1,8 @@
-//! What effects with memory know of a particle: back stress and damage, and the return to the yield
-//! surface with them.
+//! What effects with memory know of a particle: back stress, damage and the gradient of its plastic
+//! strain, and the return to the yield surface with them.
 //!
-//! The back stress X moves the yield surface, and damage scales the flow stress by `s <= 1`:
+//! The back stress X moves the yield surface; damage and the strain gradient scale the flow stress by `s`
+//! (that of the gradient belongs to the flow stress at the beginning of the step):
 //! ```text
 //! S_1 = S_trial - 2 G de_p,   X_1 = (X_0 + 2/3 C de_p) / (1 + g d),   |S_1 - X_1|_eq = s sigma_y
 //! ```
@@ -17,7 +18,10 @@
 use crate::material_point::{MaterialPoint, UpdateContext};
 use crate::setup::Setup;
 use crate::tensor::{Matrix, rotated, sum_scaled, zero};
-use sphcut_physics::effects::{Damage, KinematicHardening, damage, kinematic_hardening};
+use sphcut_physics::effects::{
+    Damage, KinematicHardening, StrainGradient, damage, kinematic_hardening, strain_gradient,
+};
+use sphcut_physics::flow_stress::FlowState;
 use sphcut_physics::radial_return::{Returned, TrialState};
 
 /// Relative change of the increment at which the rounds end.
@@ -30,6 +34,7 @@ const MOST_ROUNDS: usize = 100;
 pub(crate) struct Memory {
     hardening: Option<KinematicHardening>,
     damage: Option<Damage>,
+    gradient: Option<StrainGradient>,
     /// Length over which a band localises: the particle spacing in m.
     length: f64,
 }
@@ -40,13 +45,19 @@ impl Memory {
         Self {
             hardening: kinematic_hardening(&setup.effects),
             damage: damage(&setup.effects),
+            gradient: strain_gradient(&setup.effects),
             length: setup.particle_spacing,
         }
     }
 
     /// Whether there is anything to remember.
     pub(crate) fn is_needed(&self) -> bool {
-        self.hardening.is_some() || self.damage.is_some()
+        self.hardening.is_some() || self.damage.is_some() || self.gradient.is_some()
+    }
+
+    /// Whether it depends on the gradient of the plastic strain.
+    pub(crate) fn needs_strain_gradient(&self) -> bool {
+        self.gradient.is_some()
     }
 
     fn strength(&self, softening: f64) -> f64 {
@@ -63,11 +74,13 @@ pub(crate) struct History<const D: usize> {
     pub(crate) damage: f64,
     /// w, from 0 to 1: share of the strength that failure has taken.
     pub(crate) softening: f64,
+    /// |grad eps_p| in 1/m.
+    pub(crate) strain_gradient: f64,
 }
 
 impl<const D: usize> Default for History<D> {
     fn default() -> Self {
-        Self { back_stress: zero(), damage: 0.0, softening: 0.0 }
+        Self { back_stress: zero(), damage: 0.0, softening: 0.0, strain_gradient: 0.0 }
     }
 }
 
@@ -80,7 +93,7 @@ impl<const D: usize> History<D> {
     /// All numbers, for the checkpoint.
     pub(crate) fn to_vec(self) -> Vec<f64> {
         let mut values: Vec<f64> = self.back_stress.iter().flatten().copied().collect();
-        values.extend([self.damage, self.softening]);
+        values.extend([self.damage, self.softening, self.strain_gradient]);
         values
     }
 
@@ -92,6 +105,7 @@ impl<const D: usize> History<D> {
             }),
             damage: values[D * D],
             softening: values[D * D + 1],
+            strain_gradient: values[D * D + 2],
         }
     }
 
@@ -119,7 +133,7 @@ impl<const D: usize> MaterialPoint<D> {
         past: &mut History<D>,
     ) -> f64 {
         let memory = context.memory;
-        let strength = memory.strength(past.softening);
+        let strength = memory.strength(past.softening) * self.gradient_strength(context, past);
         let (direction, remaining, returned) = match &memory.hardening {
             None => {
                 let state = self.trial_state(self.equivalent(trial), context);
@@ -151,6 +165,17 @@ impl<const D: usize> MaterialPoint<D> {
             past.wear(memory, increment, state);
         }
         increment
+    }
+
+    /// Factor of the strain gradient on the flow stress at the beginning of the step.
+    fn gradient_strength(&self, context: &UpdateContext, past: &History<D>) -> f64 {
+        let Some(law) = &context.memory.gradient else { return 1.0 };
+        let base = context.law.flow_stress(&FlowState {
+            plastic_strain: self.plastic_strain,
+            plastic_strain_rate: self.plastic_strain_rate,
+            temperature: self.temperature,
+        });
+        law.strength(past.strain_gradient, base)
     }
 
     /// Z, r and the return along Z.

@@ -26,6 +26,7 @@ mod refresh;
 pub mod setup;
 mod simulation;
 mod stage;
+mod strain_gradient;
 mod strangers;
 mod support_shape;
 mod supports;

@@ -10,6 +10,7 @@ mod kinematic_hardening;
 mod plastic_heat;
 mod size_effect;
 mod strain_ageing;
+mod strain_gradient;
 mod tanh_softening;
 mod viscous_drag;
 
@@ -18,6 +19,7 @@ pub use kinematic_hardening::KinematicHardening;
 pub use plastic_heat::PlasticHeat;
 pub use size_effect::SizeEffect;
 pub use strain_ageing::StrainAgeing;
+pub use strain_gradient::StrainGradient;
 pub use viscous_drag::ViscousDrag;
 
 use crate::flow_stress::{FlowState, FlowStressLaw, FlowStressModel};
@@ -71,6 +73,8 @@ pub enum Action {
     PlasticHeat(fn(&Values) -> Box<dyn HeatShare>),
     /// Gives every particle a back stress.
     KinematicHardening(fn(&Values) -> KinematicHardening),
+    /// Raises the flow stress where the plastic strain changes within a short distance.
+    StrainGradient(fn(&Values) -> StrainGradient),
     /// Lets every particle fail.
     Damage(fn(&Values) -> Damage),
 }
@@ -102,6 +106,7 @@ pub const EFFECTS: &[&EffectEntry] = &[
     &tanh_softening::ENTRY,
     &plastic_heat::ENTRY,
     &kinematic_hardening::ENTRY,
+    &strain_gradient::ENTRY,
     &damage::ENTRY,
 ];
 
@@ -138,6 +143,15 @@ pub fn heat_share(effects: &[ChosenEffect]) -> Option<Box<dyn HeatShare>> {
 pub fn kinematic_hardening(effects: &[ChosenEffect]) -> Option<KinematicHardening> {
     effects.iter().find_map(|effect| match effect.entry.action {
         Action::KinematicHardening(build) => Some(build(&effect.values)),
+        _ => None,
+    })
+}
+
+/// The hardening by strain gradients, if there is one.
+#[must_use]
+pub fn strain_gradient(effects: &[ChosenEffect]) -> Option<StrainGradient> {
+    effects.iter().find_map(|effect| match effect.entry.action {
+        Action::StrainGradient(build) => Some(build(&effect.values)),
         _ => None,
     })
 }

@@ -16,8 +16,8 @@ use crate::{Parameter, Quantity, Range};
 ///
 /// Limits: one L for the whole workpiece, so the secondary zone and the ploughed layer are raised as
 /// much as the primary zone; the shear angle is an input and does not follow the simulated chip; l is
-/// a constant, whereas it would grow as the material softens. The local gradient that the particles
-/// carry is not used: at the edge it grows without bound as the spacing is refined.
+/// a constant, whereas it would grow as the material softens. [`super::StrainGradient`] takes the local
+/// gradient that the particles carry instead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SizeEffect {
     /// sqrt(1 + l/L).
