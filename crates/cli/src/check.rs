@@ -172,16 +172,22 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize) -> String {
 
 /// The mesh of a tool that conducts heat.
 fn tool_mesh(mesh: &ToolMeshFacts) -> String {
+    let (inside, coating) = match mesh.dimension {
+        3 => ("tetrahedra", "prisms"),
+        _ => ("triangles", "triangles"),
+    };
+    let elements =
+        if mesh.dimension == 3 { mesh.elements - mesh.coating_elements } else { mesh.elements };
     let mut page = format!(
-        "  heat in the tool: {} triangles with {} nodes, steps of {:.3e} s\n",
-        text::grouped(mesh.elements as u64),
+        "  heat in the tool: {} {inside} with {} nodes, steps of {:.3e} s\n",
+        text::grouped(elements as u64),
         text::grouped(mesh.nodes as u64),
         mesh.time_step
     );
     if mesh.coating_layers > 0 {
         let _ = writeln!(
             page,
-            "  coating of {} um: {} triangles in {} layers",
+            "  coating of {} um: {} {coating} in {} layers",
             text::number(mesh.coating_thickness * 1e6),
             text::grouped(mesh.coating_elements as u64),
             mesh.coating_layers

@@ -492,7 +492,8 @@ impl Cut {
                 let local: Vec<[f64; 2]> =
                     polygon.iter().map(|point| [point[0] + shift, point[1]]).collect();
                 let heat = self.tool.heat.as_ref();
-                let heat = heat.map(|heat| self.placed_heat(heat, shift, polygon.len()));
+                let side = |side: usize| placement.side(side, polygon.len());
+                let heat = heat.map(|heat| self.placed_heat(heat, [shift, 0.0, 0.0], side));
                 (ToolSurface::Polygon(placement.polygon(&local)), heat)
             }
             ToolBody::Solid((vertices, triangles)) => {
@@ -500,7 +501,9 @@ impl Cut {
                 let tip = self.tip();
                 let local = vertices.iter().map(|[x, y, z]| [x + shift, *y, z + tip]).collect();
                 let (vertices, triangles) = placement.surface(&(local, triangles.clone()));
-                (ToolSurface::Triangles { vertices, triangles }, None)
+                let heat = self.tool.heat.as_ref();
+                let heat = heat.map(|heat| self.placed_heat(heat, [shift, 0.0, tip], |side| side));
+                (ToolSurface::Triangles { vertices, triangles }, heat)
             }
         };
         Tool {
@@ -514,13 +517,17 @@ impl Cut {
         }
     }
 
-    fn placed_heat(&self, heat: &ToolHeat, shift: f64, count: usize) -> ToolHeat {
-        let placement = self.process.placement;
-        let [x, y] = heat.fine_centre;
-        let centre = placement.vector([x + shift, y, 0.0]);
+    /// Moved and placed like the tool; `side` tells where each of its sides is then.
+    fn placed_heat(
+        &self,
+        heat: &ToolHeat,
+        shift: Vector,
+        side: impl Fn(usize) -> usize,
+    ) -> ToolHeat {
+        let centre = std::array::from_fn(|axis| heat.fine_centre[axis] + shift[axis]);
         ToolHeat {
-            fine_centre: [centre[0], centre[1]],
-            outer_sides: heat.outer_sides.iter().map(|side| placement.side(*side, count)).collect(),
+            fine_centre: self.process.placement.vector(centre),
+            outer_sides: heat.outer_sides.iter().map(|known| side(*known)).collect(),
             ..heat.clone()
         }
     }

@@ -80,12 +80,20 @@ pub(crate) fn tool(
             "is there in plane cuts only, this is turning",
             "remove it: machine and spindle are rigid",
         );
-        let surface = turning_tool::surface(findings, &record, surroundings, process, sizes, width);
+        let turned = turning_tool::turned(findings, &record, surroundings, process, sizes, width)?;
+        let around = tool_heat::Surroundings {
+            centre: lowest_point(&turned.surface.0),
+            shape: tool_heat::Shape::Surface(&turned.surface),
+            outer_sides: turned.cut_off,
+            fine_reach: turned.reach,
+            particle_spacing: sizes?.0,
+        };
+        let heat = tool_heat::tool_heat(findings, &record, &around)?;
         return Some(ToolShape {
             edge_radius,
-            body: ToolBody::Solid(surface?),
+            body: ToolBody::Solid(turned.surface),
             friction: friction?,
-            heat: None,
+            heat,
             machine: Machine::default(),
             notes: Vec::new(),
         });
@@ -118,7 +126,7 @@ pub(crate) fn tool(
 }
 
 /// Uncut chip thicknesses from the edge within which a chip touches the rake face.
-const LONGEST_CONTACT: f64 = 5.0;
+pub(crate) const LONGEST_CONTACT: f64 = 5.0;
 
 /// What the heat of the tool needs to know of its shape.
 fn heat_surroundings<'a>(
@@ -134,14 +142,19 @@ fn heat_surroundings<'a>(
     let count = polygon.len();
     let reach = LONGEST_CONTACT * process.depth;
     tool_heat::Surroundings {
-        polygon: Some(polygon),
-        centre: [foremost, lowest],
+        shape: tool_heat::Shape::Outline(polygon),
+        centre: [foremost, lowest, 0.0],
         // The corners of a tool of angles end with those of rake face, back and flank.
         outer_sides: whole.is_none().then(|| vec![count - 3, count - 2]),
         fine_reach: reach + record.number("edge_radius").unwrap_or(0.0),
         particle_spacing,
-        dimension: 2,
     }
+}
+
+/// The foremost of the lowest vertices.
+fn lowest_point(vertices: &[[f64; 3]]) -> [f64; 3] {
+    let by_place = |a: &&[f64; 3], b: &&[f64; 3]| a[1].total_cmp(&b[1]).then(b[0].total_cmp(&a[0]));
+    *vertices.iter().min_by(by_place).expect("a surface has vertices")
 }
 
 /// The tool of plane faces and a rounded edge.

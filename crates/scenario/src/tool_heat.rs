@@ -1,6 +1,7 @@
 //! `[tool.heat]` and `[wall.heat]`: heat in the tool.
 
 use crate::findings::Findings;
+use crate::mesh::{Surface, triangle_distance};
 use crate::problem::Mistake;
 use crate::reader;
 use crate::record::Record;
@@ -9,18 +10,26 @@ use crate::tool_geometry::point_distance;
 use sphcut_physics::{Quantity, TemperatureTable};
 use sphcut_sph::setup::{Coating, OuterBoundary, ROOM_TEMPERATURE, ThermalMaterial, ToolHeat};
 
+/// The surface of a tool.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Shape<'a> {
+    /// In the plane, counter-clockwise.
+    Outline(&'a [[f64; 2]]),
+    /// In space, closed.
+    Surface(&'a Surface),
+    HalfSpace,
+}
+
 /// What of the tool is known where its heat is read.
 pub(crate) struct Surroundings<'a> {
-    /// The outline, counter-clockwise; `None` where the tool has none.
-    pub(crate) polygon: Option<&'a [[f64; 2]]>,
+    pub(crate) shape: Shape<'a>,
     /// The cutting edge, or the point of a wall.
-    pub(crate) centre: [f64; 2],
+    pub(crate) centre: [f64; 3],
     /// Sides at which the tool is cut off, where its shape says so.
     pub(crate) outer_sides: Option<Vec<usize>>,
     /// Without the key, in m.
     pub(crate) fine_reach: f64,
     pub(crate) particle_spacing: f64,
-    pub(crate) dimension: usize,
 }
 
 /// `heat` of `owner`: `Some(None)` where it is not written, `None` after a mistake.
@@ -34,19 +43,13 @@ pub(crate) fn tool_heat(
     let record = reader::read(findings, &owner.source, table, &sections::tool_heat(&name), 2);
     let coating = coating(findings, &record);
     let outer = outer(findings, &record);
-    let refusal = match around {
-        Surroundings { dimension: 3, .. } => Some((
-            "heat in a tool is computed in the plane only: not with dimension = 3",
-            "remove this table: the tool then takes no heat",
-        )),
-        Surroundings { polygon: None, .. } => Some((
-            "a half space has no mesh to conduct heat in",
-            "give the wall a `mesh_file`, for example a rectangle as a Gmsh line loop",
-        )),
-        _ => None,
-    };
-    if let Some((message, help)) = refusal {
-        let mistake = Mistake::Contradiction { message: message.to_owned(), help: help.to_owned() };
+    if matches!(around.shape, Shape::HalfSpace) {
+        let mistake = Mistake::Contradiction {
+            message: "a half space has no mesh to conduct heat in".to_owned(),
+            help: "give the wall a `mesh_file`: in the plane for example a rectangle as a Gmsh line loop, in space \
+                   a closed surface"
+                .to_owned(),
+        };
         findings.problem(&record.source, record.heading.clone(), mistake);
         return None;
     }
@@ -151,7 +154,6 @@ fn outer_sides(
     around: &Surroundings<'_>,
     outer: OuterBoundary,
 ) -> Option<Vec<usize>> {
-    let polygon = around.polygon?;
     if !record.is_written("outer_distance") {
         if let Some(known) = &around.outer_sides {
             return Some(known.clone());
@@ -165,11 +167,10 @@ fn outer_sides(
         return None;
     }
     let distance = record.number("outer_distance")?;
-    let next = |side: usize| polygon[(side + 1) % polygon.len()];
-    let away = |side: usize| point_distance(around.centre, (polygon[side], next(side)));
-    let sides: Vec<usize> = (0..polygon.len()).filter(|side| away(*side) >= distance).collect();
+    let away = distances(around);
+    let sides: Vec<usize> = (0..away.len()).filter(|side| away[*side] >= distance).collect();
     if sides.is_empty() && outer != OuterBoundary::Adiabatic {
-        let farthest = (0..polygon.len()).map(away).fold(0.0, f64::max);
+        let farthest = away.iter().copied().fold(0.0, f64::max);
         let mistake = Mistake::Contradiction {
             message: format!(
                 "no side of the tool lies as far away as outer_distance: the farthest is {} mm away",
@@ -180,5 +181,30 @@ fn outer_sides(
         findings.problem(&record.source, record.span("outer_distance"), mistake);
         return None;
     }
+    if sides.len() == away.len() {
+        let mistake = Mistake::Contradiction {
+            message: "all sides of the tool lie farther away than outer_distance: none is left to be touched"
+                .to_owned(),
+            help: "choose a larger distance".to_owned(),
+        };
+        findings.problem(&record.source, record.span("outer_distance"), mistake);
+        return None;
+    }
     Some(sides)
+}
+
+/// How far each side of the tool is from its cutting edge.
+fn distances(around: &Surroundings<'_>) -> Vec<f64> {
+    match around.shape {
+        Shape::Outline(polygon) => {
+            let [x, y, _] = around.centre;
+            let side = |k: usize| (polygon[k], polygon[(k + 1) % polygon.len()]);
+            (0..polygon.len()).map(|k| point_distance([x, y], side(k))).collect()
+        }
+        Shape::Surface((vertices, triangles)) => triangles
+            .iter()
+            .map(|triangle| triangle_distance(&around.centre, &triangle.map(|v| vertices[v])))
+            .collect(),
+        Shape::HalfSpace => Vec::new(),
+    }
 }

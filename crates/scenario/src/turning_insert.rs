@@ -37,8 +37,11 @@ const FIRST_PIECE: f64 = 5.0;
 const GROWTH: f64 = 1.5;
 /// Fewest chords of the rounded edge on each side of its lowest line.
 const FEWEST_CHORDS: usize = 4;
-/// Body behind the rake face where that is thinnest, in nose radii.
-const BODY: f64 = 0.5;
+/// Body behind the rake face where that is thinnest, in nose radii: of a tool that takes no heat.
+pub(crate) const BODY: f64 = 0.5;
+/// The same where heat is conducted into it, as long as the flanks leave this share of the nose at the back.
+const HEATED_BODY: f64 = 2.5;
+const LEFT_AT_BACK: f64 = 0.25;
 
 type Vector = [f64; 3];
 
@@ -63,6 +66,8 @@ pub struct InsertGeometry {
     pub edge_length: f64,
     /// Initial particle spacing: arcs are resolved well below it.
     pub particle_spacing: f64,
+    /// Depth of the body behind the rake face where that is thinnest.
+    pub body: f64,
 }
 
 /// A place on the outline: the normal angle t and the centre of the arc it belongs to.
@@ -80,8 +85,36 @@ impl InsertGeometry {
 
     /// How far the rake face leans back over the height of the insert, and a body behind that.
     fn length(&self) -> f64 {
-        let height = 2.0 * (self.nose_radius + self.edge_length);
-        BODY * self.nose_radius + height * self.rake_angle.tan().abs()
+        self.body + self.lean()
+    }
+
+    fn lean(&self) -> f64 {
+        2.0 * (self.nose_radius + self.edge_length) * self.rake_angle.tan().abs()
+    }
+
+    /// The same insert with a body as deep as heat wants it, as far as the flanks allow.
+    #[must_use]
+    pub fn deepened(self) -> Self {
+        let room = (1.0 - LEFT_AT_BACK) * (self.nose_radius - self.edge_radius);
+        let longest = room / self.clearance_angle.tan() - self.lean();
+        Self { body: longest.min(HEATED_BODY * self.nose_radius).max(self.body), ..self }
+    }
+
+    /// The facets of [`InsertGeometry::surface`] where a real insert goes on: the back face, and the flanks
+    /// beyond the straight edges.
+    #[must_use]
+    pub fn cut_off(&self, (vertices, triangles): &Surface) -> Vec<usize> {
+        let count = self.stations().len();
+        let [side, front] = self.fine_stations();
+        let back = -self.length();
+        let is_beyond = |vertex: usize| (side..=front).contains(&(vertex % count));
+        let rake = vertices.len() - count;
+        let is_cut_off = |triangle: &[usize; 3]| {
+            triangle.iter().all(|vertex| vertices[*vertex][0] == back)
+                || (triangle.iter().all(|vertex| is_beyond(*vertex))
+                    && triangle.iter().any(|vertex| *vertex < rake))
+        };
+        (0..triangles.len()).filter(|index| is_cut_off(&triangles[*index])).collect()
     }
 
     /// Radius of the corners at the back, where the flanks have drawn in.

@@ -6,9 +6,9 @@ use crate::findings::Findings;
 use crate::mesh::{Mesh, Surface};
 use crate::problem::Mistake;
 use crate::record::Record;
-use crate::tool::{face_length, read_mesh, refuse_keys, require};
+use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, refuse_keys, require};
 use crate::tool_shapes;
-use crate::turning_insert::InsertGeometry;
+use crate::turning_insert::{BODY, InsertGeometry};
 use crate::units::significant;
 
 /// Its keys beside those of a plane tool.
@@ -16,17 +16,26 @@ pub(crate) const KEYS: [&str; 3] =
     ["nose_radius", "side_cutting_edge_angle", "front_cutting_edge_angle"];
 const ANGLES: [&str; 2] = ["rake_angle", "clearance_angle"];
 
-/// The closed surface of the tool with its lowest point at (x, -depth of cut, 0). `sizes`: particle
-/// spacing and travel; `width`: that of the workpiece.
-pub(crate) fn surface(
+/// A tool in space.
+pub(crate) struct Turned {
+    /// Closed, its lowest point at (x, -depth of cut, 0).
+    pub(crate) surface: Surface,
+    /// Facets at which it is cut off, where its shape says so.
+    pub(crate) cut_off: Option<Vec<usize>>,
+    /// How far from its lowest point it can be touched, roughly, in m.
+    pub(crate) reach: f64,
+}
+
+/// The tool of turning. `sizes`: particle spacing and travel; `width`: that of the workpiece.
+pub(crate) fn turned(
     findings: &mut Findings,
     record: &Record<'_>,
     surroundings: &Surroundings,
     process: Option<Process>,
     sizes: Option<(f64, f64)>,
     width: Option<f64>,
-) -> Option<Surface> {
-    let plane = ["outline", "heat"].into_iter().chain(tool_shapes::KEYS);
+) -> Option<Turned> {
+    let plane = ["outline"].into_iter().chain(tool_shapes::KEYS);
     let before = findings.problems.len();
     refuse_keys(
         findings,
@@ -45,7 +54,13 @@ pub(crate) fn surface(
             "keep one of them; edge_radius may stay, for reports",
         );
         let read = read_mesh(findings, record, surroundings, Mesh::closed_surface);
-        return Some(at_depth(read?, process?.depth)).filter(|_| findings.problems.len() == before);
+        let depth = process?.depth;
+        let turned = Turned {
+            surface: at_depth(read?, depth),
+            cut_off: None,
+            reach: LONGEST_CONTACT * depth + record.number("edge_radius").unwrap_or(0.0),
+        };
+        return Some(turned).filter(|_| findings.problems.len() == before);
     }
     let needed: Vec<&str> = ANGLES.into_iter().chain(["edge_radius"]).chain(KEYS).collect();
     require(findings, record, &needed);
@@ -64,9 +79,19 @@ pub(crate) fn surface(
         // Beyond both sides of the workpiece, and as high as a straight chip.
         edge_length: (2.0 * width?).max(face_length(depth_of_cut, travel, edge_radius)),
         particle_spacing,
+        body: BODY * nose_radius,
     };
     check(findings, record, &insert)?;
-    (findings.problems.len() == before).then(|| insert.surface())
+    let insert = if record.table("heat").is_some() { insert.deepened() } else { insert };
+    let surface = insert.surface();
+    // The ends of the edge in the first groove, or the end of the contact on the rake face.
+    let groove = (2.0 * nose_radius * depth_of_cut).sqrt() + 2.0 * depth_of_cut;
+    let turned = Turned {
+        cut_off: Some(insert.cut_off(&surface)),
+        surface,
+        reach: groove.max(LONGEST_CONTACT * depth_of_cut) + edge_radius,
+    };
+    (findings.problems.len() == before).then_some(turned)
 }
 
 /// Angles and radii that leave no body.

@@ -39,16 +39,22 @@ pub(crate) fn wall(
     let (friction, friction_values) = friction?;
     let surface = surface?;
     let point = record.vector("point")?;
+    let solid = match &surface {
+        ToolSurface::Triangles { vertices, triangles } => {
+            Some((vertices.clone(), triangles.clone()))
+        }
+        _ => None,
+    };
     let around = tool_heat::Surroundings {
-        polygon: match &surface {
-            ToolSurface::Polygon(corners) => Some(corners),
-            _ => None,
+        shape: match (&surface, &solid) {
+            (ToolSurface::Polygon(corners), _) => tool_heat::Shape::Outline(corners),
+            (_, Some(solid)) => tool_heat::Shape::Surface(solid),
+            _ => tool_heat::Shape::HalfSpace,
         },
-        centre: [point[0], point[1]],
+        centre: point,
         outer_sides: None,
         fine_reach: f64::INFINITY,
         particle_spacing: particle_spacing?,
-        dimension,
     };
     let heat = tool_heat::tool_heat(findings, &record, &around)?;
     Some(Some(Tool {

@@ -13,7 +13,7 @@ use crate::setup::{Tool, ToolSurface, Vector as Vector3};
 use crate::tensor::Vector;
 use crate::tool_holder::ToolHolder;
 use crate::tool_motion::ToolMotion;
-use rstar::{AABB, RTree, RTreeObject};
+use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use sphcut_physics::friction::{ContactState, FrictionLaw};
 
 /// One flat piece of the tool's surface in the tool's own frame.
@@ -133,6 +133,23 @@ impl RTreeObject for IndexedFacet {
     }
 }
 
+impl PointDistance for IndexedFacet {
+    fn distance_2(&self, point: &Vector3) -> f64 {
+        let d = sub(point, &self.facet.closest(point));
+        dot3(&d, &d)
+    }
+}
+
+/// The nearest point of the surface with the facet it lies on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Foot {
+    /// Where it is.
+    pub(crate) place: Vector3,
+    /// Distance in m, negative inside the tool, and the normal there.
+    pub(crate) nearest: Nearest,
+    pub(crate) facet: u32,
+}
+
 impl Surface {
     /// From the description of the setup.
     ///
@@ -146,6 +163,16 @@ impl Surface {
                 vec![Facet { corners: [*point; 3], normal: *normal, kind: FacetKind::Plane }]
             }
         };
+        Ok(Self::of_facets(facets))
+    }
+
+    /// Without the facets marked; only distances from it mean something.
+    pub(crate) fn without(&self, is_left_out: &[bool]) -> Self {
+        let kept = self.facets.iter().zip(is_left_out).filter(|(_, left_out)| !**left_out);
+        Self::of_facets(kept.map(|(facet, _)| *facet).collect())
+    }
+
+    fn of_facets(facets: Vec<Facet>) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for facet in &facets {
             let envelope = facet.envelope();
@@ -159,7 +186,7 @@ impl Surface {
             .enumerate()
             .map(|(index, facet)| IndexedFacet { facet: *facet, index: index as u32 })
             .collect();
-        Ok(Self { facets, tree: RTree::bulk_load(indexed), low, high })
+        Self { facets, tree: RTree::bulk_load(indexed), low, high }
     }
 
     /// Whether `x` (tool frame) lies within `reach` of the surface's bounding box.
@@ -180,7 +207,26 @@ impl Surface {
 
     /// Nearest point among the facets listed.
     fn nearest_of(&self, x: &Vector3, facets: &[u32]) -> Option<Nearest> {
-        let mut best: Option<(f64, Vector3, &Facet)> = None;
+        self.foot_of(x, facets).map(|foot| foot.nearest)
+    }
+
+    /// Nearest point of the whole surface, found in its tree.
+    pub(crate) fn foot(&self, x: &Vector3) -> Foot {
+        let facet = self.tree.nearest_neighbor(x).expect("a surface has at least one facet");
+        // All that are as near but for rounding: they decide together on which side x lies.
+        let reach = (1.0 + 1e-9) * facet.distance_2(x).sqrt() + 1e-12;
+        let mut near = Vec::new();
+        self.facets_near(x, reach, &mut near);
+        self.foot_of(x, &near).expect("the nearest facet is among them")
+    }
+
+    /// Smallest and largest coordinates.
+    pub(crate) fn bounds(&self) -> [Vector3; 2] {
+        [self.low, self.high]
+    }
+
+    fn foot_of(&self, x: &Vector3, facets: &[u32]) -> Option<Foot> {
+        let mut best: Option<(f64, Vector3, u32)> = None;
         for &index in facets {
             let facet = &self.facets[index as usize];
             let d = sub(x, &facet.closest(x));
@@ -189,16 +235,18 @@ impl Surface {
             let better = match best {
                 None => true,
                 Some((least, previous, other)) => {
+                    let other = &self.facets[other as usize];
                     square < least * (1.0 - 1e-12)
                         || (square <= least * (1.0 + 1e-12)
                             && dot3(&d, &facet.normal).abs() > dot3(&previous, &other.normal).abs())
                 }
             };
             if better {
-                best = Some((square, d, facet));
+                best = Some((square, d, index));
             }
         }
-        best.map(|(square, d, facet)| {
+        best.map(|(square, d, index)| {
+            let facet = &self.facets[index as usize];
             let length = square.sqrt();
             let side = if dot3(&d, &facet.normal) >= 0.0 { 1.0 } else { -1.0 };
             // On the surface itself the direction of d is noise: take the facet's normal there.
@@ -207,7 +255,8 @@ impl Surface {
             } else {
                 facet.normal
             };
-            Nearest { distance: side * length, normal }
+            let nearest = Nearest { distance: side * length, normal };
+            Foot { place: sub(x, &d), nearest, facet: index }
         })
     }
 
@@ -400,6 +449,11 @@ impl<const D: usize> ToolContact<D> {
     pub(crate) fn displacement(&self, time: f64) -> Vector3 {
         let path = self.motion.displacement(time);
         if self.holder.acts() { sum(&path, &self.holder.displacement(time)) } else { path }
+    }
+
+    /// Speed along its path at `time`.
+    pub(crate) fn path_speed(&self, time: f64) -> f64 {
+        self.motion.speed(time)
     }
 
     /// Way of the tool from the last refresh at `start` to `end`, which is now.

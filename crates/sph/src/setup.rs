@@ -323,7 +323,7 @@ pub struct Tool {
     pub heat: Option<ToolHeat>,
 }
 
-/// Heat conduction in a tool whose surface is a polygon.
+/// Heat conduction in a tool whose surface is a polygon or closed triangles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToolHeat {
     /// What the tool is made of.
@@ -334,13 +334,13 @@ pub struct ToolHeat {
     pub temperature: f64,
     /// h_c between workpiece and tool in W/(m^2 K).
     pub contact_conductance: f64,
-    /// Sides where the model of the tool is cut off: side k leads from corner k to the next. They
-    /// carry no coating.
+    /// Sides where the model of the tool is cut off: side k leads from corner k to the next; of triangles
+    /// it is triangle k. They carry no coating.
     pub outer_sides: Vec<usize>,
     /// What holds on these sides; no heat passes the others outside the contact.
     pub outer: OuterBoundary,
     /// Point of the surface about which the mesh is fine.
-    pub fine_centre: [f64; 2],
+    pub fine_centre: Vector,
     /// Distance from it within which sides that can touch have elements of `element_size`, in m.
     pub fine_reach: f64,
     /// Length of the smallest elements in m.

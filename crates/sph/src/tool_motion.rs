@@ -46,6 +46,11 @@ impl ToolMotion {
         self.legs[self.leg(time)].at(time)
     }
 
+    /// Speed at `time`.
+    pub(crate) fn speed(&self, time: f64) -> f64 {
+        speed(&self.legs[self.leg(time)].velocity)
+    }
+
     /// Way from `start` to `end`.
     pub(crate) fn way(&self, start: f64, end: f64) -> Vector {
         let (first, last) = (self.leg(start), self.leg(end));
@@ -64,6 +69,10 @@ impl ToolMotion {
         }
         self.way(start, start + time_step).map(|way| way / time_step)
     }
+}
+
+pub(crate) fn speed(velocity: &Vector) -> f64 {
+    velocity[0].hypot(velocity[1]).hypot(velocity[2])
 }
 
 impl Leg {

@@ -30,7 +30,7 @@ fn heat(contact_conductance: f64) -> ToolHeat {
         contact_conductance,
         outer_sides: vec![1, 2],
         outer: OuterBoundary::Fixed(293.15),
-        fine_centre: wedge()[0],
+        fine_centre: [wedge()[0][0], wedge()[0][1], 0.0],
         fine_reach: 0.3e-3,
         element_size: 0.5 * SPACING,
     }

@@ -16,6 +16,7 @@ mod surface;
 mod vector;
 
 pub(crate) use error::MeshError;
+pub(crate) use vector::triangle_distance;
 
 use error::Name;
 use plane::CrossSection;

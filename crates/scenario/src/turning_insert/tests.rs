@@ -53,6 +53,7 @@ fn paper() -> InsertGeometry {
         depth_of_cut: 50e-6,
         edge_length: 3e-3,
         particle_spacing: 20e-6,
+        body: 0.4e-3,
     }
 }
 
@@ -259,4 +260,31 @@ proptest! {
         let lowest = surface.0.iter().map(|v| v[1]).fold(f64::INFINITY, f64::min);
         prop_assert!((lowest + 50e-6).abs() < 1e-15);
     }
+}
+
+#[test]
+fn an_insert_is_cut_off_behind_and_beyond_its_straight_edges() {
+    let insert = paper().deepened();
+    // 0.75 (0.8 - 0.072) mm / tan 7 deg - 2 (0.8 + 3) mm tan 15 deg = 4.447 - 2.036 mm: 2.5 R = 2 mm fit.
+    assert_relative_eq!(insert.body, 2e-3, max_relative = 1e-12);
+    let surface = insert.surface();
+    let (vertices, triangles) = &surface;
+    let cut_off = insert.cut_off(&surface);
+    let is_cut_off = |facet: usize| cut_off.binary_search(&facet).is_ok();
+    for (facet, triangle) in triangles.iter().enumerate() {
+        let corners = triangle.map(|vertex| vertices[vertex]);
+        let way = |axis: usize| corners.map(|corner| corner[axis]);
+        let nearest = corners
+            .iter()
+            .map(|[x, y, z]| x.hypot(y + 50e-6).hypot(*z))
+            .fold(f64::INFINITY, f64::min);
+        // All that the chip or the machined surface can touch stays.
+        assert!(!is_cut_off(facet) || nearest > 1.9e-3, "{corners:?}");
+        let is_back = way(0).iter().all(|x| *x < -4e-3);
+        assert!(is_cut_off(facet) || !is_back, "{corners:?}");
+    }
+    assert!(cut_off.len() > 10 && cut_off.len() < triangles.len() / 2, "{}", cut_off.len());
+    // A blunt clearance leaves less room.
+    let blunt = InsertGeometry { clearance_angle: 12_f64.to_radians(), ..paper() }.deepened();
+    assert!(blunt.body < 1e-3 && blunt.radius_at_back() > 0.1e-3, "{}", blunt.body);
 }

@@ -1,9 +1,12 @@
-//! Heat conduction by linear triangles, implicit in time.
+//! Heat conduction by linear triangles or tetrahedra, implicit in time.
 //!
 //! ```text
 //! C_i dT_i/dt = sum_j K_ij (T_j - T_i) + Q_i,   K_ij = -sum_e k_e A_e grad phi_i . grad phi_j
 //! C_i = sum_e rho cp(T_i) A_e / 3               (lumped, per metre of width)
 //! ```
+//! In space A_e is the volume of a tetrahedron and C_i has a quarter of it. A triangle has the conductivity at
+//! its mean temperature; in space, where there are six times as many elements as pairs of nodes to store, a pair has that at
+//! its own mean.
 //! One step solves the backward Euler equations with C and k of its beginning for the change of
 //! temperature, by conjugate gradients; then the heat of each pair of nodes, computed from the
 //! solution, is moved from node to node and every node takes the temperature of its heat content.
@@ -38,17 +41,57 @@ struct Edge {
     conductance: f64,
 }
 
+/// A pair of nodes that conducts within one material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Link {
+    /// Rising.
+    pub(crate) nodes: [u32; 2],
+    /// Conductance for a conductivity of one, in m.
+    pub(crate) weight: f64,
+    /// 0 substrate, 1 coating.
+    material: u8,
+}
+
+impl Link {
+    pub(crate) fn new([a, b]: [u32; 2], weight: f64, material: u8) -> Self {
+        Self { nodes: [a.min(b), a.max(b)], weight, material }
+    }
+}
+
+/// From conductivity and geometry to the conductances of the edges.
+#[derive(Debug)]
+enum Shape {
+    Triangles {
+        elements: Vec<[u32; 3]>,
+        /// Of each element: its edges and their geometric weights `cot(opposite angle) / 2`.
+        weights: Vec<[(u32, f64); 3]>,
+        /// Index into `conductivity`.
+        material: Vec<u8>,
+    },
+    /// Weight and material of each edge.
+    Links(Vec<(f64, u8)>),
+}
+
 /// The equations of one mesh.
 #[derive(Debug)]
 pub(crate) struct Conduction {
     capacity: Vec<Capacity>,
     edges: Vec<Edge>,
-    elements: Vec<[u32; 3]>,
-    /// Of each element: its edges and their geometric weights `cot(opposite angle) / 2`.
-    weights: Vec<[(u32, f64); 3]>,
-    /// Index into `conductivity`.
-    material: Vec<u8>,
+    shape: Shape,
     conductivity: Vec<TemperatureTable>,
+    work: Work,
+}
+
+/// Vectors of a solution, one number for each node.
+#[derive(Debug, Default)]
+struct Work {
+    alone: Vec<f64>,
+    diagonal: Vec<f64>,
+    residual: Vec<f64>,
+    conditioned: Vec<f64>,
+    direction: Vec<f64>,
+    image: Vec<f64>,
+    change: Vec<f64>,
 }
 
 /// What acts on the nodes during a step, per metre of width.
@@ -67,7 +110,7 @@ pub(crate) struct Load {
 }
 
 /// What a step did.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Flow {
     /// Heat that each node received in J: fixed nodes pass theirs on.
     pub(crate) heat: Vec<f64>,
@@ -76,15 +119,20 @@ pub(crate) struct Flow {
 }
 
 impl Load {
-    pub(crate) fn none(nodes: usize, duration: f64) -> Self {
-        Self {
-            duration,
-            supply: vec![0.0; nodes],
-            exchange: vec![0.0; nodes],
-            exchange_heat: vec![0.0; nodes],
-            is_fixed: vec![false; nodes],
+    /// Takes everything off.
+    pub(crate) fn clear(&mut self, nodes: usize, duration: f64) {
+        self.duration = duration;
+        for values in [&mut self.supply, &mut self.exchange, &mut self.exchange_heat] {
+            refill(values, std::iter::repeat_n(0.0, nodes));
         }
+        refill(&mut self.is_fixed, std::iter::repeat_n(false, nodes));
     }
+}
+
+/// Other values in the same place of memory.
+fn refill<T>(values: &mut Vec<T>, fresh: impl IntoIterator<Item = T>) {
+    values.clear();
+    values.extend(fresh);
 }
 
 impl Capacity {
@@ -128,11 +176,16 @@ impl Capacity {
     }
 }
 
+/// Substrate and coating.
+fn materials(heat: &ToolHeat) -> Vec<&ThermalMaterial> {
+    let coating = heat.coating.as_ref().map(|coating| &coating.material);
+    std::iter::once(&heat.substrate).chain(coating).collect()
+}
+
 impl Conduction {
+    /// Of triangles.
     pub(crate) fn new(mesh: &ToolMesh, heat: &ToolHeat) -> Self {
-        let materials: Vec<&ThermalMaterial> = std::iter::once(&heat.substrate)
-            .chain(heat.coating.as_ref().map(|coating| &coating.material))
-            .collect();
+        let materials = materials(heat);
         let place = |layer: &Layer| usize::from(*layer == Layer::Coating);
         let mut mass = vec![[0.0; 2]; mesh.nodes.len()];
         let mut sides: Vec<([u32; 2], usize, usize)> = Vec::new();
@@ -159,6 +212,24 @@ impl Conduction {
             }
             weights[element][k].0 = (edges.len() - 1) as u32;
         }
+        let shape = Shape::Triangles {
+            elements: mesh.elements.clone(),
+            weights,
+            material: mesh.layer.iter().map(|layer| place(layer) as u8).collect(),
+        };
+        Self::of(edges, shape, &mass, heat)
+    }
+
+    /// From pairs of nodes, each once, and the masses of substrate and coating at each node.
+    pub(crate) fn of_links(links: Vec<Link>, mass: &[[f64; 2]], heat: &ToolHeat) -> Self {
+        let edges = links.iter().map(|link| Edge { nodes: link.nodes, conductance: 0.0 });
+        let edges = edges.collect();
+        let shape = Shape::Links(links.iter().map(|link| (link.weight, link.material)).collect());
+        Self::of(edges, shape, mass, heat)
+    }
+
+    fn of(edges: Vec<Edge>, shape: Shape, mass: &[[f64; 2]], heat: &ToolHeat) -> Self {
+        let materials = materials(heat);
         let capacity = mass.iter().map(|masses| {
             let parts: Vec<_> = masses
                 .iter()
@@ -170,12 +241,11 @@ impl Conduction {
         let mut conduction = Self {
             capacity: capacity.collect(),
             edges,
-            elements: mesh.elements.clone(),
-            weights,
-            material: mesh.layer.iter().map(|layer| place(layer) as u8).collect(),
+            shape,
             conductivity: materials.iter().map(|m| m.thermal_conductivity.clone()).collect(),
+            work: Work::default(),
         };
-        conduction.renew_conductances(&vec![heat.temperature; mesh.nodes.len()]);
+        conduction.renew_conductances(&vec![heat.temperature; mass.len()]);
         conduction
     }
 
@@ -193,33 +263,51 @@ impl Conduction {
 
     /// Bytes of the arrays.
     pub(crate) fn memory(&self) -> usize {
-        self.capacity.len() * size_of::<Capacity>()
+        let shape = match &self.shape {
+            Shape::Triangles { elements, .. } => {
+                elements.len() * (size_of::<[u32; 3]>() + size_of::<[(u32, f64); 3]>() + 1)
+            }
+            Shape::Links(links) => links.len() * size_of::<(f64, u8)>(),
+        };
+        shape
+            + self.capacity.len() * (size_of::<Capacity>() + size_of::<[f64; 7]>())
             + self.edges.len() * size_of::<Edge>()
-            + self.elements.len() * (size_of::<[u32; 3]>() + size_of::<[(u32, f64); 3]>() + 1)
     }
 
     fn renew_conductances(&mut self, temperature: &[f64]) {
-        for edge in &mut self.edges {
-            edge.conductance = 0.0;
-        }
-        for (index, element) in self.elements.iter().enumerate() {
-            let [a, b, c] = element.map(|node| temperature[node as usize]);
-            let table = &self.conductivity[self.material[index] as usize];
-            let conductivity = table.value((a + b + c) / 3.0);
-            for (edge, weight) in self.weights[index] {
-                self.edges[edge as usize].conductance += conductivity * weight;
+        match &self.shape {
+            Shape::Triangles { elements, weights, material } => {
+                for edge in &mut self.edges {
+                    edge.conductance = 0.0;
+                }
+                for (index, element) in elements.iter().enumerate() {
+                    let [a, b, c] = element.map(|node| temperature[node as usize]);
+                    let table = &self.conductivity[material[index] as usize];
+                    let conductivity = table.value((a + b + c) / 3.0);
+                    for (edge, weight) in weights[index] {
+                        self.edges[edge as usize].conductance += conductivity * weight;
+                    }
+                }
+            }
+            Shape::Links(links) => {
+                for (edge, (weight, material)) in self.edges.iter_mut().zip(links) {
+                    let [a, b] = edge.nodes.map(|node| temperature[node as usize]);
+                    let table = &self.conductivity[*material as usize];
+                    edge.conductance = table.value(0.5 * (a + b)) * weight;
+                }
             }
         }
     }
 
-    /// One step.
-    pub(crate) fn step(&mut self, temperature: &mut [f64], load: &Load) -> Flow {
+    /// One step; `flow` tells what it did.
+    pub(crate) fn step(&mut self, temperature: &mut [f64], load: &Load, flow: &mut Flow) {
         if self.conductivity.iter().any(|table| table.constant().is_none()) {
             self.renew_conductances(temperature);
         }
-        let change = self.solve(temperature, load);
-        let mut heat = load.supply.clone();
-        let after: Vec<f64> = temperature.iter().zip(&change).map(|(t, d)| t + d).collect();
+        self.solve(temperature, load);
+        let Flow { heat, end_temperature: after } = flow;
+        refill(heat, load.supply.iter().copied());
+        refill(after, temperature.iter().zip(&self.work.change).map(|(t, d)| t + d));
         for edge in &self.edges {
             let [a, b] = edge.nodes.map(|node| node as usize);
             let flow = load.duration * edge.conductance * (after[b] - after[a]);
@@ -232,22 +320,25 @@ impl Conduction {
                 temperature[node] = self.capacity[node].heated(temperature[node], heat[node]);
             }
         }
-        Flow { heat, end_temperature: after }
     }
 
-    /// The change of temperature over the step.
-    fn solve(&self, temperature: &[f64], load: &Load) -> Vec<f64> {
+    /// The change of temperature over the step, in `work.change`.
+    fn solve(&mut self, temperature: &[f64], load: &Load) {
         let nodes = temperature.len();
-        let mut diagonal: Vec<f64> = (0..nodes)
-            .map(|node| self.capacity[node].at(temperature[node]) + load.exchange[node])
-            .collect();
-        let mut residual: Vec<f64> = (0..nodes)
-            .map(|node| {
+        let Work { alone, diagonal, residual, conditioned, direction, image, change } =
+            &mut self.work;
+        refill(
+            alone,
+            (0..nodes).map(|node| self.capacity[node].at(temperature[node]) + load.exchange[node]),
+        );
+        refill(
+            residual,
+            (0..nodes).map(|node| {
                 load.supply[node] + load.exchange_heat[node]
                     - load.exchange[node] * temperature[node]
-            })
-            .collect();
-        let alone = diagonal.clone();
+            }),
+        );
+        refill(diagonal, alone.iter().copied());
         for edge in &self.edges {
             let [a, b] = edge.nodes.map(|node| node as usize);
             let conductance = load.duration * edge.conductance;
@@ -264,41 +355,37 @@ impl Conduction {
                 }
             }
         };
-        project(&mut residual);
-        let conditioned = |residual: &[f64]| -> Vec<f64> {
-            residual.iter().zip(&diagonal).map(|(r, d)| r / d).collect()
-        };
+        project(residual);
         let product =
             |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>() };
-        let mut change = vec![0.0; nodes];
-        let mut direction = conditioned(&residual);
-        let mut size = product(&residual, &direction);
+        refill(change, std::iter::repeat_n(0.0, nodes));
+        refill(direction, residual.iter().zip(&*diagonal).map(|(r, d)| r / d));
+        let mut size = product(residual, direction);
         let enough = TOLERANCE * TOLERANCE * size;
         for _ in 0..MOST_ITERATIONS {
             if size <= enough {
                 break;
             }
-            let mut image: Vec<f64> = direction.iter().zip(&alone).map(|(x, d)| x * d).collect();
+            refill(image, direction.iter().zip(&*alone).map(|(x, d)| x * d));
             for edge in &self.edges {
                 let [a, b] = edge.nodes.map(|node| node as usize);
                 let flow = load.duration * edge.conductance * (direction[a] - direction[b]);
                 image[a] += flow;
                 image[b] -= flow;
             }
-            project(&mut image);
-            let step = size / product(&direction, &image);
+            project(image);
+            let step = size / product(direction, image);
             for node in 0..nodes {
                 change[node] += step * direction[node];
                 residual[node] -= step * image[node];
             }
-            let next = conditioned(&residual);
-            let next_size = product(&residual, &next);
+            refill(conditioned, residual.iter().zip(&*diagonal).map(|(r, d)| r / d));
+            let next_size = product(residual, conditioned);
             let turn = next_size / size;
-            for (value, fresh) in direction.iter_mut().zip(&next) {
+            for (value, fresh) in direction.iter_mut().zip(&*conditioned) {
                 *value = fresh + turn * *value;
             }
             size = next_size;
         }
-        change
     }
 }

@@ -10,8 +10,6 @@ use crate::tensor::Vector;
 const TEMPERATURE: &str = "tool_temperature";
 const BOOKS: &str = "tool_heat_books";
 const EXPOSURES: &str = "tool_exposures";
-/// Numbers of an exposure in its array.
-const EXPOSURE_WIDTH: usize = 5;
 
 impl<const D: usize> Engine<D> {
     /// Particles at rest on the tool, for a run without mechanics.
@@ -19,14 +17,15 @@ impl<const D: usize> Engine<D> {
         let (Some(tool), Some(heat)) = (&self.tool, &mut self.tool_heat) else { return };
         for particle in tool.resting(&self.position, self.time) {
             let position = &self.position[particle as usize];
-            heat.touch(particle, in_tool(position, &tool.displacement(self.time)), duration, 0.0);
+            heat.touch(particle, &in_tool(position, &tool.displacement(self.time)), duration, 0.0);
         }
     }
 
     /// Lets the tool conduct and exchange heat once its own step is over.
     pub(crate) fn heat_tool_when_due(&mut self, elapsed: f64) {
         let Some(mut heat) = self.tool_heat.take() else { return };
-        if heat.is_due_after(elapsed) {
+        let speed = self.tool.as_ref().map_or(0.0, |tool| tool.path_speed(self.time));
+        if heat.is_due_after(elapsed, speed) {
             let leaving = heat.step(|particle| {
                 let i = particle as usize;
                 let data = &self.materials[self.material[i] as usize];
@@ -38,7 +37,7 @@ impl<const D: usize> Engine<D> {
                     conductivity: table.map_or(data.conductivity, |table| table.value(temperature)),
                 }
             });
-            for (particle, amount) in leaving {
+            for &(particle, amount) in leaving {
                 let i = particle as usize;
                 let data = &self.materials[self.material[i] as usize];
                 self.point[i].temperature =
@@ -51,31 +50,30 @@ impl<const D: usize> Engine<D> {
 }
 
 /// A particle's place in the frame of the tool.
-pub(crate) fn in_tool<const D: usize>(position: &Vector<D>, displacement: &Vector3) -> [f64; 2] {
-    [position[0] - displacement[0], position[1] - displacement[1]]
+pub(crate) fn in_tool<const D: usize>(position: &Vector<D>, displacement: &Vector3) -> Vector3 {
+    std::array::from_fn(|k| if k < D { position[k] - displacement[k] } else { 0.0 })
 }
 
 impl ToolHeat {
     /// Follows a reordering of the particles: `new_place[old]`.
     pub(crate) fn reorder(&mut self, new_place: &[u32]) {
-        self.exposures = std::mem::take(&mut self.exposures)
-            .into_iter()
-            .map(|(particle, exposure)| (new_place[particle as usize], exposure))
-            .collect();
+        for (particle, _) in &mut self.exposures {
+            *particle = new_place[*particle as usize];
+        }
+        self.exposures.sort_unstable_by_key(|(particle, _)| *particle);
     }
 
     /// Named arrays with the whole state.
     pub(crate) fn checkpoint(&self) -> [(&'static str, Vec<f64>); 3] {
         let books = &self.books;
+        let axes = self.body.place_axes();
         let exposures = self.exposures.iter().flat_map(|(particle, exposure)| {
-            [
-                // Exact: fewer than 2^53 particles.
-                f64::from(*particle),
-                exposure.duration,
-                exposure.place,
-                exposure.drift,
-                exposure.friction,
-            ]
+            // Exact: fewer than 2^53 particles.
+            [f64::from(*particle), exposure.duration]
+                .into_iter()
+                .chain(exposure.place[..axes].to_vec())
+                .chain(exposure.drift[..axes].to_vec())
+                .chain([exposure.friction])
         });
         [
             (TEMPERATURE, self.temperature.clone()),
@@ -105,27 +103,31 @@ impl ToolHeat {
         self.books.friction = books[1];
         self.books.boundary = books[2];
         self.pending = books[3];
-        let (rows, rest) =
-            read(EXPOSURES).ok_or_else(|| damaged(EXPOSURES))?.as_chunks::<EXPOSURE_WIDTH>();
-        if !rest.is_empty() || rows.iter().any(|row| !(row[0] >= 0.0 && row[0] < particles as f64))
-        {
+        let axes = self.body.place_axes();
+        let rows = read(EXPOSURES).ok_or_else(|| damaged(EXPOSURES))?.chunks(3 + 2 * axes);
+        let is_whole =
+            |row: &[f64]| row.len() == 3 + 2 * axes && row[0] >= 0.0 && row[0] < particles as f64;
+        if !rows.clone().all(is_whole) {
             return Err(damaged(EXPOSURES));
         }
-        self.exposures = rows
-            .iter()
-            .map(|&[particle, duration, place, drift, friction]| {
-                (particle as u32, Exposure { duration, place, drift, friction })
-            })
-            .collect();
+        let vector = |row: &[f64], from: usize| {
+            std::array::from_fn(|k| if k < axes { row[from + k] } else { 0.0 })
+        };
+        let exposure = |row: &[f64]| Exposure {
+            duration: row[1],
+            place: vector(row, 2),
+            drift: vector(row, 2 + axes),
+            friction: row[2 + 2 * axes],
+        };
+        self.exposures = rows.map(|row| (row[0] as u32, exposure(row))).collect();
+        self.exposures.sort_unstable_by_key(|(particle, _)| *particle);
         Ok(())
     }
 
-    /// Nodes moved by `displacement`, elements and temperatures of the nodes, for a snapshot.
+    /// Nodes moved by `displacement`, triangles and temperatures of the nodes, for a snapshot: in space the
+    /// triangles are those of the surface.
     pub(crate) fn picture(&self, displacement: Vector3) -> (Vec<Vector3>, Vec<u32>, Vec<f64>) {
-        let moved = |node: &[f64; 2]| {
-            [node[0] + displacement[0], node[1] + displacement[1], displacement[2]]
-        };
-        let nodes = self.mesh.nodes.iter().map(moved).collect();
-        (nodes, self.mesh.elements.iter().flatten().copied().collect(), self.temperature.clone())
+        let (nodes, triangles) = self.body.picture(displacement);
+        (nodes, triangles, self.temperature.clone())
     }
 }

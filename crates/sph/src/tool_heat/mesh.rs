@@ -19,7 +19,7 @@ const CLEARANCE: f64 = 0.6;
 /// Deepest subdivision of the quadtree: 2^16 cells across.
 const DEEPEST: usize = 16;
 /// Most nodes of a mesh.
-const MOST_NODES: usize = 300_000;
+pub(super) const MOST_NODES: usize = 300_000;
 
 /// What an element is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +54,7 @@ impl HasPosition for Vertex {
     }
 }
 
-fn unusable(reason: impl Into<String>) -> SetupError {
+pub(super) fn unusable(reason: impl Into<String>) -> SetupError {
     SetupError::ToolHeat { reason: reason.into() }
 }
 
@@ -226,7 +226,7 @@ fn sides_of(
         .collect()
 }
 
-fn too_thick() -> SetupError {
+pub(super) fn too_thick() -> SetupError {
     unusable("the coating is too thick for the shape: thinner than the edge radius it must be")
 }
 

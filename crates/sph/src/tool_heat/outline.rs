@@ -7,9 +7,9 @@ use crate::setup::ToolHeat;
 pub(crate) type Point = [f64; 2];
 
 /// Growth of the element size per length away from where it is smallest.
-const GROWTH: f64 = 0.25;
+pub(super) const GROWTH: f64 = 0.25;
 /// Largest element over the extent of the tool.
-const COARSEST: f64 = 0.1;
+pub(super) const COARSEST: f64 = 0.1;
 /// Corners sharper than this are kept, in rad.
 const SHARP: f64 = 20.0 / 180.0 * std::f64::consts::PI;
 /// Chords of an arc are merged while they turn by less than this, in rad.
@@ -70,7 +70,7 @@ impl SizeField {
         Self {
             smallest: heat.element_size,
             largest: (COARSEST * extent).max(heat.element_size),
-            centre: heat.fine_centre,
+            centre: [heat.fine_centre[0], heat.fine_centre[1]],
             reach: heat.fine_reach,
             sides,
         }

@@ -68,12 +68,12 @@ impl Rim {
         way - self.whole() * (way / self.whole()).round()
     }
 
-    /// Shares of the nodes in a stretch of length `width` about `middle`: means of their shape
+    /// Adds the shares of the nodes in a stretch of length `width` about `middle`: means of their shape
     /// functions. They add up to 1.
-    pub(crate) fn footprint(&self, middle: f64, width: f64) -> Vec<(u32, f64)> {
+    pub(crate) fn footprint(&self, middle: f64, width: f64, shares: &mut Vec<(u32, f64)>) {
         let whole = self.whole();
         let width = width.min(whole);
-        let mut shares: Vec<(u32, f64)> = Vec::new();
+        let first = shares.len();
         let begin = (middle - 0.5 * width).rem_euclid(whole);
         let mut side = (self.start.partition_point(|s| *s <= begin) - 1).min(self.nodes.len() - 1);
         let (mut from, mut left) = (begin - self.start[side], width);
@@ -84,15 +84,15 @@ impl Rim {
             let next = (side + 1) % self.nodes.len();
             for (node, part) in [(side, 1.0 - second), (next, second)] {
                 let (node, share) = (self.nodes[node], part * piece / width);
-                match shares.iter_mut().find(|known| known.0 == node) {
-                    Some(known) => known.1 += share,
+                match shares[first..].iter().position(|known| known.0 == node) {
+                    Some(known) => shares[first + known].1 += share,
                     None => shares.push((node, share)),
                 }
             }
             left -= piece;
             // What rounding leaves of a width is no part of it.
             if left <= 1e-12 * width {
-                return shares;
+                return;
             }
             (side, from) = (next, 0.0);
         }

@@ -1,5 +1,8 @@
+use super::mesh::ToolMesh;
+use super::outline::{self, Point, double_area};
+use super::rim::Rim;
 use super::*;
-use crate::setup::{Coating, ThermalMaterial};
+use crate::setup::{Coating, ThermalMaterial, ToolSurface};
 use sphcut_physics::{TemperatureTable, Values, friction};
 use std::f64::consts::PI;
 
@@ -21,11 +24,11 @@ fn carbide() -> ThermalMaterial {
 }
 
 /// k 5 W/(m K), rho cp 3.2 MJ/(m^3 K).
-fn coating(thickness: f64) -> Coating {
+pub(super) fn coating(thickness: f64) -> Coating {
     Coating { thickness, material: material(5.0, 4000.0, 800.0) }
 }
 
-fn tool(corners: &[Point]) -> Tool {
+pub(super) fn tool(corners: &[Point]) -> Tool {
     let law = friction::find("coulomb").unwrap();
     Tool {
         surface: ToolSurface::Polygon(corners.to_vec()),
@@ -38,12 +41,19 @@ fn tool(corners: &[Point]) -> Tool {
     }
 }
 
+fn plane(heat: &ToolHeat) -> (&ToolMesh, &Rim) {
+    match &heat.body {
+        Body::Plane { mesh, rim } => (mesh, rim),
+        Body::Space { .. } => panic!("a plane tool"),
+    }
+}
+
 /// A column 40 um wide below y = 0, `depth` deep, touched at its upper end.
-fn column(depth: f64) -> [Point; 4] {
+pub(super) fn column(depth: f64) -> [Point; 4] {
     [[0.0, -depth], [40e-6, -depth], [40e-6, 0.0], [0.0, 0.0]]
 }
 
-fn description(coating: Option<Coating>, element_size: f64) -> Description {
+pub(super) fn description(coating: Option<Coating>, element_size: f64) -> Description {
     Description {
         substrate: carbide(),
         coating,
@@ -51,7 +61,7 @@ fn description(coating: Option<Coating>, element_size: f64) -> Description {
         contact_conductance: 1e5,
         outer_sides: vec![0, 1, 3],
         outer: OuterBoundary::Adiabatic,
-        fine_centre: [20e-6, 0.0],
+        fine_centre: [20e-6, 0.0, 0.0],
         fine_reach: 60e-6,
         element_size,
     }
@@ -76,7 +86,7 @@ fn cutting_tool() -> (Vec<Point>, Vec<usize>) {
 
 /// Heats the upper end of the column with the flux `flux` in W/m^2 for `time` in `steps` steps and
 /// returns the temperature in its middle.
-fn surface_under_flux(heat: &Description, flux: f64, time: f64, steps: u32) -> f64 {
+pub(super) fn surface_under_flux(heat: &Description, flux: f64, time: f64, steps: u32) -> f64 {
     let heat = Description { contact_conductance: 1e-12, ..heat.clone() };
     let corners = column(2e-3);
     let mut body = ToolHeat::new(&tool(&corners), &heat, 10e-6).unwrap();
@@ -84,18 +94,17 @@ fn surface_under_flux(heat: &Description, flux: f64, time: f64, steps: u32) -> f
     let partner = Partner { temperature: 300.0, capacity: 1.0, conductivity: 50.0 };
     for _ in 0..steps {
         for particle in 0..4 {
-            let place = [5e-6 + 10e-6 * f64::from(particle), 0.0];
-            body.touch(particle, place, step, flux * 10e-6 * step);
+            let place = [5e-6 + 10e-6 * f64::from(particle), 0.0, 0.0];
+            body.touch(particle, &place, step, flux * 10e-6 * step);
         }
-        body.is_due_after(step);
+        body.is_due_after(step, 0.0);
         body.step(|_| partner);
     }
-    let mean: f64 = body
-        .rim
-        .footprint(body.rim.foot([20e-6, 0.0]), 40e-6)
-        .iter()
-        .map(|(node, share)| share * body.temperature[*node as usize])
-        .sum();
+    let (_, rim) = plane(&body);
+    let mut shares = Vec::new();
+    rim.footprint(rim.foot([20e-6, 0.0]), 40e-6, &mut shares);
+    let mean: f64 =
+        shares.iter().map(|(node, share)| share * body.temperature[*node as usize]).sum();
     // All heat is still in the column.
     let supplied = flux * 40e-6 * time;
     assert!((body.content() - supplied).abs() < 1e-11 * supplied, "{}", body.content());
@@ -119,7 +128,7 @@ fn complementary_error_function(x: f64) -> f64 {
 }
 
 /// Integral of erfc from x to infinity.
-fn integrated(x: f64) -> f64 {
+pub(super) fn integrated(x: f64) -> f64 {
     (-x * x).exp() / PI.sqrt() - x * complementary_error_function(x)
 }
 
@@ -177,18 +186,19 @@ fn a_steady_column_is_a_row_of_resistances() {
     let corners = column(200e-6);
     let mut body = ToolHeat::new(&tool(&corners), &heat, 10e-6).unwrap();
     // Only the far end is held.
-    for (node, length) in body.outer_length.iter_mut().enumerate() {
-        if body.mesh.nodes[node][1] > -199.9e-6 {
+    let far: Vec<bool> = plane(&body).0.nodes.iter().map(|node| node[1] <= -199.9e-6).collect();
+    for (length, is_far) in body.outer.iter_mut().zip(far) {
+        if !is_far {
             *length = 0.0;
         }
     }
     let partner = Partner { temperature: 500.0, capacity: 1e9, conductivity: 50.0 };
     let step = |body: &mut ToolHeat| {
         for particle in 0..4 {
-            body.touch(particle, [5e-6 + 10e-6 * f64::from(particle), 0.0], 1e-3, 0.0);
+            body.touch(particle, &[5e-6 + 10e-6 * f64::from(particle), 0.0, 0.0], 1e-3, 0.0);
         }
-        body.is_due_after(1e-3);
-        body.step(|_| partner)
+        body.is_due_after(1e-3, 0.0);
+        body.step(|_| partner).to_vec()
     };
     for _ in 0..100 {
         step(&mut body);
@@ -225,7 +235,7 @@ fn heat_is_conserved_with_properties_that_depend_on_temperature() {
         outer_sides,
         outer: OuterBoundary::Convective { film_coefficient: 1e5, ambient: 280.0 },
         contact_conductance: 1e9,
-        fine_centre: [0.0, 0.0],
+        fine_centre: [0.0; 3],
         fine_reach: 0.5e-3,
         ..description(Some(hard), 5e-6)
     };
@@ -235,17 +245,16 @@ fn heat_is_conserved_with_properties_that_depend_on_temperature() {
     let mut given = 0.0;
     for _ in 0..200 {
         for (particle, k) in (0..20).zip(1..) {
-            let place = [20e-6, 20e-6 + 10e-6 * f64::from(k)];
-            body.touch(particle, place, 4e-7, 1e-5);
+            let place = [20e-6, 20e-6 + 10e-6 * f64::from(k), 0.0];
+            body.touch(particle, &place, 4e-7, 1e-5);
         }
-        body.is_due_after(4e-7);
+        body.is_due_after(4e-7, 0.0);
         let look = |particle: u32| Partner {
             temperature: particles[particle as usize],
             capacity,
             conductivity: 50.0,
         };
-        let leaving = body.step(look);
-        for (particle, amount) in leaving {
+        for &(particle, amount) in body.step(look) {
             particles[particle as usize] -= amount / capacity;
             given += amount;
         }
@@ -267,14 +276,14 @@ fn a_step_of_any_length_keeps_temperatures_between_those_of_its_surroundings() {
     let heat = Description {
         outer_sides,
         contact_conductance: 1e10,
-        fine_centre: [0.0, 0.0],
+        fine_centre: [0.0; 3],
         fine_reach: 0.5e-3,
         ..description(None, 5e-6)
     };
     for duration in [1e-12, 1e-8, 1e-4] {
         let mut body = ToolHeat::new(&tool(&corners), &heat, 10e-6).unwrap();
-        body.touch(0, [18e-6, 60e-6], duration, 0.0);
-        body.is_due_after(duration);
+        body.touch(0, &[18e-6, 60e-6, 0.0], duration, 0.0);
+        body.is_due_after(duration, 0.0);
         let partner = Partner { temperature: 1300.0, capacity: 3.8e-4, conductivity: 50.0 };
         let leaving = body.step(|_| partner);
         let after = 1300.0 - leaving[0].1 / partner.capacity;
@@ -292,7 +301,7 @@ fn the_mesh_of_a_cutting_tool_fills_it_and_conducts_downhill() {
     for thickness in [None, Some(3e-6)] {
         let heat = Description {
             outer_sides: outer_sides.clone(),
-            fine_centre: [0.0, 0.0],
+            fine_centre: [0.0; 3],
             fine_reach: 0.5e-3,
             ..description(thickness.map(coating), 5e-6)
         };
@@ -303,9 +312,9 @@ fn the_mesh_of_a_cutting_tool_fills_it_and_conducts_downhill() {
             .sum::<f64>()
             * 0.5;
         // Merged chords of the arc leave a ten-thousandth of its 20 um square.
-        assert!((facts.area / exact - 1.0).abs() < 1e-5, "{} {exact}", facts.area);
+        assert!((facts.extent / exact - 1.0).abs() < 1e-5, "{} {exact}", facts.extent);
         let least = body.conduction.smallest_conductance();
-        let angle = smallest_angle(&body.mesh);
+        let angle = smallest_angle(plane(&body).0);
         // Rounding inside. The quadrilaterals of a coating are narrower inside an arc than outside: their
         // diagonals conduct the wrong way by less than a thousandth of what their sides conduct.
         let allowed = if thickness.is_some() { 1e-3 } else { 1e-12 };
@@ -313,7 +322,7 @@ fn the_mesh_of_a_cutting_tool_fills_it_and_conducts_downhill() {
         assert!(angle > 15.0, "{angle}");
         assert!(facts.nodes < 4000, "{}", facts.nodes);
         if thickness.is_some() {
-            let coated: f64 = areas(&body.mesh)
+            let coated: f64 = areas(plane(&body).0)
                 .filter(|(_, layer)| *layer == mesh::Layer::Coating)
                 .map(|(area, _)| area)
                 .sum();
