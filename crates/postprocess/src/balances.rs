@@ -203,7 +203,7 @@ pub struct HeatBalance {
     pub tool: Option<ToolHeatBalance>,
 }
 
-/// Heat of the tool since the start in J, per metre of width.
+/// Heat of the tool since the start in J, per metre of width in a plane run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToolHeatBalance {
     /// Passed from the workpiece through the contact.
@@ -216,6 +216,8 @@ pub struct ToolHeatBalance {
     pub content: f64,
     /// Highest temperature of the tool over the run in K.
     pub max_temperature: f64,
+    /// Factors from these heats to those of the width of cut in J, and to J per metre of it.
+    pub factors: [f64; 2],
 }
 
 impl ToolHeatBalance {
@@ -237,17 +239,17 @@ impl HeatBalance {
     }
 }
 
-pub(crate) fn heat(samples: &Samples) -> Option<HeatBalance> {
+pub(crate) fn heat(samples: &Samples, facts: &Facts) -> Option<HeatBalance> {
     let last = samples.last()?;
     Some(HeatBalance {
         supplied: last.get(ChannelId::HeatSupplied),
         content: last.get(ChannelId::HeatContent),
-        tool: tool_heat(samples),
+        tool: tool_heat(samples, facts),
     })
 }
 
 /// The books of a tool that conducts heat: its temperature is above 0 K.
-fn tool_heat(samples: &Samples) -> Option<ToolHeatBalance> {
+fn tool_heat(samples: &Samples, facts: &Facts) -> Option<ToolHeatBalance> {
     let last = samples.last()?;
     let hottest = samples.channel(ChannelId::ToolMaxTemperature).iter().copied();
     let max_temperature = hottest.fold(0.0, f64::max);
@@ -257,6 +259,7 @@ fn tool_heat(samples: &Samples) -> Option<ToolHeatBalance> {
         boundary: last.get(ChannelId::ToolBoundaryHeat),
         content: last.get(ChannelId::ToolHeatContent),
         max_temperature,
+        factors: [facts.force_factor(), facts.force_factor() / facts.width_of_cut],
     })
 }
 
@@ -304,7 +307,8 @@ mod tests {
     #[test]
     fn heat_of_a_tool_closes_by_hand() {
         let mut row = Sample { values: vec![0.0; CHANNELS.len()] };
-        assert_eq!(heat(&record(&[row.clone()])).unwrap().tool, None);
+        let facts = SyntheticCut::default().run().facts;
+        assert_eq!(heat(&record(&[row.clone()]), &facts).unwrap().tool, None);
         for (id, value) in [
             (ChannelId::HeatIntoTool, 5.0),
             (ChannelId::ToolFrictionHeat, 2.0),
@@ -316,10 +320,16 @@ mod tests {
         }
         let hotter = row.clone();
         row.values[ChannelId::ToolMaxTemperature as usize] = 650.0;
-        let tool = heat(&record(&[hotter, row])).unwrap().tool.unwrap();
+        let rows = [hotter, row];
+        let tool = heat(&record(&rows), &facts).unwrap().tool.unwrap();
         assert_eq!(tool.max_temperature, 700.0);
         // Entered: 5 + 2 - 1 = 6, found 5.92, passed in all 8.
         assert!((tool.closure().unwrap() - 0.01).abs() < 1e-12);
+        // In the plane the heats are per metre, in space those of the width of cut.
+        assert_eq!(tool.factors, [facts.width_of_cut, 1.0]);
+        let space = Facts { dimension: 3, ..facts };
+        let tool = heat(&record(&rows), &space).unwrap().tool.unwrap();
+        assert_eq!(tool.factors, [1.0, 1.0 / space.width_of_cut]);
     }
 
     #[test]

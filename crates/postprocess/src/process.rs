@@ -188,7 +188,7 @@ pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResu
         extremes: extremes(samples),
         energy: balances::energy(samples, &run.facts),
         momentum: balances::momentum(samples, window.first_sample),
-        heat: balances::heat(samples),
+        heat: balances::heat(samples, &run.facts),
         resolution: resolution(&run.facts),
         performance: run.performance,
         warnings: Vec::new(),

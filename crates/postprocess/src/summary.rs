@@ -112,6 +112,10 @@ struct BalancesEntry {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct ToolHeatEntry {
     max_k: Option<f64>,
+    contact_j: Option<f64>,
+    friction_j: Option<f64>,
+    boundary_j: Option<f64>,
+    content_j: Option<f64>,
     contact_j_per_mm: Option<f64>,
     friction_j_per_mm: Option<f64>,
     boundary_j_per_mm: Option<f64>,
@@ -316,10 +320,15 @@ impl BalancesEntry {
 impl ToolHeatEntry {
     fn of(result: &ProcessResult) -> Self {
         let tool = result.heat.and_then(|heat| heat.tool);
-        // Only plane tools conduct heat: their books are per metre of width.
-        let per_mm = |heat: fn(&ToolHeatBalance) -> f64| tool.map(|tool| heat(&tool) * N_PER_MM);
+        let whole = |heat: fn(&ToolHeatBalance) -> f64| tool.map(|t| heat(&t) * t.factors[0]);
+        let per_mm =
+            |heat: fn(&ToolHeatBalance) -> f64| tool.map(|t| heat(&t) * t.factors[1] * N_PER_MM);
         Self {
             max_k: tool.map(|tool| tool.max_temperature),
+            contact_j: whole(|tool| tool.contact),
+            friction_j: whole(|tool| tool.friction),
+            boundary_j: whole(|tool| tool.boundary),
+            content_j: whole(|tool| tool.content),
             contact_j_per_mm: per_mm(|tool| tool.contact),
             friction_j_per_mm: per_mm(|tool| tool.friction),
             boundary_j_per_mm: per_mm(|tool| tool.boundary),

@@ -116,7 +116,7 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
 }
 
 /// Ends of a colour bar for the tool alone; `None` where it does not conduct heat.
-fn tool_range(snapshot: &Snapshot) -> Option<(f64, f64)> {
+pub(crate) fn tool_range(snapshot: &Snapshot) -> Option<(f64, f64)> {
     let temperatures = || snapshot.tool_temperature.iter().copied();
     let low = temperatures().reduce(f64::min)?;
     let high = temperatures().reduce(f64::max)?;

@@ -1,7 +1,7 @@
 //! The pictures of a cut in three dimensions.
 
 use crate::picture::{Field, SpaceOptions, Tool, View, axes, render_in_space, whole_in_space};
-use crate::pictures::{PICTURE_WIDTH, Picture, Pictures, description};
+use crate::pictures::{PICTURE_WIDTH, Picture, Pictures, description, tool_range};
 use sphcut_record::{Run, RunError};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Pass;
@@ -83,10 +83,44 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
         ),
     });
     let mut fields = with_tool.to_vec();
+    if let Some(range) = tool_range(last) {
+        fields.insert(
+            1,
+            tool_alone(last, &SpaceOptions { range: Some(range), view, ..ahead.clone() }),
+        );
+    }
     for (number, snapshot) in after_passes(run)? {
         fields.push(surface(&directions, number, &snapshot));
     }
     Ok(Pictures { animation: None, whole: Some(whole), fields, layers: None })
+}
+
+/// The tool without particles, in colours that show its own differences.
+fn tool_alone(snapshot: &Snapshot, options: &SpaceOptions) -> Picture {
+    let alone = Snapshot {
+        tool: snapshot.tool.clone(),
+        tool_nodes: snapshot.tool_nodes.clone(),
+        tool_elements: snapshot.tool_elements.clone(),
+        tool_temperature: snapshot.tool_temperature.clone(),
+        particle_spacing: snapshot.particle_spacing,
+        dimension: snapshot.dimension,
+        ..Snapshot::default()
+    };
+    let (low, high) = options.range.unwrap_or_default();
+    Picture {
+        title: "Temperature in K of the tool alone, from ahead and above".to_owned(),
+        description: format!(
+            "Temperature of the tool's surface, between {} and {}.",
+            crate::text::three_digits(low),
+            crate::text::three_digits(high)
+        ),
+        media_type: "image/png",
+        bytes: render_in_space(
+            &alone,
+            Field::Temperature,
+            &SpaceOptions { caption: time(snapshot), ..options.clone() },
+        ),
+    }
 }
 
 fn surface(directions: &Directions, pass: usize, snapshot: &Snapshot) -> Picture {

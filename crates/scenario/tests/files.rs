@@ -85,6 +85,53 @@ fn turning_arrives() {
     assert_eq!(setup.passes[1].end, setup.end_time);
 }
 
+/// The heat of a tool in space is where the tool is, however it is placed.
+#[test]
+fn the_heat_of_an_insert_and_of_a_mesh_arrives() {
+    for (file, sides) in
+        [("turning_with_tool_heat", 0.7e-3), ("turning_with_mesh_and_heat", 0.5e-3)]
+    {
+        let setup = good(&format!("tests/good/{file}.toml")).setup;
+        let tool = setup.tool.as_ref().unwrap();
+        let ToolSurface::Triangles { vertices, triangles } = &tool.surface else {
+            panic!("triangles")
+        };
+        let heat = tool.heat.as_ref().unwrap();
+        // The finest mesh lies about the lowest vertex, against the passive force.
+        let depth = |v: &[f64; 3]| (0..3).map(|k| v[k] * setup.frame.passive[k]).sum::<f64>();
+        let lowest = vertices.iter().map(depth).fold(f64::MIN, f64::max);
+        assert_relative_eq!(depth(&heat.fine_centre), lowest, max_relative = 1e-9);
+        let distance =
+            |v: &[f64; 3]| (0..3).map(|k| (v[k] - heat.fine_centre[k]).powi(2)).sum::<f64>().sqrt();
+        let at_tip = |facet: &[usize; 3]| facet.iter().any(|v| distance(&vertices[*v]) < 1e-6);
+        assert!(triangles.iter().any(at_tip), "{file}");
+        assert!(!heat.outer_sides.is_empty() && heat.outer_sides.len() < triangles.len(), "{file}");
+        for side in &heat.outer_sides {
+            let nearest =
+                triangles[*side].map(|v| distance(&vertices[v])).into_iter().fold(9.0, f64::min);
+            assert!(nearest > sides, "{file}: {nearest}");
+        }
+        let mesh =
+            sphcut_sph::Simulation::new(setup.clone()).unwrap().estimate().tool_mesh.unwrap();
+        assert_eq!((mesh.dimension, mesh.coating_layers), (3, 3));
+        assert!(mesh.nodes > 3_000 && mesh.nodes < 100_000, "{file}: {mesh:?}");
+        // The substrate and the coating together fill the tool but for its cut edges.
+        let exact: f64 = triangles
+            .iter()
+            .map(|facet| {
+                let [a, b, c] = facet.map(|v| vertices[v]);
+                let cross = [
+                    b[1] * c[2] - b[2] * c[1],
+                    b[2] * c[0] - b[0] * c[2],
+                    b[0] * c[1] - b[1] * c[0],
+                ];
+                (0..3).map(|k| a[k] * cross[k]).sum::<f64>() / 6.0
+            })
+            .sum();
+        assert_relative_eq!(mesh.extent, exact, max_relative = 0.02);
+    }
+}
+
 #[test]
 fn passes_of_a_plane_cut_go_deeper() {
     let setup = good("tests/good/cut_in_passes.toml").setup;

@@ -135,7 +135,7 @@ pub(crate) const LATER: &[&str] = &["friction_use", "shear_friction_factor"];
 pub(crate) const TOOL_FIELDS: &[Field] = fields! {
     Vector tool "m" "outline of the tool: closed polygon (2D) or vertices of its triangles, three by three (3D)";
     Vector tool_nodes "m" "nodes of the tool's mesh, where it conducts heat";
-    Short tool_elements "" "nodes of the triangles of that mesh, three by three";
+    Short tool_elements "" "nodes of the triangles of that mesh (3D: of its surface), three by three";
     Real tool_temperature "K" "temperature of its nodes";
 };
 

@@ -84,6 +84,7 @@ fn projected(snapshot: &Snapshot, axes: &[Vector; 3]) -> Snapshot {
     Snapshot {
         position: snapshot.position.iter().map(place).collect(),
         tool: snapshot.tool.iter().map(place).collect(),
+        tool_nodes: snapshot.tool_nodes.iter().map(place).collect(),
         particle_spacing: snapshot.particle_spacing,
         dimension: 3,
         ..Snapshot::default()
@@ -108,8 +109,12 @@ pub(crate) fn draw_in_space(snapshot: &Snapshot, field: Field, options: &SpaceOp
     let scale = layout.mapping.scale * OVERSAMPLING as f64;
     let mut scene = Scene::new(size, Mapping { view, scale });
     scene.balls(&seen, &material);
-    if options.tool == Tool::Shown {
-        scene.triangles(&seen.tool);
+    // The mesh of its heat has the tool's whole surface.
+    let heated = colours(&field.tool_values(snapshot), field, range);
+    match options.tool {
+        Tool::Hidden => {}
+        Tool::Shown if heated.is_empty() => scene.triangles(&seen.tool),
+        Tool::Shown => scene.heated(&seen.tool_nodes, &snapshot.tool_elements, &heated),
     }
     let fine = scene.lit();
     let mut canvas = Canvas::new(layout.width, layout.height);
@@ -209,16 +214,24 @@ impl Scene {
 
     /// The tool, its corners three by three.
     fn triangles(&mut self, corners: &[Vector]) {
-        for triangle in corners.chunks_exact(3) {
-            let points = [0, 1, 2].map(|k| {
-                let [x, y] = self.mapping.pixel(triangle[k][0], triangle[k][1]);
-                [x, y, triangle[k][2] * self.mapping.scale]
-            });
-            self.triangle(&points);
+        let (triangles, _) = corners.as_chunks::<3>();
+        triangles.iter().for_each(|corners| self.triangle(corners, TOOL));
+    }
+
+    /// The tool's surface as the mesh of its heat has it.
+    fn heated(&mut self, nodes: &[Vector], elements: &[u32], colours: &[Rgb]) {
+        let (triangles, _) = elements.as_chunks::<3>();
+        for (triangle, colour) in triangles.iter().zip(colours) {
+            let corner = |node: &u32| nodes.get(*node as usize).copied().unwrap_or_default();
+            self.triangle(&triangle.each_ref().map(corner), *colour);
         }
     }
 
-    fn triangle(&mut self, [a, b, c]: &[Vector; 3]) {
+    fn triangle(&mut self, corners: &[Vector; 3], colour: Rgb) {
+        let [a, b, c] = corners.map(|corner| {
+            let [x, y] = self.mapping.pixel(corner[0], corner[1]);
+            [x, y, corner[2] * self.mapping.scale]
+        });
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
         // Corners that run counter-clockwise seen from outside run clockwise where y points down; the
         // others look away from the eye.
@@ -238,7 +251,7 @@ impl Scene {
             let high = (a[k].max(b[k]).max(c[k]).ceil() + 1.0).clamp(low, size as f64);
             low as usize..high as usize
         };
-        let edge = |p: &Vector, q: &Vector, x: f64, y: f64| {
+        let edge = |p: Vector, q: Vector, x: f64, y: f64| {
             (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
         };
         let columns = bounds(0, self.width);
@@ -252,7 +265,7 @@ impl Scene {
                 let index = row * self.width + column;
                 if inside && depth > self.depth[index] {
                     self.depth[index] = depth;
-                    self.colour[index] = TOOL;
+                    self.colour[index] = colour;
                     self.light[index] = light;
                 }
             }

@@ -68,8 +68,8 @@ pub(crate) fn tool_heat(name: &str) -> Section {
         Field::new(
             "outer_distance",
             positive(Quantity::Length, LONGEST),
-            Presence::Derived("the two sides that cut off a tool of angles; otherwise required"),
-            "sides all of which lie farther from the cutting edge (of a wall: from `point`) are outer ones",
+            Presence::Derived("where a tool of angles is cut off; otherwise required"),
+            "sides, in space facets, all of which lie farther from the cutting edge (of a wall: from `point`) are outer ones",
         )
         .example("\"1 mm\""),
         Field::new(
@@ -82,7 +82,7 @@ pub(crate) fn tool_heat(name: &str) -> Section {
         Field::new(
             "fine_reach",
             positive(Quantity::Length, LONGEST),
-            Presence::Derived("five uncut chip thicknesses and the edge radius; of a wall: everywhere"),
+            Presence::Derived("five uncut chip thicknesses (in turning depths of cut, or the groove) and the edge radius; of a wall: everywhere"),
             "distance from the cutting edge up to which the elements are that small; farther they grow",
         )
         .example("\"0.5 mm\""),
@@ -96,7 +96,7 @@ pub(crate) fn tool_heat(name: &str) -> Section {
     Section::new(
         name,
         "Heat in the tool by finite elements on a mesh of its own; without this table the tool takes no heat but \
-         the share of friction that does not heat the workpiece, which is then lost. Plane runs only.",
+         the share of friction that does not heat the workpiece, which is then lost.",
         fields,
     )
 }
@@ -117,5 +117,5 @@ pub(crate) fn coating(name: &str) -> Section {
         "\"800 J/(kg K)\"",
         "[[\"0 degC\", \"4.64 W/(m K)\"], [\"1000 degC\", \"5.18 W/(m K)\"]]",
     ]));
-    Section::new(name, "A coating, meshed in three layers.", fields)
+    Section::new(name, "A coating, in three layers.", fields)
 }
