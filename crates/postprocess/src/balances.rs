@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn heat_of_a_tool_closes_by_hand() {
         let mut row = Sample { values: vec![0.0; CHANNELS.len()] };
-        let facts = SyntheticCut::default().run().facts;
+        let facts = SyntheticCut::default().run(1e-4, 1).facts;
         assert_eq!(heat(&record(&[row.clone()]), &facts).unwrap().tool, None);
         for (id, value) in [
             (ChannelId::HeatIntoTool, 5.0),

@@ -36,6 +36,7 @@ mod thermoelasticity;
 mod tool_heat;
 mod tool_holder;
 mod tool_motion;
+mod tool_surface;
 
 pub use error::{Diverged, SetupError};
 pub use observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};

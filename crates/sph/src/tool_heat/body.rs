@@ -27,7 +27,7 @@ pub(super) struct Made {
 impl Body {
     /// # Errors
     /// A half space; a mesh that cannot be made.
-    pub(super) fn new(tool: &Tool, heat: &Description) -> Result<Made, SetupError> {
+    pub(super) fn make(tool: &Tool, heat: &Description) -> Result<Made, SetupError> {
         match &tool.surface {
             ToolSurface::Polygon(corners) => {
                 let mesh = ToolMesh::new(corners, heat)?;

@@ -156,7 +156,7 @@ impl ToolHeat {
     /// # Errors
     /// A half space; a mesh that cannot be made.
     pub(crate) fn new(tool: &Tool, heat: &Description, spacing: f64) -> Result<Self, SetupError> {
-        let Made { body, conduction, outer } = Body::new(tool, heat)?;
+        let Made { body, conduction, outer } = Body::make(tool, heat)?;
         let longest_interval = longest_interval(heat, spacing);
         let changes = tool.velocity_changes.iter().map(|change| speed(&change.velocity));
         let interval = |speed: f64| longest_way(speed, spacing).min(longest_interval);
