@@ -1,6 +1,6 @@
 //! Runs cases and writes the ledger:
 //! `cargo run --release -p sphcut-verification --example ledger -- [--tier quick|standard|long]
-//! [--again] [CASE...]`.
+//! [--again] [--adopt CASE RUN FOLDER] [CASE...]`.
 //!
 //! Values of finished runs are kept in `validation/<case>/results`, one file per run: an
 //! interrupted long case goes on with its next run, and a run whose scenario has not changed is
@@ -9,7 +9,7 @@
 
 use sphcut_verification::ledger::{self, Entry};
 use sphcut_verification::store::Store;
-use sphcut_verification::{Case, Outcome, RunOptions, Tier, cases, judge_stored, run_case};
+use sphcut_verification::{Case, Outcome, RunOptions, Tier, adopt, cases, judge_stored, run_case};
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -17,12 +17,16 @@ use std::path::Path;
 fn main() -> Result<(), Box<dyn Error>> {
     let mut tier = None;
     let mut again = false;
-    let mut names = Vec::new();
+    let (mut names, mut adopted) = (Vec::new(), Vec::new());
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--tier" => tier = Some(tier_of(&arguments.next().unwrap_or_default())?),
             "--again" => again = true,
+            "--adopt" => {
+                let mut next = || arguments.next().ok_or("--adopt CASE RUN FOLDER");
+                adopted.push([next()?, next()?, next()?]);
+            }
             name => names.push(name.to_owned()),
         }
     }
@@ -30,6 +34,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = root.join("validation");
     let store = Store::new(&folder);
     let cases = cases(&folder)?;
+    for [case, run, folder] in &adopted {
+        let case = cases.iter().find(|known| known.name == *case);
+        let case = case.ok_or("--adopt: no such case")?;
+        adopt(case, run, Path::new(folder), &RunOptions::default(), &store)?;
+    }
     for case in cases.iter().filter(|case| is_wanted(case, tier, &names)) {
         if again {
             store.forget(&case.name)?;

@@ -2,6 +2,7 @@
 
 use crate::case::Mode;
 use crate::table::Table;
+use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Snapshots};
 use sphcut_sph::setup::{Dimension, Vector};
 use sphcut_sph::{ChannelId, Sample, Setup, Simulation, Snapshot};
 
@@ -57,6 +58,20 @@ impl Evidence {
         }
         evidence.snapshots.push(simulation.snapshot());
         Ok(evidence)
+    }
+
+    /// The same as a run on disk, for what evaluates those.
+    pub(crate) fn as_run(&self) -> Run {
+        let mut samples = Samples::default();
+        self.samples.iter().for_each(|sample| samples.push(sample));
+        Run {
+            provenance: Provenance::default(),
+            facts: Facts::of(&self.setup),
+            samples,
+            snapshots: Snapshots::in_memory(self.snapshots.clone()),
+            performance: Performance::default(),
+            outcome: Outcome::Finished,
+        }
     }
 
     /// The particles at the start.

@@ -25,6 +25,6 @@ mod verdict;
 pub use case::{Case, Expectation, Kind, Metric, Mode, Reference, RunSpecification, Tier, cases};
 pub use error::CaseError;
 pub use evidence::Evidence;
-pub use runner::{Progress, RunOptions, check_scenarios, judge_stored, run_case};
+pub use runner::{Progress, RunOptions, adopt, check_scenarios, judge_stored, run_case};
 pub use table::Table;
 pub use verdict::{Finding, Outcome, Verdict};

@@ -7,8 +7,10 @@ use crate::judge::{self, RunValues};
 use crate::overrides;
 use crate::store::{Store, StoredRun};
 use crate::verdict::{Outcome, Verdict};
+use sphcut_record::Run;
 use sphcut_scenario::{LoadOptions, Scenario};
 use std::fs;
+use std::path::Path;
 
 /// How cases are run.
 #[derive(Debug, Clone, Default)]
@@ -73,6 +75,60 @@ pub fn check_scenarios(case: &Case, options: &RunOptions) -> Result<(), CaseErro
             .map_err(|reason| CaseError::RunFailed { run: run.name.clone(), reason })?;
     }
     Ok(())
+}
+
+/// Keeps the values of a run that `sphcut run` has finished in `folder`, as those of run `name` of `case`.
+///
+/// # Errors
+/// No such run; a folder that holds no finished run; one whose scenario resolves to other values than that of the
+/// case; an observable without a value.
+pub fn adopt(
+    case: &Case,
+    name: &str,
+    folder: &Path,
+    options: &RunOptions,
+    store: &Store,
+) -> Result<(), CaseError> {
+    let failed = |reason| CaseError::RunFailed { run: name.to_owned(), reason };
+    let index = case.runs.iter().position(|run| run.name == name);
+    let index = index.ok_or_else(|| failed(format!("no such run in `{}`", case.name)))?;
+    let run = &case.runs[index];
+    let text = scenario_text(run)?;
+    let scenario = parse(case, run, &text, &options.load).map_err(failed)?;
+    let finished = Run::load(folder).map_err(|error| failed(error.to_string()))?;
+    if finished.outcome != sphcut_record::Outcome::Finished {
+        return Err(failed(format!("{} did not run to its end", folder.display())));
+    }
+    let settings = |(section, key, value): (&str, &str, &str)| format!("{section}.{key} = {value}");
+    let wanted: Vec<String> = scenario
+        .description
+        .iter()
+        .map(|entry| settings((&entry.section, &entry.key, &entry.value)))
+        .collect();
+    let found: Vec<String> = finished
+        .provenance
+        .settings
+        .iter()
+        .map(|setting| settings((&setting.section, &setting.key, &setting.value)))
+        .collect();
+    let differs = |(a, b): (&Vec<String>, &Vec<String>)| a.iter().find(|x| !b.contains(x)).cloned();
+    if let Some(other) = differs((&wanted, &found)).or_else(|| differs((&found, &wanted))) {
+        return Err(failed(format!("{}: another scenario, `{other}`", folder.display())));
+    }
+    let snapshots = (0..finished.snapshots.len())
+        .map(|number| finished.snapshots.get(number).map(|snapshot| (*snapshot).clone()))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| failed(error.to_string()))?;
+    let evidence = Evidence {
+        setup: scenario.setup,
+        samples: (0..finished.samples.len()).filter_map(|k| finished.samples.row(k)).collect(),
+        snapshots,
+        steps: finished.performance.steps,
+        reference: case.reference.clone(),
+    };
+    let values = evaluate(case, index, &evidence)?;
+    let values = RunValues { spacing: evidence.setup.particle_spacing, values };
+    store.write(&case.name, &to_store(case, run, text, &values))
 }
 
 fn verdict(case: &Case, findings: Result<Vec<crate::Finding>, CaseError>) -> Verdict {

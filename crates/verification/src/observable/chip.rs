@@ -3,7 +3,6 @@
 use super::Observable;
 use crate::evidence::Evidence;
 use sphcut_postprocess::{Geometry, evaluate};
-use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Snapshots};
 use sphcut_sph::ChannelId;
 
 /// Highest equivalent plastic strain at the end.
@@ -49,15 +48,5 @@ pub(super) const CHIP_THICKNESS: Observable = Observable {
 
 /// What the snapshots show, evaluated as those of a run on disk.
 fn geometry(evidence: &Evidence) -> Result<Geometry, String> {
-    let mut samples = Samples::default();
-    evidence.samples.iter().for_each(|sample| samples.push(sample));
-    let run = Run {
-        provenance: Provenance::default(),
-        facts: Facts::of(&evidence.setup),
-        samples,
-        snapshots: Snapshots::in_memory(evidence.snapshots.clone()),
-        performance: Performance::default(),
-        outcome: Outcome::Finished,
-    };
-    evaluate(&run).map(|result| result.geometry).map_err(|error| error.to_string())
+    evaluate(&evidence.as_run()).map(|result| result.geometry).map_err(|error| error.to_string())
 }

@@ -19,6 +19,7 @@ mod hertz;
 mod indentation;
 mod indented_surface;
 mod kernel;
+mod machined_surface;
 mod mean_force;
 mod momentum;
 mod moving_source;
@@ -80,6 +81,10 @@ pub const ALL: &[&Observable] = &[
     &body_extent::LARGEST_RADIUS,
     &body_extent::RADIUS_AT,
     &body_extent::ROUNDNESS,
+    &machined_surface::CUT_SPRINGBACK,
+    &machined_surface::CUT_SPRINGBACK_ERROR,
+    &machined_surface::PASS_CUTTING_FORCE,
+    &machined_surface::PASS_PASSIVE_FORCE,
     &chip::LARGEST_PLASTIC_STRAIN,
     &chip::CHIP_RISE,
     &chip::CHIP_THICKNESS,
