@@ -39,6 +39,13 @@ use sphcut_record::Run;
 use sphcut_sph::{ChannelId, Snapshot};
 use touched::Followed;
 
+/// Left out at the entry, in spacings.
+const ENTRY: f64 = 4.0;
+/// The shortest window that a mean is taken over, in spacings: ten strips of two.
+const PLANE_WINDOW: f64 = 20.0;
+/// The same for the slice of a cut in space, which is six spacings wide.
+const SLICE_WINDOW: f64 = 10.0;
+
 /// Springback and residual stress of one run. Lengths in m, stress in Pa.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Springback {
@@ -126,13 +133,17 @@ pub(crate) struct View<'a> {
 pub fn measure(run: &Run, result: &ProcessResult) -> Result<Springback, SpringbackError> {
     if run.facts.dimension == 3 {
         let slice = slice::first_pass(run, result)?;
-        return measure_plane(&slice.run, slice.window_start);
+        return measure_plane(&slice.run, slice.window_start, SLICE_WINDOW);
     }
-    measure_plane(run, result.window.start)
+    measure_plane(run, result.window.start, PLANE_WINDOW)
 }
 
-fn measure_plane(run: &Run, window_start: f64) -> Result<Springback, SpringbackError> {
-    let context = context(run, window_start)?;
+fn measure_plane(
+    run: &Run,
+    window_start: f64,
+    least_window: f64,
+) -> Result<Springback, SpringbackError> {
+    let context = context(run, window_start, least_window)?;
     let mut followed = Followed::default();
     let mut strips = strips::Collector::new(&context);
     let mut stress = StressProfile::new(run, &context);
@@ -174,7 +185,7 @@ fn measure_plane(run: &Run, window_start: f64) -> Result<Springback, SpringbackE
     })
 }
 
-fn context(run: &Run, window_start: f64) -> Result<Context, SpringbackError> {
+fn context(run: &Run, window_start: f64, least_window: f64) -> Result<Context, SpringbackError> {
     let facts = &run.facts;
     if !facts.passes.is_empty() {
         return Err(SpringbackError::SeveralPasses);
@@ -192,10 +203,9 @@ fn context(run: &Run, window_start: f64) -> Result<Context, SpringbackError> {
     let origin = first.max(lowest.rear - travel);
     let radius = facts.edge_radius.unwrap_or(0.0);
     let clear_distance = radius.max(3.0 * spacing) + thickness;
-    let start = window_start.max(4.0 * spacing);
+    let start = window_start.max(ENTRY * spacing);
     let end = lowest.rear - clear_distance - origin;
-    // Ten strips of two spacings are the least that a mean is taken over, after four spacings of entry.
-    let least = 24.0 * spacing;
+    let least = (ENTRY + least_window) * spacing;
     if end.partial_cmp(&least) != Some(std::cmp::Ordering::Greater) {
         // What the tool had to go before it cut (its gap, its edge) is in the travel.
         let needed = travel + (least - end);
@@ -208,7 +218,7 @@ fn context(run: &Run, window_start: f64) -> Result<Context, SpringbackError> {
         clear_distance,
         reach: radius.max(spacing),
         uncut_chip_thickness: thickness,
-        window: [start.min(end - 20.0 * spacing), end],
+        window: [start.min(end - least_window * spacing), end],
     })
 }
 

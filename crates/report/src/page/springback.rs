@@ -51,7 +51,7 @@ pub fn render_springback(runs: &[SpringbackRun<'_>], measurements: &[Measurement
                     header {
                         h1 { "Springback" }
                         p.lead { "Normal distance between the lowest point of the tool and the \
-                            machined surface behind it; plane strain." }
+                            machined surface behind it; " (of_which(runs)) "." }
                     }
                     (verdicts(runs, measurements))
                     (overview(runs, measurements))
@@ -64,6 +64,18 @@ pub fn render_springback(runs: &[SpringbackRun<'_>], measurements: &[Measurement
         }
     };
     page.into_string()
+}
+
+/// Where it was measured.
+fn of_which(runs: &[SpringbackRun<'_>]) -> &'static str {
+    let spatial = runs.iter().filter(|run| run.run.facts.dimension == 3).count();
+    match spatial {
+        0 => "plane strain",
+        _ if spatial == runs.len() => {
+            "in turning, in a slice through that point behind the first pass"
+        }
+        _ => "plane strain, or in turning a slice through that point behind the first pass",
+    }
 }
 
 /// What can be said, in words.
