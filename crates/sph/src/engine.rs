@@ -518,7 +518,7 @@ impl<const D: usize> Engine<D> {
             }
             if let Some(heat) = &mut self.tool_heat {
                 let place = in_tool(&self.position[i], &tool.displacement(self.time));
-                heat.touch(touch.particle, &place, duration, rubbed);
+                heat.touch_on(touch.area, touch.particle, &place, duration, rubbed);
             }
         }
     }

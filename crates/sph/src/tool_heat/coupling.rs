@@ -69,7 +69,7 @@ impl ToolHeat {
         let axes = self.body.place_axes();
         let exposures = self.exposures.iter().flat_map(|(particle, exposure)| {
             // Exact: fewer than 2^53 particles.
-            [f64::from(*particle), exposure.duration]
+            [f64::from(*particle), exposure.duration, exposure.coverage]
                 .into_iter()
                 .chain(exposure.place[..axes].to_vec())
                 .chain(exposure.drift[..axes].to_vec())
@@ -104,9 +104,9 @@ impl ToolHeat {
         self.books.boundary = books[2];
         self.pending = books[3];
         let axes = self.body.place_axes();
-        let rows = read(EXPOSURES).ok_or_else(|| damaged(EXPOSURES))?.chunks(3 + 2 * axes);
+        let rows = read(EXPOSURES).ok_or_else(|| damaged(EXPOSURES))?.chunks(4 + 2 * axes);
         let is_whole =
-            |row: &[f64]| row.len() == 3 + 2 * axes && row[0] >= 0.0 && row[0] < particles as f64;
+            |row: &[f64]| row.len() == 4 + 2 * axes && row[0] >= 0.0 && row[0] < particles as f64;
         if !rows.clone().all(is_whole) {
             return Err(damaged(EXPOSURES));
         }
@@ -115,9 +115,10 @@ impl ToolHeat {
         };
         let exposure = |row: &[f64]| Exposure {
             duration: row[1],
-            place: vector(row, 2),
-            drift: vector(row, 2 + axes),
-            friction: row[2 + 2 * axes],
+            coverage: row[2],
+            place: vector(row, 3),
+            drift: vector(row, 3 + axes),
+            friction: row[3 + 2 * axes],
         };
         self.exposures = rows.map(|row| (row[0] as u32, exposure(row))).collect();
         self.exposures.sort_unstable_by_key(|(particle, _)| *particle);

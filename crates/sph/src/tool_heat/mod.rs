@@ -1,7 +1,7 @@
 //! Heat in the tool: conduction by finite elements, coupled to the particles that touch it.
 //!
-//! A particle of spacing dx covers the length dx of the outline about its foot, in space a square of
-//! side dx of the surface, and exchanges
+//! A particle covers its share A of the tool's surface ([`crate::contact_area`]: a length in the plane), about its
+//! foot (spread over dx, in space over a square of side dx), and exchanges
 //! ```text
 //! q = h (T_particle - T_tool),   1/h = 1/h_c + dx / (2 k)
 //! ```
@@ -14,7 +14,7 @@
 //! contact and the heat of friction are gathered for each particle; a step then solves the tool
 //! implicitly in both its temperatures and those of the particles in contact,
 //! ```text
-//! Q = G c / (G + c) sum_a w_a (T_particle - T_a'),   G = h dx t   (h dx^2 t in space)
+//! Q = G c / (G + c) sum_a w_a (T_particle - T_a'),   G = h sum A dt
 //! ```
 //! (c: heat capacity of the particle, t: time in contact, w_a: share of node a in what is covered, T_a':
 //! its temperature after the step), and moves exactly this heat from the particle to the nodes. It is
@@ -58,6 +58,8 @@ const LONGEST_DIFFUSION: f64 = 0.1;
 struct Exposure {
     /// Time in contact in s.
     duration: f64,
+    /// Sum of time and area in m^2 s (m s in 2D).
+    coverage: f64,
     /// Where it was first: see [`Body::place`].
     place: Vector,
     /// Sum of time and way from there, in m s.
@@ -200,20 +202,39 @@ impl ToolHeat {
         self.conduction.memory() + self.body.memory()
     }
 
-    /// Notes that `particle` touches at `position` (tool frame) for `duration` and rubs `friction` of
-    /// heat into the tool.
+    /// Notes that `particle` of a resting lattice touches at `position` (tool frame) for `duration` and rubs
+    /// `friction` of heat into the tool.
     pub(crate) fn touch(&mut self, particle: u32, position: &Vector, duration: f64, friction: f64) {
+        self.touch_on(self.body.patch(self.width), particle, position, duration, friction);
+    }
+
+    /// The same of one that covers `area`.
+    pub(crate) fn touch_on(
+        &mut self,
+        area: f64,
+        particle: u32,
+        position: &Vector,
+        duration: f64,
+        friction: f64,
+    ) {
         let place = self.body.place(position);
         let index = match self.exposures.binary_search_by_key(&particle, |known| known.0) {
             Ok(index) => index,
             Err(index) => {
-                let fresh = Exposure { duration: 0.0, place, drift: [0.0; 3], friction: 0.0 };
+                let fresh = Exposure {
+                    duration: 0.0,
+                    coverage: 0.0,
+                    place,
+                    drift: [0.0; 3],
+                    friction: 0.0,
+                };
                 self.exposures.insert(index, (particle, fresh));
                 index
             }
         };
         let exposure = &mut self.exposures[index].1;
         exposure.duration += duration;
+        exposure.coverage += duration * area;
         let way = self.body.way(&exposure.place, &place);
         for (drift, way) in exposure.drift.iter_mut().zip(way) {
             *drift += duration * way;
@@ -260,12 +281,12 @@ impl ToolHeat {
     fn gather(&mut self, look: impl Fn(u32) -> Partner) {
         self.partners.clear();
         self.shares.clear();
-        let (load, patch) = (&mut self.load, self.body.patch(self.width));
+        let load = &mut self.load;
         for (particle, exposure) in &self.exposures {
             let partner = look(*particle);
             let resistance = 1.0 / self.description.contact_conductance
                 + 0.5 * self.width / partner.conductivity;
-            let whole = patch * exposure.duration / resistance;
+            let whole = exposure.coverage / resistance;
             let exchange = whole * partner.capacity / (whole + partner.capacity);
             let middle =
                 std::array::from_fn(|k| exposure.place[k] + exposure.drift[k] / exposure.duration);
