@@ -12,8 +12,13 @@ pub fn digest(run: &Run, result: &ProcessResult) -> String {
     let mut page = String::new();
     if ProcessResult::is_cut(run) {
         let _ = writeln!(page, "{}", window(run, result));
-        let _ = writeln!(page, "cutting force F_c  {}", force(&result.forces.cutting));
-        let _ = writeln!(page, "feed force F_f     {}", force(&result.forces.feed));
+        let forces = &result.forces;
+        let shown = if run.facts.dimension == 3 { whole } else { per_width };
+        let _ = writeln!(page, "cutting force F_c  {}", shown(&forces.cutting));
+        let _ = writeln!(page, "feed force F_f     {}", shown(&forces.feed));
+        if run.facts.dimension == 3 {
+            let _ = writeln!(page, "passive force F_p  {}", shown(&forces.passive));
+        }
         page.push_str(&temperature(result));
         page.push_str(&shape(result));
     }
@@ -33,8 +38,15 @@ fn window(run: &Run, result: &ProcessResult) -> String {
     format!("means from {start:.3} to {end:.3} mm of travel: {verdict}")
 }
 
+/// `63.0 ± 4.1 N`: in space the width differs from place to place.
+fn whole(force: &Force) -> String {
+    let interval =
+        if force.ci95.is_finite() { format!(" ± {:.2}", force.ci95) } else { String::new() };
+    format!("{:.2}{interval} N", force.mean)
+}
+
 /// `232.1 ± 8.0 N/mm (696 N)`.
-fn force(force: &Force) -> String {
+fn per_width(force: &Force) -> String {
     let interval = if force.ci95_per_width.is_finite() {
         format!(" ± {:.1}", force.ci95_per_width * 1e-3)
     } else {

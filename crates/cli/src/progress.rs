@@ -39,13 +39,26 @@ pub struct Travel {
     pub end: f64,
 }
 
-/// Forces per width in N/mm.
+/// Forces: of a plane cut per width in N/mm, in space in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forces {
     /// F_c.
     pub cutting: f64,
     /// F_f.
     pub feed: f64,
+    /// F_p in space.
+    pub passive: Option<f64>,
+}
+
+impl std::fmt::Display for Forces {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.passive {
+            None => write!(f, "F_c {:.0} F_f {:.0} N/mm", self.cutting, self.feed),
+            Some(passive) => {
+                write!(f, "F_c {:.1} F_f {:.1} F_p {passive:.1} N", self.cutting, self.feed)
+            }
+        }
+    }
 }
 
 impl Status {
@@ -62,7 +75,7 @@ impl Status {
             parts.push(format!("{:.3} of {:.3} mm", travel.now * 1e3, travel.end * 1e3));
         }
         if let Some(forces) = self.forces {
-            parts.push(format!("F_c {:.0} F_f {:.0} N/mm", forces.cutting, forces.feed));
+            parts.push(forces.to_string());
         }
         if let Some(seconds) = self.remaining_seconds {
             parts.push(format!("{} left", text::duration(seconds_to_duration(seconds))));
@@ -145,12 +158,15 @@ mod tests {
             updates_per_second: 8.4e5,
             wall_seconds: 3.0,
             remaining_seconds: Some(9.0),
-            forces: Some(Forces { cutting: 211.6, feed: 60.9 }),
+            forces: Some(Forces { cutting: 211.6, feed: 60.9, passive: None }),
         };
         assert_eq!(
             status.line(),
             "0.250 of 1.000 mm, F_c 212 F_f 61 N/mm, 9.0 s left, 0.84 M updates/s, 1.000e-4 s"
         );
+        // In space the forces are whole.
+        status.forces = Some(Forces { cutting: 63.04, feed: 0.45, passive: Some(70.0) });
+        assert!(status.line().contains(", F_c 63.0 F_f 0.5 F_p 70.0 N, "), "{}", status.line());
         status.travel = None;
         status.forces = None;
         status.remaining_seconds = None;

@@ -117,14 +117,13 @@ fn is_steady(progress: &Progress, steady: Steady) -> bool {
 /// The progress as it is shown.
 fn status(progress: &Progress) -> Status {
     let cuts = progress.end_travel > 0.0;
-    // Channels of a plane run are in N/m; those of a spatial one in N on the width of cut.
-    let per_width = match progress.facts.dimension {
-        2 => 1e-3,
-        _ => 1e-3 / progress.facts.width_of_cut,
-    };
+    let in_space = progress.facts.dimension == 3;
+    // Channels of a plane run are in N/m; those of a spatial one in N.
+    let factor = if in_space { 1.0 } else { 1e-3 };
     let forces = progress.samples.last().filter(|_| cuts).map(|sample| Forces {
-        cutting: sample.get(ChannelId::CuttingForce) * per_width,
-        feed: sample.get(ChannelId::FeedForce) * per_width,
+        cutting: sample.get(ChannelId::CuttingForce) * factor,
+        feed: sample.get(ChannelId::FeedForce) * factor,
+        passive: in_space.then(|| sample.get(ChannelId::PassiveForce)),
     });
     Status {
         step: progress.step,

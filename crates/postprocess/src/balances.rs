@@ -216,11 +216,24 @@ pub struct ToolHeatBalance {
     pub content: f64,
     /// Highest temperature of the tool over the run in K.
     pub max_temperature: f64,
+    /// Highest less first temperature of the hottest place of the tool in K.
+    pub rise: f64,
+    /// Largest change of temperature over the run where the tool is cut off in K.
+    pub outer_rise: f64,
     /// Factors from these heats to those of the width of cut in J, and to J per metre of it.
     pub factors: [f64; 2],
 }
 
 impl ToolHeatBalance {
+    /// What the place where the tool is cut off has to do with the result: heat that passed there over the heat that
+    /// entered, or its change of temperature over the highest rise, whichever is more.
+    #[must_use]
+    pub fn cut_off_share(&self) -> f64 {
+        let over = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        let heat = over(self.boundary.abs(), self.contact.abs() + self.friction.abs());
+        heat.max(over(self.outer_rise, self.rise))
+    }
+
     /// |content - what entered| over the sum of the absolute values of what passed; `None` where
     /// nothing did.
     #[must_use]
@@ -253,12 +266,16 @@ fn tool_heat(samples: &Samples, facts: &Facts) -> Option<ToolHeatBalance> {
     let last = samples.last()?;
     let hottest = samples.channel(ChannelId::ToolMaxTemperature).iter().copied();
     let max_temperature = hottest.fold(0.0, f64::max);
+    let first = samples.channel(ChannelId::ToolMaxTemperature).first().copied().unwrap_or(0.0);
+    let outer = samples.channel(ChannelId::ToolOuterRise).iter().copied();
     (max_temperature > 0.0).then(|| ToolHeatBalance {
         contact: last.get(ChannelId::HeatIntoTool),
         friction: last.get(ChannelId::ToolFrictionHeat),
         boundary: last.get(ChannelId::ToolBoundaryHeat),
         content: last.get(ChannelId::ToolHeatContent),
         max_temperature,
+        rise: max_temperature - first,
+        outer_rise: outer.fold(0.0, f64::max),
         factors: [facts.force_factor(), facts.force_factor() / facts.width_of_cut],
     })
 }
@@ -315,16 +332,22 @@ mod tests {
             (ChannelId::ToolBoundaryHeat, -1.0),
             (ChannelId::ToolHeatContent, 5.92),
             (ChannelId::ToolMaxTemperature, 700.0),
+            (ChannelId::ToolOuterRise, 50.0),
         ] {
             row.values[id as usize] = value;
         }
         let hotter = row.clone();
+        row.values[ChannelId::ToolMaxTemperature as usize] = 300.0;
+        let cold = row.clone();
         row.values[ChannelId::ToolMaxTemperature as usize] = 650.0;
-        let rows = [hotter, row];
+        let rows = [cold, hotter, row];
         let tool = heat(&record(&rows), &facts).unwrap().tool.unwrap();
         assert_eq!(tool.max_temperature, 700.0);
         // Entered: 5 + 2 - 1 = 6, found 5.92, passed in all 8.
         assert!((tool.closure().unwrap() - 0.01).abs() < 1e-12);
+        // 1 of 7 through the outer sides; they warm by 50 of 400 K, which is less.
+        assert_eq!(tool.cut_off_share(), 1.0 / 7.0);
+        assert_eq!(ToolHeatBalance { boundary: 0.0, ..tool }.cut_off_share(), 0.125);
         // In the plane the heats are per metre, in space those of the width of cut.
         assert_eq!(tool.factors, [facts.width_of_cut, 1.0]);
         let space = Facts { dimension: 3, ..facts };

@@ -18,6 +18,8 @@ const MOMENTUM_CLOSURE: f64 = 0.005;
 const KINETIC_SHARE: f64 = 0.05;
 /// Fewest particles across a length that matters.
 const FEWEST_PARTICLES: f64 = 5.0;
+/// What the place where the tool is cut off may have to do with its heat.
+const TOOL_CUT_OFF: f64 = 0.02;
 /// Jump of the machined surface in spacings that means another parting line.
 const SURFACE_JUMP: f64 = 0.75;
 /// Depth error of the machined surface in spacings.
@@ -94,6 +96,11 @@ pub enum Warning {
         /// Height minus nominal height in m.
         error: f64,
     },
+    /// Heat has reached the sides where the tool is cut off.
+    ToolCutOff {
+        /// Of the heat that entered, or of the highest rise of temperature.
+        share: f64,
+    },
     /// Said before the run started.
     Scenario {
         /// The text.
@@ -119,6 +126,7 @@ impl Warning {
             Self::LostParticle => "lost_particle",
             Self::SurfaceJump { .. } => "surface_jump",
             Self::SurfaceDepth { .. } => "surface_depth",
+            Self::ToolCutOff { .. } => "tool_cut_off",
             Self::Scenario { .. } => "scenario",
         }
     }
@@ -184,6 +192,12 @@ impl fmt::Display for Warning {
                 "The machined surface lies {} off its nominal height.",
                 micrometres(error)
             ),
+            Self::ToolCutOff { share } => write!(
+                f,
+                "Heat has reached the sides where the tool is cut off ({} of what entered, or of the highest rise of \
+                 temperature): what holds there decides about it; a larger tool would not.",
+                percent(share)
+            ),
             Self::Scenario { message } => {
                 let mut letters = message.trim_end_matches('.').chars();
                 let first = letters.next().map(char::to_uppercase);
@@ -203,6 +217,10 @@ pub(crate) fn collect(run: &Run, result: &ProcessResult) -> Vec<Warning> {
     }
     books(run, result, &mut warnings);
     particles(run, result, &mut warnings);
+    let tool = result.heat.and_then(|heat| heat.tool).map(|tool| tool.cut_off_share());
+    warnings.extend(
+        tool.filter(|share| *share > TOOL_CUT_OFF).map(|share| Warning::ToolCutOff { share }),
+    );
     warnings.extend(
         run.provenance.warnings.iter().map(|text| Warning::Scenario { message: text.clone() }),
     );

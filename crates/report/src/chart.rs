@@ -234,7 +234,9 @@ impl Chart<'_> {
 
     fn draw_bands(&self, svg: &mut String, axes: &Axes) {
         for band in &self.bands {
-            let (x0, x1, y) = (axes.x(band.from), axes.x(band.to), axes.y(band.mean));
+            // A window may end beyond the last point of the lines.
+            let [x0, x1] = [band.from, band.to].map(|end| axes.x(end).clamp(LEFT, WIDTH - RIGHT));
+            let y = axes.y(band.mean);
             let half = if band.half_width.is_finite() { band.half_width } else { 0.0 };
             let top = axes.y(band.mean + half);
             put(

@@ -6,11 +6,12 @@ use sphcut_record::{Run, RunError, Setting};
 use sphcut_sph::Snapshot;
 
 /// Fields shown in a report.
-const FIELDS: [Field; 5] = [
+const FIELDS: [Field; 6] = [
     Field::Temperature,
     Field::PlasticStrain,
     Field::PlasticStrainRate,
     Field::VonMisesStress,
+    Field::Pressure,
     Field::Speed,
 ];
 pub(crate) const PICTURE_WIDTH: u32 = 1000;

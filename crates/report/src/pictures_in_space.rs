@@ -8,8 +8,13 @@ use sphcut_sph::setup::Pass;
 use std::sync::Arc;
 
 /// Fields shown with the tool.
-const FIELDS: [Field; 4] =
-    [Field::PlasticStrain, Field::Temperature, Field::VonMisesStress, Field::Speed];
+const FIELDS: [Field; 5] = [
+    Field::PlasticStrain,
+    Field::Temperature,
+    Field::VonMisesStress,
+    Field::Pressure,
+    Field::Speed,
+];
 /// From ahead of the tool, on the side of the feed and above: the chip stands before the rake face.
 const FROM_AHEAD: [f64; 2] = [40.0, 30.0];
 /// From behind the tool and above: the grooves lie open where the tool has passed.

@@ -65,6 +65,7 @@ channels! {
     ToolBoundaryHeat "tool_boundary_heat" "J" "heat through the outer boundary into the tool since the start, negative where it leaves";
     ToolHeatContent "tool_heat_content" "J" "thermal energy of the tool above its initial state";
     ToolMaxTemperature "tool_max_temperature" "K" "highest temperature of the tool; 0 where it does not conduct heat";
+    ToolOuterRise "tool_outer_rise" "K" "largest change of temperature where the tool is cut off; 0 where its temperature is kept";
     MaxTemperature "max_temperature" "K" "highest temperature";
     MinTemperature "min_temperature" "K" "lowest temperature";
     MaxPlasticStrain "max_plastic_strain" "" "highest equivalent plastic strain";

@@ -137,6 +137,7 @@ impl<const D: usize> Engine<D> {
             set(ChannelId::ToolBoundaryHeat, heat.books.boundary);
             set(ChannelId::ToolHeatContent, heat.content());
             set(ChannelId::ToolMaxTemperature, heat.hottest());
+            set(ChannelId::ToolOuterRise, heat.outer_rise());
         }
     }
 

@@ -28,8 +28,10 @@ impl JsonLines {
     }
 }
 
-/// The progress event; SI units except forces, which are per mm of width.
+/// The progress event; SI units except the forces of a plane cut, which are per mm of width.
 fn progress(status: &Status) -> Value {
+    let plane = status.forces.filter(|forces| forces.passive.is_none());
+    let space = status.forces.filter(|forces| forces.passive.is_some());
     json!({
         "event": "progress",
         "step": status.step,
@@ -41,8 +43,11 @@ fn progress(status: &Status) -> Value {
         "updates_per_second": status.updates_per_second,
         "wall_s": status.wall_seconds,
         "remaining_s": status.remaining_seconds,
-        "cutting_force_n_per_mm": status.forces.map(|forces| forces.cutting),
-        "feed_force_n_per_mm": status.forces.map(|forces| forces.feed),
+        "cutting_force_n_per_mm": plane.map(|forces| forces.cutting),
+        "feed_force_n_per_mm": plane.map(|forces| forces.feed),
+        "cutting_force_n": space.map(|forces| forces.cutting),
+        "feed_force_n": space.map(|forces| forces.feed),
+        "passive_force_n": space.and_then(|forces| forces.passive),
     })
 }
 

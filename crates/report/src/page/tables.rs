@@ -100,7 +100,7 @@ pub(super) fn table(caption: &str, rows: &[Row]) -> Markup {
 pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
     let mut rows = Vec::new();
     if ProcessResult::is_cut(run) {
-        rows.extend(force_rows(result));
+        rows.extend(force_rows(run, result));
     }
     rows.extend(state_rows(result));
     html! {
@@ -109,7 +109,7 @@ pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
             (table("Intervals are 95 % and take the correlation of the force along the travel into \
                 account.", &rows))
             (passes(result))
-            @if ProcessResult::is_cut(run) { (steadiness(result)) }
+            @if ProcessResult::is_cut(run) { (steadiness(run, result)) }
         }
     }
 }
@@ -151,7 +151,7 @@ fn passes(result: &ProcessResult) -> Markup {
     }
 }
 
-fn force_rows(result: &ProcessResult) -> Vec<Row> {
+fn force_rows(run: &Run, result: &ProcessResult) -> Vec<Row> {
     let forces = &result.forces;
     let mut rows = Vec::new();
     for (name, per_width, force) in [
@@ -163,8 +163,13 @@ fn force_rows(result: &ProcessResult) -> Vec<Row> {
             continue;
         }
         let (mean, half_width) = (force.mean_per_width * 1e-3, force.ci95_per_width * 1e-3);
-        rows.push(row(name, with_interval(force.mean, force.ci95), "N", "for the width of cut"));
-        rows.push(row(per_width, with_interval(mean, half_width), "N/mm", ""));
+        // In space the width of cut is that of a later pass, and only a measure.
+        let in_space = run.facts.dimension == 3;
+        let note = if in_space { "" } else { "for the width of cut" };
+        rows.push(row(name, with_interval(force.mean, force.ci95), "N", note));
+        if !in_space {
+            rows.push(row(per_width, with_interval(mean, half_width), "N/mm", ""));
+        }
     }
     rows
 }
@@ -195,7 +200,11 @@ fn state_rows(result: &ProcessResult) -> Vec<Row> {
     rows
 }
 
-fn steadiness(result: &ProcessResult) -> Markup {
+fn steadiness(run: &Run, result: &ProcessResult) -> Markup {
+    let (drift, unit) = match run.facts.dimension {
+        3 => (result.window.drift_per_width * run.facts.width_of_cut, "N"),
+        _ => (result.window.drift_per_width * 1e-3, "N/mm"),
+    };
     let state = &result.steady;
     let window = format!(
         "{} to {} mm",
@@ -224,8 +233,8 @@ fn steadiness(result: &ProcessResult) -> Markup {
         ),
         row(
             "Drift over the window",
-            three_digits(result.window.drift_per_width * 1e-3),
-            "N/mm",
+            three_digits(drift),
+            unit,
             "linear regression of ten batch means",
         ),
     ];
@@ -290,8 +299,11 @@ fn tool_heat(run: &Run, tool: &ToolHeatBalance) -> Markup {
 }
 
 fn energy_table(run: &Run, energy: &EnergyBalance) -> Markup {
-    let per_width = run.facts.force_factor() / run.facts.width_of_cut;
-    let value = |energy: f64| three_digits(energy * per_width);
+    let (factor, unit) = match run.facts.dimension {
+        3 => (1e3, "mJ"),
+        _ => (run.facts.force_factor() / run.facts.width_of_cut, "mJ/mm"),
+    };
+    let value = |energy: f64| three_digits(energy * factor);
     let kind = |kind: TermKind| match kind {
         TermKind::Physical => "physical",
         TermKind::Numerical => "numerical",
@@ -301,7 +313,7 @@ fn energy_table(run: &Run, energy: &EnergyBalance) -> Markup {
         h3 { "Energy at the end of the run" }
         div.scroll { table {
             caption { "Shares of the work supplied. The numerical share adds absolute values." }
-            thead { tr { th { "Term" } th { "Kind" } th.n { "mJ/mm" } th.n { "Share" } } }
+            thead { tr { th { "Term" } th { "Kind" } th.n { (unit) } th.n { "Share" } } }
             tbody {
                 tr {
                     th scope="row" { "Work supplied" } td {} td.n { (value(energy.supplied)) } td.n { (percent(1.0)) }

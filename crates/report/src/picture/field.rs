@@ -4,6 +4,9 @@ use crate::canvas::Rgb;
 use colorous::Gradient;
 use sphcut_sph::Snapshot;
 
+/// How much the white in the middle of a diverging map is darkened.
+const MIDDLE_SHADE: f64 = 0.2;
+
 /// A quantity of the particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Field {
@@ -93,25 +96,33 @@ impl Field {
     }
 
     /// The colour at a share of the colour bar. The darkest tenth of the map is left out: it
-    /// cannot be told from black on paper.
+    /// cannot be told from black on paper. Pressure runs from blue (tension) to red; its middle is
+    /// darkened to grey, because white cannot be told from paper either.
     pub(crate) fn colour_at(self, share: f64) -> Rgb {
+        if self == Self::Pressure {
+            let share = share.clamp(0.0, 1.0);
+            let light = 1.0 - MIDDLE_SHADE * (1.0 - (2.0 * share - 1.0).abs());
+            let colour = self.gradient().eval_continuous(1.0 - share).as_array();
+            return colour.map(|part| (f64::from(part) * light) as u8);
+        }
         self.gradient().eval_continuous(0.1 + 0.9 * share.clamp(0.0, 1.0)).as_array()
     }
 
-    /// The colour map: all are perceptually uniform.
+    /// The colour map: perceptually uniform, that of pressure diverging.
     fn gradient(self) -> Gradient {
         match self {
             Self::Temperature => colorous::INFERNO,
             Self::PlasticStrain => colorous::VIRIDIS,
             Self::PlasticStrainRate => colorous::MAGMA,
-            Self::VonMisesStress | Self::Pressure => colorous::PLASMA,
+            Self::VonMisesStress => colorous::PLASMA,
+            Self::Pressure => colorous::RED_BLUE,
             Self::Speed => colorous::CIVIDIS,
         }
     }
 
     /// Lower and upper end of the colour bar that suit these snapshots together: from the
     /// smallest value (strain, stress and speed: from zero;
-    /// strain rate: four decades) to the 99.8 % quantile, so that a
+    /// strain rate: four decades; pressure: as far below zero as above) to the 99.8 % quantile, so that a
     /// single particle caught at the cutting edge does not spoil the picture.
     #[must_use]
     pub fn range<'a>(self, snapshots: impl IntoIterator<Item = &'a Snapshot>) -> (f64, f64) {
@@ -122,12 +133,15 @@ impl Field {
             let index = (share * all.len().saturating_sub(1) as f64).round() as usize;
             all.get(index).copied().unwrap_or(0.0)
         };
-        let high = at(0.998);
+        let high = match self {
+            Self::Pressure => at(0.998).max(-at(0.002)).max(self.least_span()),
+            _ => at(0.998),
+        };
         let low = match self {
             Self::Temperature => at(0.0),
             // Four decades.
             Self::PlasticStrainRate => (high - 4.0).max(0.0),
-            Self::Pressure => at(0.002),
+            Self::Pressure => -high,
             _ => 0.0,
         };
         if high > low { (low, high) } else { (low, low + self.least_span()) }
@@ -139,5 +153,29 @@ impl Field {
             Self::Temperature => 10.0,
             _ => 1.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pressure_is_grey_at_zero_red_in_compression_and_blue_in_tension() {
+        let pressure = |values: &[f64]| Snapshot {
+            pressure: values.iter().map(|value| value * 1e6).collect(),
+            ..Snapshot::default()
+        };
+        let (low, high) = Field::Pressure.range([&pressure(&[-120.0, 0.0, 800.0])]);
+        assert_eq!((low, high), (-800.0, 800.0));
+        assert_eq!(Field::Pressure.range([&pressure(&[-900.0, 800.0])]), (-900.0, 900.0));
+        assert_eq!(Field::Pressure.range([&pressure(&[0.0])]), (-1.0, 1.0));
+        let [red, green, blue] = Field::Pressure.colour_at(0.5);
+        let spread = red.max(green).max(blue) - red.min(green).min(blue);
+        assert!(spread < 8 && (170..215).contains(&green), "{red} {green} {blue}");
+        let [red, _, blue] = Field::Pressure.colour_at(1.0);
+        assert!(red > 2 * blue.max(1), "{red} {blue}");
+        let [red, _, blue] = Field::Pressure.colour_at(0.0);
+        assert!(blue > 2 * red.max(1), "{red} {blue}");
     }
 }

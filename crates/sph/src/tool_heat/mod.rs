@@ -360,6 +360,14 @@ impl ToolHeat {
         stored + self.exposures.iter().map(|(_, exposure)| exposure.friction).sum::<f64>()
     }
 
+    /// Largest change of temperature at the outer sides in K.
+    pub(crate) fn outer_rise(&self) -> f64 {
+        let changes =
+            self.temperature.iter().zip(&self.start).map(|(now, start)| (now - start).abs());
+        let outer = changes.zip(&self.outer).filter(|(_, extent)| **extent > 0.0);
+        outer.map(|(change, _)| change).fold(0.0, f64::max)
+    }
+
     /// Highest temperature in K.
     pub(crate) fn hottest(&self) -> f64 {
         self.temperature.iter().copied().fold(0.0, f64::max)
