@@ -18,6 +18,8 @@ const WARM_UP: u32 = 3;
 /// empty run.
 const BASE_BYTES: u64 = 20_000_000;
 
+/// Most steps of a cut over those that the first step predicts: 1.1 to 2.2 in the cuts measured.
+const CROWDING: f64 = 2.2;
 /// Texts longer than this are prose, not values.
 const PROSE: usize = 60;
 /// Width of the text.
@@ -35,7 +37,8 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     let _ = writeln!(page, "{}", heading(&scenario));
     page.push_str(&settings(&scenario.description));
     page.push_str(&resolution(&scenario));
-    page.push_str(&expense(&estimate, speed, threads));
+    let cuts = scenario.setup.uncut_chip_thickness.is_some();
+    page.push_str(&expense(&estimate, speed, threads, if cuts { CROWDING } else { 1.0 }));
     page.push_str(&warnings(&scenario.warnings));
     terminal::answer(&page)
 }
@@ -139,7 +142,8 @@ fn resolution(scenario: &Scenario) -> String {
 }
 
 /// Particles, steps, time and memory.
-fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize) -> String {
+/// `crowding`: most by which steps shorten later.
+fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, crowding: f64) -> String {
     let mut page = String::from("\ncost\n");
     let _ = writeln!(
         page,
@@ -149,9 +153,14 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize) -> String {
     );
     let _ = writeln!(
         page,
-        "  {} steps of {:.3e} s at the start",
+        "  {} steps of {:.3e} s at the start{}",
         text::grouped(estimate.steps),
-        estimate.time_step
+        estimate.time_step,
+        if crowding > 1.0 {
+            format!("; up to {crowding} times as many as particles crowd in a chip")
+        } else {
+            String::new()
+        }
     );
     let _ = writeln!(page, "  about {} of memory", text::bytes(estimate.memory_bytes + BASE_BYTES));
     if let Some(mesh) = &estimate.tool_mesh {
@@ -161,8 +170,13 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize) -> String {
         let updates = estimate.steps as f64 * estimate.particles as f64;
         let _ = writeln!(
             page,
-            "  about {} on {threads} thread{} ({}, measured now; a chip makes it slower)",
+            "  about {}{} on {threads} thread{} ({}, measured now)",
             text::duration(seconds_to_duration(updates / speed)),
+            if crowding > 1.0 {
+                format!(" to {}", text::duration(seconds_to_duration(crowding * updates / speed)))
+            } else {
+                String::new()
+            },
             if threads == 1 { "" } else { "s" },
             text::updates(speed),
         );

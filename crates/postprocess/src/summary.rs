@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Version of the schema: the first number changes when a key changes its meaning or goes, the
 /// second when keys are added.
-pub const SCHEMA_VERSION: &str = "1.3";
+pub const SCHEMA_VERSION: &str = "1.4";
 
 /// The content of `summary.json`. A number that is not known is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -164,6 +164,14 @@ fn each_warning_has_its_cause() {
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     let loose = SyntheticCut { loose_particles: 5, ..drawn() };
     assert_eq!(code(loose.run(2.0e-3, 3)), ["loose_particles"]);
+    let heated = |outer_rise: f64| {
+        let hot = |k: usize, _| 300.0 + k as f64;
+        let heated = with_channel(run(), ChannelId::ToolMaxTemperature, hot);
+        with_channel(heated, ChannelId::ToolOuterRise, |_, _| outer_rise)
+    };
+    // The hottest place rises by 999 K over 1000 samples.
+    assert!(code(heated(0.019 * 999.0)).is_empty());
+    assert_eq!(code(heated(0.021 * 999.0)), ["tool_cut_off"]);
     let mut interrupted = run();
     interrupted.outcome = Outcome::Interrupted;
     interrupted.facts.end_time *= 2.0;
@@ -289,7 +297,7 @@ fn the_summary_and_its_description_name_the_same_keys() {
     described.sort();
     assert_eq!(keys, described);
     // What scripts rely on.
-    assert_eq!(value["schema_version"], "1.3");
+    assert_eq!(value["schema_version"], "1.4");
     let force = value["forces"]["cutting"]["mean_n_per_mm"].as_f64().unwrap();
     assert!((force - 200.0).abs() < 3.0, "{force}");
     assert_eq!(value["warnings"][0]["code"], "scenario");

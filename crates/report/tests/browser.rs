@@ -75,7 +75,7 @@ fn the_page_shows_every_picture_and_has_no_errors_in_a_browser() {
     let document = String::from_utf8_lossy(&output.stdout);
     let log = String::from_utf8_lossy(&output.stderr);
     assert!(
-        document.contains("8/8 images, 9 charts, overflow false"),
+        document.contains("9/9 images, 9 charts, overflow false"),
         "{:?}\n{log}",
         document.find("data-probe").map(|at| &document[at..at + 80])
     );
@@ -109,7 +109,7 @@ fn the_page_loads_nothing_and_escapes_what_it_is_given() {
 fn the_scenario_can_do_without_pictures_or_without_the_animation() {
     let mut run = SyntheticCut::default().run(0.4e-3, 3);
     let result = evaluate(&run).unwrap();
-    for (key, gifs, pngs) in [("animation", 0, 7), ("pictures", 0, 0)] {
+    for (key, gifs, pngs) in [("animation", 0, 8), ("pictures", 0, 0)] {
         run.provenance.settings = vec![sphcut_record::Setting {
             section: "output".to_owned(),
             key: key.to_owned(),

@@ -157,3 +157,19 @@ fn what_cannot_be_meshed_says_why() {
     flat.dimension = Dimension::Three;
     assert!(matches!(Simulation::new(flat), Err(SetupError::ToolHeat { .. })));
 }
+
+#[test]
+fn what_reaches_the_cut_off_sides_is_told() {
+    // The back of the wedge lies 0.5 mm away: not in 24 us, when heat has come 60 um far. An outer side where
+    // particles touch warms at once.
+    let rise = |outer_sides: Vec<usize>| {
+        let mut setup = heated_cut(1e6);
+        let heat = setup.tool.as_mut().unwrap().heat.as_mut().unwrap();
+        heat.coating = None;
+        heat.outer = OuterBoundary::Adiabatic;
+        heat.outer_sides = outer_sides;
+        run(setup).1.last().unwrap().get(ChannelId::ToolOuterRise)
+    };
+    let (far, near) = (rise(vec![1, 2]), rise(vec![0]));
+    assert!(far < 1e-3 && near > 1.0, "{far} {near}");
+}
