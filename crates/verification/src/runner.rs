@@ -95,7 +95,7 @@ pub fn adopt(
     let run = &case.runs[index];
     let text = scenario_text(run)?;
     let scenario = parse(case, run, &text, &options.load).map_err(failed)?;
-    let finished = Run::load(folder).map_err(|error| failed(error.to_string()))?;
+    let finished = Run::load(&folder.join("run.h5")).map_err(|error| failed(error.to_string()))?;
     if finished.outcome != sphcut_record::Outcome::Finished {
         return Err(failed(format!("{} did not run to its end", folder.display())));
     }
