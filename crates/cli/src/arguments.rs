@@ -64,6 +64,9 @@ pub enum Command {
     /// Find the friction coefficient that fits measured forces best, and test it at other speeds.
     #[command(after_help = CALIBRATE_HELP)]
     CalibrateFriction(CalibrateArguments),
+    /// Turn recordings of a dynamometer into a table of mean forces with intervals.
+    #[command(after_help = RECORDINGS_HELP)]
+    Recordings(RecordingsArguments),
     /// Write the snapshots of a run as VTKHDF for ParaView.
     Export {
         /// Folder of the run, with `run.h5` inside.
@@ -143,6 +146,19 @@ What appears in the output folder:
 --measured is a table with a header: v_c [m/min],F_c [N],F_n [N] (other units and any order; the columns of
 `sphcut springback` may be there too). See docs/calibration.md.";
 
+const RECORDINGS_HELP: &str = "\
+Example:
+  sphcut recordings scenarios/recordings/example.toml --out forces
+
+What appears in the output folder:
+  recordings.html   one page: forces, every cut with its window and spectrum, what was noticed
+  forces.csv        one line per set of conditions: v_c, h, forces, standard deviation, n, order
+  cuts.csv          one line per record, with everything that was noticed
+  recordings.json   the same as numbers      recordings.h5   the series
+
+Gaps, clipping, missing numbers, unequal clocks, a wrong sign, a missing trigger are named; such a
+record gives no force. See docs/recordings.md, and docs/recordings_keys.md for all keys.";
+
 const COMPLETIONS_HELP: &str = "\
 Examples:
   sphcut completions bash > ~/.local/share/bash-completion/completions/sphcut
@@ -212,6 +228,20 @@ pub struct SpringbackArguments {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Replace an existing springback report.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `recordings`.
+#[derive(Debug, Args)]
+pub struct RecordingsArguments {
+    /// The file of recordings (TOML).
+    #[command(flatten)]
+    pub scene: ScenarioArguments,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Replace an existing result.
     #[arg(long)]
     pub force: bool,
 }

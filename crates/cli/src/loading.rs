@@ -3,7 +3,7 @@
 use crate::arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
 use sphcut_record::{Provenance, Setting};
-use sphcut_scenario::{Colours, LoadOptions, Mistake, OutsideFiles, Problem, Scenario};
+use sphcut_scenario::{Colours, LoadOptions, Mistake, OutsideFiles, Problem, Recordings, Scenario};
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -11,6 +11,12 @@ use std::path::Path;
 /// Reads and checks the scenario.
 pub fn scenario(arguments: &ScenarioArguments) -> Result<Scenario, Failure> {
     sphcut_scenario::load(&arguments.scenario, &options(arguments))
+        .map_err(|problems| refused(arguments, &problems))
+}
+
+/// Reads and checks a file of recordings.
+pub fn recordings(arguments: &ScenarioArguments) -> Result<Recordings, Failure> {
+    sphcut_scenario::load_recordings(&arguments.scenario, &options(arguments))
         .map_err(|problems| refused(arguments, &problems))
 }
 

@@ -11,6 +11,7 @@ mod interrupt;
 mod loading;
 mod outcome;
 mod progress;
+mod recordings;
 mod report;
 mod results;
 mod run;
@@ -44,6 +45,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Report { run } => report::report(&run),
         Command::Springback(arguments) => springback::springback(&arguments),
+        Command::Recordings(arguments) => recordings::recordings(&arguments),
         Command::CalibrateFriction(arguments) => calibrate_friction::calibrate(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Catalogue { name } => catalogue::print(name.as_deref()),

@@ -21,6 +21,8 @@ pub enum Quantity {
     Stress,
     /// A strain rate in 1/s.
     Rate,
+    /// A frequency in Hz.
+    Frequency,
     /// An absolute temperature in K.
     Temperature,
     /// A difference of temperatures in K.
@@ -63,6 +65,7 @@ impl Quantity {
             Self::Density => "kg/m^3",
             Self::Stress => "Pa",
             Self::Rate => "1/s",
+            Self::Frequency => "Hz",
             Self::Temperature | Self::TemperatureDifference => "K",
             Self::ThermalConductivity => "W/(m K)",
             Self::SpecificHeat => "J/(kg K)",
@@ -90,6 +93,7 @@ impl Quantity {
             Self::Density => "density",
             Self::Stress => "stress",
             Self::Rate => "strain rate",
+            Self::Frequency => "frequency",
             Self::Temperature => "temperature",
             Self::TemperatureDifference => "temperature difference",
             Self::ThermalConductivity => "thermal conductivity",

@@ -13,6 +13,7 @@ mod interface;
 mod missing;
 mod outline;
 mod process;
+pub mod recordings;
 mod segments;
 mod shear_zone;
 pub mod springback;

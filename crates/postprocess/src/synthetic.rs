@@ -5,7 +5,9 @@
 //! slides up a flat rake face.
 
 mod field;
+mod recording;
 
+pub use recording::SyntheticChannel;
 use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Setting, Snapshots};
 use sphcut_sph::setup::{CuttingFrame, Dimension};
 use sphcut_sph::{CHANNELS, ChannelId, Sample, Setup, Snapshot};

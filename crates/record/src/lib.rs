@@ -18,7 +18,9 @@ mod snapshots;
 
 pub use error::{Divergence, RunError};
 pub use facts::{Facts, MaterialFacts};
-pub use files::{RunFiles, export_vtkhdf, recover};
+pub use files::{
+    ColumnH5, FactH5, GroupH5, RunFiles, export_vtkhdf, read_columns_h5, recover, write_columns_h5,
+};
 pub use provenance::{Provenance, Setting};
 pub use run::{Outcome, Performance, Run};
 pub use samples::Samples;

@@ -35,6 +35,16 @@ pub(crate) struct Chart<'a> {
     pub bands: Vec<Band<'a>>,
     /// Values the y axis must show beside the data.
     pub y_includes: Vec<f64>,
+    /// Vertical lines with a name at the top.
+    pub marks: Vec<Mark<'a>>,
+}
+
+/// A place on the x axis.
+#[derive(Debug, Clone)]
+pub(crate) struct Mark<'a> {
+    pub at: f64,
+    pub colour: &'a str,
+    pub label: String,
 }
 
 #[derive(Debug, Clone)]
@@ -109,6 +119,7 @@ impl Chart<'_> {
         self.draw_areas(&mut svg, &axes, &stacks);
         self.draw_lines(&mut svg, &axes);
         self.draw_bands(&mut svg, &axes);
+        self.draw_marks(&mut svg, &axes);
         legend.iter().for_each(|entry| entry.draw(&mut svg));
         svg.push_str("</svg>");
         Some(svg)
@@ -250,6 +261,28 @@ impl Chart<'_> {
                     x1 - 6.0,
                     top - 6.0,
                     escape(&band.label)
+                ),
+            );
+        }
+    }
+
+    /// Names one below the other, so that close marks stay readable.
+    fn draw_marks(&self, svg: &mut String, axes: &Axes) {
+        let inside = |mark: &&Mark<'_>| (axes.x.0..=axes.x.1).contains(&mark.at);
+        for (row, mark) in self.marks.iter().filter(inside).enumerate() {
+            let x = axes.x(mark.at);
+            // On the side with more room.
+            let (anchor, shift) = if x > 0.7 * WIDTH { ("end", -5.0) } else { ("start", 5.0) };
+            put(
+                svg,
+                format_args!(
+                    r#"<line x1="{x:.1}" x2="{x:.1}" y1="{:.1}" y2="{:.1}" stroke="{}" stroke-dasharray="5 4"/><text class="note" x="{:.1}" y="{:.1}" text-anchor="{anchor}">{}</text>"#,
+                    axes.top,
+                    axes.bottom,
+                    mark.colour,
+                    x + shift,
+                    axes.top + 14.0 + 15.0 * (row % 6) as f64,
+                    escape(&mark.label)
                 ),
             );
         }

@@ -2,7 +2,7 @@
 //!
 //! [`write_report`] writes one self-contained `report.html`; [`render_snapshot`] draws a single
 //! picture; [`render_springback`] is the page of `sphcut springback`, [`render_calibration`] that of
-//! `sphcut calibrate-friction`.
+//! `sphcut calibrate-friction`, [`render_recordings`] that of `sphcut recordings`.
 
 mod animation;
 mod canvas;
@@ -17,7 +17,7 @@ mod ticks;
 
 pub use error::ReportError;
 pub use page::{
-    SpringbackRun, calibration_words, render_calibration, render_report, render_springback,
-    write_report,
+    RecordingsPage, SpringbackRun, calibration_words, recordings_words, render_calibration,
+    render_recordings, render_report, render_springback, write_report,
 };
 pub use picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};

@@ -42,6 +42,16 @@ impl Surroundings {
         read_bytes(&path, largest).map_err(|reason| file_mistake(named, reason, ""))
     }
 
+    /// The path of the file `named` in the scenario, checked to lie where it may and to be a file.
+    pub(crate) fn path(&self, named: &str) -> Result<PathBuf, Box<Mistake>> {
+        let path = self.resolve(named)?;
+        match fs::metadata(&path) {
+            Ok(metadata) if metadata.is_file() => Ok(path),
+            Ok(_) => Err(file_mistake(named, "it is not a regular file".to_owned(), "")),
+            Err(error) => Err(file_mistake(named, io_reason(&error), "")),
+        }
+    }
+
     fn resolve(&self, named: &str) -> Result<PathBuf, Box<Mistake>> {
         let refuse = |reason: &str, help: &str| Err(file_mistake(named, reason.to_owned(), help));
         let Some(directory) = &self.directory else {

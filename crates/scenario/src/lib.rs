@@ -28,6 +28,7 @@ mod placement;
 mod problem;
 mod reader;
 mod record;
+mod recordings;
 mod reference;
 mod scenario;
 mod schema;
@@ -57,7 +58,10 @@ pub use measured::{
 pub use patch::{PatchError, with_value};
 
 pub use ending::{Output, Steady, Stop};
-pub use reference::reference;
+pub use recordings::{
+    RecordingChannel, RecordingCut, RecordingFile, Recordings, ResponseLine, load_recordings,
+};
+pub use reference::{recordings_reference, reference};
 pub use scenario::{Scenario, load, parse};
 pub use schema::{schema, taplo};
 pub use units::UnitError;

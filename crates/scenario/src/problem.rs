@@ -174,7 +174,7 @@ impl Mistake {
             }
             Self::Syntax { .. } | Self::WrongType { .. } | Self::OutOfRange { .. } => String::new(),
             Self::UnknownKey { allowed, section, .. } if section.is_empty() => {
-                format!("keys and sections of a scenario: {}", allowed.join(", "))
+                format!("keys and sections of this file: {}", allowed.join(", "))
             }
             Self::UnknownKey { allowed, section, .. } => {
                 format!("keys of [{section}]: {}", allowed.join(", "))

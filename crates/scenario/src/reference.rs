@@ -37,6 +37,15 @@ entries as there are dimensions.
 
 ";
 
+const RECORDINGS_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
+
+# Files of recordings: all keys
+
+What `sphcut recordings` reads; [recordings.md](recordings.md) says what it does. Quantities are written as in
+[scenarios](scenario.md): a number and a unit in quotes.
+
+";
+
 /// The reference of all keys as Markdown.
 #[must_use]
 pub fn reference() -> String {
@@ -81,6 +90,20 @@ pub fn reference() -> String {
     }
     materials(&mut page);
     laws(&mut page);
+    page
+}
+
+/// The reference of the keys of a file of recordings as Markdown.
+#[must_use]
+pub fn recordings_reference() -> String {
+    let mut page = RECORDINGS_HEAD.to_owned();
+    for one in sections::recordings_sections() {
+        match one.name.as_str() {
+            "" => section(&mut page, &one),
+            "cut" => headed(&mut page, &one, Brackets::Double),
+            _ => headed(&mut page, &one, Brackets::Single),
+        }
+    }
     page
 }
 

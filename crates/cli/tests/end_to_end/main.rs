@@ -3,5 +3,6 @@
 mod calibrate_friction;
 mod commands;
 mod common;
+mod recordings;
 mod run;
 mod springback;

@@ -39,7 +39,9 @@ mod truncation;
 
 pub use interval::{AutocorrelationTime, MeanInterval, autocorrelation_time, mean_interval};
 
-use interval::{Batches, t_quantile};
+pub(crate) use interval::t_quantile;
+
+use interval::Batches;
 use std::fmt;
 
 /// Fewest correlation lengths in a steady window.
@@ -258,6 +260,32 @@ pub fn detect(series: Series<'_>, options: &SteadyOptions) -> SteadyState {
         state.reason = Reason::Unsettled { part };
     }
     state
+}
+
+/// What a record says about its steady part, without a verdict.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Examination {
+    /// Index of the first sample after the run-in.
+    pub first: usize,
+    /// Mean and interval over the samples from there on.
+    pub mean: MeanInterval,
+    /// Change over these samples, from the slope of ten batch means.
+    pub drift: f64,
+    /// Half width of its 95 % interval.
+    pub drift_half_width: f64,
+}
+
+/// Run-in, mean and drift of a finished record by the rules of [`detect`], for another verdict.
+#[must_use]
+pub fn examine(force: &[f64]) -> Examination {
+    let first = truncation::window_start(force);
+    let window = Window::new(force, first);
+    Examination {
+        first,
+        mean: window.mean,
+        drift: window.slope_drift.difference,
+        drift_half_width: window.slope_drift.half_width,
+    }
 }
 
 /// Mean and 95 % interval over the samples from `first` on, by the same rules as [`detect`]: the

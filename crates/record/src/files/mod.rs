@@ -6,6 +6,7 @@
 
 mod archive;
 mod atomic;
+mod columns_h5;
 mod fields;
 mod forces_csv;
 mod hdf;
@@ -18,6 +19,7 @@ mod segment;
 mod vtkhdf;
 
 use crate::{Outcome, Run, RunError, SnapshotInfo};
+pub use columns_h5::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
 use fields::Field;
 use partial::Partial;
 pub(crate) use run_h5::{

@@ -3,10 +3,12 @@
 mod calibration;
 mod charts;
 mod measures;
+mod recordings;
 mod springback;
 mod tables;
 
 pub use calibration::{calibration_words, render_calibration};
+pub use recordings::{RecordingsPage, recordings_words, render_recordings};
 pub use springback::{SpringbackRun, render_springback};
 
 use crate::ReportError;

@@ -4,6 +4,7 @@ mod bodies;
 mod cut;
 mod heat_source;
 mod material;
+mod recordings;
 mod tool_heat;
 
 pub(crate) use bodies::{
@@ -14,6 +15,11 @@ pub(crate) use cut::{
 };
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use material::{effect, effects, equation_of_state, flow_stress, friction, material};
+pub(crate) use recordings::{
+    FORCE_CHANNELS, recordings_channels, recordings_cut, recordings_detection, recordings_file,
+    recordings_force, recordings_low_pass, recordings_root, recordings_sections, recordings_steady,
+    recordings_trigger,
+};
 pub(crate) use tool_heat::{coating, tool_heat};
 
 use crate::section::{Field, Kind, Presence, Section};
@@ -368,6 +374,7 @@ mod tests {
             tool_heat("tool.heat"),
             coating("tool.heat.coating"),
         ];
+        sections.extend(recordings_sections());
         sections.extend(VELOCITY_FIELDS.iter().map(|field| velocity(field)));
         sections.extend(HEAT_SOURCE_FORMS.iter().map(|form| heat_source(form)));
         sections.extend(flow_stress_laws::LAWS.iter().map(|law| flow_stress("flow", Some(law))));

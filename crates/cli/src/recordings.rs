@@ -1,0 +1,142 @@
+//! `sphcut recordings`: mean forces from raw recordings of a dynamometer.
+
+mod settings;
+
+use crate::arguments::RecordingsArguments;
+use crate::failure::{ExitCode, Failure};
+use crate::{loading, results, terminal};
+use sphcut_postprocess::recordings::{
+    ComponentResult, CutResult, Pooled, RawTable, cuts_csv, evaluate_cut, forces_csv, formats,
+    pool, recordings_json,
+};
+use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
+use sphcut_report::{RecordingsPage, recordings_words, render_recordings};
+use sphcut_scenario::{RecordingCut, RecordingFile, Recordings};
+use std::path::Path;
+
+const FILES: [&str; 5] =
+    ["recordings.html", "recordings.json", "forces.csv", "cuts.csv", "recordings.h5"];
+/// Largest file that is read, in bytes.
+const LARGEST: u64 = 2 << 30;
+
+/// Evaluates the records and writes page, tables and series into the output folder.
+pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> {
+    let out = &arguments.out;
+    if let Some(old) = FILES.iter().map(|name| out.join(name)).find(|path| path.exists())
+        && !arguments.force
+    {
+        let message = format!("`{}` exists: use --force to replace it", old.display());
+        return Err(Failure::input(message));
+    }
+    let plan = loading::recordings(&arguments.scene)?;
+    let settings = settings::settings(&plan);
+    let mut cuts = Vec::new();
+    for cut in &plan.cuts {
+        let table = read(cut, &plan.file)?;
+        let found = evaluate_cut(&table, &settings, &settings::conditions(cut));
+        terminal::line(&line(&found));
+        for fault in &found.faults {
+            terminal::note(&format!("  {}: {fault}", found.conditions.name));
+        }
+        cuts.push(found);
+    }
+    let pooled = pool(&cuts);
+    std::fs::create_dir_all(out)
+        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
+    let low_pass = plan.low_pass.map_or_else(String::new, |(order, cut_off)| {
+        format!("Low-pass at {cut_off} Hz, order {order}, without a shift in time.")
+    });
+    let page = RecordingsPage {
+        title: &plan.title,
+        version: env!("CARGO_PKG_VERSION"),
+        low_pass: &low_pass,
+        cuts: &cuts,
+        pooled: &pooled,
+    };
+    let texts = [
+        render_recordings(&page),
+        recordings_json(&cuts, &pooled),
+        forces_csv(&pooled),
+        cuts_csv(&cuts),
+    ];
+    for (name, content) in FILES.iter().zip(&texts) {
+        results::save(&out.join(name), content.as_bytes())?;
+    }
+    write_series(&out.join(FILES[4]), &plan, &cuts, &pooled)?;
+    recordings_words(&page).iter().for_each(|words| terminal::line(words));
+    terminal::line(&format!("report             {}", out.join(FILES[0]).display()));
+    if pooled.conditions.is_empty() {
+        return Err(Failure::input("no record gives a force"));
+    }
+    Ok(ExitCode::Done)
+}
+
+/// The columns of a record.
+fn read(cut: &RecordingCut, file: &RecordingFile) -> Result<RawTable, Failure> {
+    let path = &cut.path;
+    let shown = path.display();
+    let unreadable =
+        |error: &dyn std::fmt::Display| Failure::output(format!("cannot read `{shown}`"), error);
+    if file.format == "hdf5" {
+        let columns = read_columns_h5(path, &cut.group).map_err(|error| unreadable(&error))?;
+        return Ok(settings::table(columns));
+    }
+    let bytes = read_bytes(path).map_err(|error| unreadable(&error))?;
+    let wrong = |error: formats::FormatError| Failure::input(format!("`{shown}`: {error}"));
+    // Measuring programs write the signs of units in Latin-1.
+    let text = String::from_utf8(bytes)
+        .unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
+    settings::read_text(&text, file).map_err(wrong)
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
+    let length = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
+    if length > LARGEST {
+        return Err(format!("it is larger than {} GiB", LARGEST >> 30));
+    }
+    std::fs::read(path).map_err(|error| error.to_string())
+}
+
+/// One cut on the terminal.
+fn line(cut: &CutResult) -> String {
+    let force = |found: &ComponentResult| {
+        format!("{} {:.1} +- {:.1} N", found.component.symbol(), found.mean, found.ci95)
+    };
+    let forces: Vec<String> = cut.components.iter().map(force).collect();
+    let verdict = if cut.accepted { "" } else { "  (no force given)" };
+    let forces = if forces.is_empty() { "no cut".to_owned() } else { forces.join(", ") };
+    format!("{}: {forces}{verdict}", cut.conditions.name)
+}
+
+/// `recordings.h5`: the table and the series of every cut.
+fn write_series(
+    path: &Path,
+    plan: &Recordings,
+    cuts: &[CutResult],
+    pooled: &Pooled,
+) -> Result<(), Failure> {
+    let facts = [
+        ("title", FactH5::Text(plan.title.clone())),
+        ("recordings", FactH5::Text(plan.text.clone())),
+        ("version", FactH5::Text(env!("CARGO_PKG_VERSION").to_owned())),
+    ];
+    let table = settings::columns(pooled);
+    let mut groups = vec![GroupH5 {
+        path: "table".to_owned(),
+        facts: vec![("meaning", FactH5::Text("one row per set of conditions".to_owned()))],
+        columns: table.iter().map(|(name, unit, values)| ColumnH5 { name, unit, values }).collect(),
+    }];
+    for (index, cut) in cuts.iter().enumerate() {
+        groups.push(GroupH5 {
+            path: format!("cut_{:04}", index + 1),
+            facts: settings::facts(cut),
+            columns: cut
+                .components
+                .iter()
+                .map(|c| ColumnH5 { name: c.component.symbol(), unit: "N", values: &c.force })
+                .collect(),
+        });
+    }
+    write_columns_h5(path, &facts, &groups)
+        .map_err(|error| Failure::output(format!("cannot write `{}`", path.display()), &error))
+}

@@ -1,0 +1,39 @@
+//! Files of measuring programs as columns of numbers. No reader panics, whatever the bytes are.
+
+mod csv;
+
+pub use csv::{CsvLayout, DecimalMark, Separator, read_csv};
+
+use std::fmt;
+
+/// Why a file cannot be read, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FormatError {
+    /// Line from 1, for text.
+    pub line: Option<usize>,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl fmt::Display for FormatError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "line {line}: {}", self.message),
+            None => f.write_str(&self.message),
+        }
+    }
+}
+
+impl std::error::Error for FormatError {}
+
+pub(crate) fn at(line: usize, message: impl Into<String>) -> FormatError {
+    FormatError { line: Some(line), message: message.into() }
+}
+
+/// Text of a stranger as it may be repeated: short and without control characters.
+pub(crate) fn quoted(text: &str) -> String {
+    text.chars()
+        .take(40)
+        .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
+        .collect()
+}

@@ -1,0 +1,296 @@
+//! `recordings.html`: mean forces from recordings of a dynamometer.
+
+mod details;
+
+use super::STYLE;
+use crate::chart::{Band, Chart, Line};
+use crate::text::{percent, three_digits, with_interval};
+use details::details;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sphcut_postprocess::recordings::{Component, Condition, CutResult, Pooled, PooledForce};
+
+const BLUE: &str = "#0072b2";
+const RED: &str = "#d55e00";
+const GREEN: &str = "#009e73";
+const MM: f64 = 1e3;
+const M_PER_MIN: f64 = 60.0;
+/// Most cuts that are drawn; refused ones come first.
+const MOST_FIGURES: usize = 40;
+
+/// What the page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct RecordingsPage<'a> {
+    /// What was measured.
+    pub title: &'a str,
+    /// Version of the program.
+    pub version: &'a str,
+    /// Low-pass in words; empty without one.
+    pub low_pass: &'a str,
+    /// All cuts in the order of the file.
+    pub cuts: &'a [CutResult],
+    /// Their table.
+    pub pooled: &'a Pooled,
+}
+
+fn colour(component: Component) -> &'static str {
+    match component {
+        Component::Cutting => BLUE,
+        Component::Feed => RED,
+        Component::Passive => GREEN,
+    }
+}
+
+/// `F<sub>c</sub>`.
+fn symbol(component: Component) -> Markup {
+    let (letter, index) = component.symbol().split_once('_').unwrap_or(("F", ""));
+    html! { (letter) sub { (index) } }
+}
+
+/// The text of `recordings.html`; nothing is loaded.
+#[must_use]
+pub fn render_recordings(page: &RecordingsPage<'_>) -> String {
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content={ "sphcut " (page.version) };
+                link rel="icon" href="data:,";
+                title { "Recordings \u{2013} " (page.title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    header {
+                        h1 { (page.title) }
+                        p.lead { "Forces from recordings: " (page.cuts.len()) " cuts, "
+                            (page.pooled.conditions.len()) " conditions. " (page.low_pass) }
+                    }
+                    section.warnings role="note" {
+                        h2 { "What these figures say" }
+                        ul { @for sentence in recordings_words(page) { li { (sentence) } } }
+                    }
+                    (conditions(page))
+                    (overview(page))
+                    (cuts(page))
+                    @for cut in drawn(page.cuts) { (details(cut)) }
+                    @if page.cuts.len() > MOST_FIGURES {
+                        p { "Drawn are " (MOST_FIGURES) " of " (page.cuts.len()) " cuts, those without a force \
+                            first; the series of all are in recordings.h5." }
+                    }
+                    (definitions())
+                    footer { "Written by sphcut " (page.version) "." }
+                }
+            }
+        }
+    };
+    markup.into_string()
+}
+
+/// The cuts that are drawn: refused ones, then the others, in the order of the file.
+fn drawn(cuts: &[CutResult]) -> Vec<&CutResult> {
+    let mut order: Vec<usize> = (0..cuts.len()).collect();
+    order.sort_by_key(|&index| cuts[index].accepted);
+    order.truncate(MOST_FIGURES);
+    order.sort_unstable();
+    order.into_iter().map(|index| &cuts[index]).collect()
+}
+
+/// What can be said, one sentence or two per entry.
+#[must_use]
+pub fn recordings_words(page: &RecordingsPage<'_>) -> Vec<String> {
+    let refused: Vec<&CutResult> = page.cuts.iter().filter(|cut| !cut.accepted).collect();
+    let accepted = page.cuts.len() - refused.len();
+    let mut words = vec![format!(
+        "{accepted} of {} records give a force, at {} conditions.",
+        page.cuts.len(),
+        page.pooled.conditions.len()
+    )];
+    for cut in refused.iter().take(12) {
+        let reason = cut
+            .faults
+            .iter()
+            .find(|fault| fault.refuses())
+            .or_else(|| cut.faults.last())
+            .map_or_else(String::new, ToString::to_string);
+        words.push(format!("No force from {}: {reason}.", cut.conditions.name));
+    }
+    if refused.len() > 12 {
+        words.push(format!("And {} more; see the table of cuts.", refused.len() - 12));
+    }
+    for repeat in &page.pooled.repeatability {
+        words.push(format!(
+            "Repeated cuts differ by {} in {} (standard deviation, {:.0} degrees of freedom): no model can \
+             be tested more finely than that.",
+            percent(repeat.relative),
+            repeat.component.symbol(),
+            repeat.degrees_of_freedom
+        ));
+    }
+    if accepted > 0 && page.pooled.repeatability.is_empty() {
+        words.push(
+            "No condition was repeated: the intervals know the fluctuation within a cut, not what \
+             changes from cut to cut. Repeat one condition at least, better one in five."
+                .to_owned(),
+        );
+    }
+    let warned = page.cuts.iter().filter(|cut| cut.accepted && !cut.faults.is_empty()).count();
+    if warned > 0 {
+        words.push(format!("{warned} records give a force with a warning; see the table of cuts."));
+    }
+    words
+}
+
+/// The components that appear at all.
+fn components(page: &RecordingsPage<'_>) -> Vec<Component> {
+    let has = |c: &Component| {
+        page.pooled.conditions.iter().any(|one| one.forces.iter().any(|f| f.component == *c))
+    };
+    Component::ALL.into_iter().filter(has).collect()
+}
+
+fn force(condition: &Condition, component: Component) -> Option<&PooledForce> {
+    condition.forces.iter().find(|force| force.component == component)
+}
+
+fn conditions(page: &RecordingsPage<'_>) -> Markup {
+    let found = components(page);
+    html! {
+        section {
+            h2 { "Forces" }
+            div.scroll { table {
+                caption { "Mean force and its 95 % interval at each set of conditions; forces.csv has the same \
+                    figures for other commands." }
+                thead { tr {
+                    th.n scope="col" { "v" sub { "c" } " in m/min" } th.n scope="col" { "h in mm" }
+                    th.n scope="col" { "b in mm" }
+                    @for component in &found { th.n scope="col" { (symbol(*component)) " in N" } }
+                    th.n scope="col" { "cuts" }
+                } }
+                tbody { @for condition in &page.pooled.conditions { tr {
+                    td.n { (three_digits(condition.cutting_speed * M_PER_MIN)) }
+                    td.n { (three_digits(condition.uncut_chip_thickness * MM)) }
+                    td.n { (condition.width_of_cut.map_or_else(|| "\u{2013}".to_owned(), |b| three_digits(b * MM))) }
+                    @for component in &found { td.n {
+                        (force(condition, *component).map_or_else(|| "\u{2013}".to_owned(), |f| with_interval(f.mean, f.ci95)))
+                    } }
+                    td.n { (condition.cuts.len()) }
+                } } }
+            } }
+        }
+    }
+}
+
+/// Forces over what was varied most: the chip thickness, else the cutting speed.
+fn overview(page: &RecordingsPage<'_>) -> Markup {
+    let conditions = &page.pooled.conditions;
+    let distinct = |value: fn(&Condition) -> f64| {
+        let mut all: Vec<f64> = conditions.iter().map(value).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| (*a - *b).abs() <= 1e-3 * a.abs());
+        all.len()
+    };
+    let thickness = |c: &Condition| c.uncut_chip_thickness * MM;
+    let speed = |c: &Condition| c.cutting_speed * M_PER_MIN;
+    let (value, title): (fn(&Condition) -> f64, &str) = if distinct(thickness) > 1 {
+        (thickness, "Uncut chip thickness in mm")
+    } else {
+        (speed, "Cutting speed in m/min")
+    };
+    if distinct(value) < 2 {
+        return html! {};
+    }
+    let highest = conditions.iter().map(value).fold(0.0, f64::max);
+    let half = 0.006 * highest;
+    let found = components(page);
+    let bands = conditions.iter().flat_map(|condition| {
+        found.iter().filter_map(move |component| {
+            let force = force(condition, *component)?;
+            Some(Band {
+                from: value(condition) - half,
+                to: value(condition) + half,
+                mean: force.mean,
+                half_width: force.ci95,
+                colour: colour(*component),
+                label: String::new(),
+            })
+        })
+    });
+    let names: Vec<&str> = found.iter().map(|component| component.symbol()).collect();
+    let points = || conditions.iter().flat_map(|c| &c.forces);
+    let chart = Chart {
+        description: "Mean forces with their intervals.".to_owned(),
+        x_title: title,
+        y_title: "Force in N",
+        height: 360.0,
+        x: vec![0.0, 1.05 * highest],
+        lines: found
+            .iter()
+            .zip(&names)
+            .map(|(component, name)| Line {
+                name,
+                colour: colour(*component),
+                width: 1.0,
+                values: Vec::new(),
+            })
+            .collect(),
+        bands: bands.collect(),
+        y_includes: points()
+            .filter(|f| f.ci95.is_finite())
+            .flat_map(|f| [f.mean - f.ci95, f.mean + f.ci95])
+            .chain([0.0])
+            .collect(),
+        ..Chart::default()
+    };
+    super::charts::figure(
+        chart.svg(),
+        "Each mark is a mean (line) with its 95 % interval (box) at one set of conditions.",
+    )
+}
+
+fn cuts(page: &RecordingsPage<'_>) -> Markup {
+    let found: Vec<Component> = Component::ALL
+        .into_iter()
+        .filter(|c| page.cuts.iter().any(|cut| cut.component(*c).is_some()))
+        .collect();
+    html! {
+        section {
+            h2 { "Cuts" }
+            div.scroll { table {
+                caption { "Every record with its mean, 95 % interval and everything that was noticed." }
+                thead { tr {
+                    th.n scope="col" { "No." } th scope="col" { "Record" }
+                    @for component in &found { th.n scope="col" { (symbol(*component)) " in N" } }
+                    th scope="col" { "Force given" } th scope="col" { "Noticed" }
+                } }
+                tbody { @for cut in page.cuts { tr.over[!cut.accepted] {
+                    td.n { (cut.conditions.order) }
+                    th scope="row" { (cut.conditions.name) }
+                    @for component in &found { td.n {
+                        (cut.component(*component).map_or_else(|| "\u{2013}".to_owned(), |c| with_interval(c.mean, c.ci95)))
+                    } }
+                    td { (if cut.accepted { "yes" } else { "no" }) }
+                    td { @for fault in &cut.faults { (fault) ". " } }
+                } } }
+            } }
+        }
+    }
+}
+
+fn definitions() -> Markup {
+    html! {
+        section {
+            h2 { "Definitions and limits" }
+            p { "The zero is a straight line through the air before and after the cut; what a drift does between \
+                them beside that line nobody has measured. The steady window begins where the run-in of the slowest \
+                channel ends and is cut to whole revolutions where their frequency is known; it has to pass the tests \
+                for drift, length and precision of sphcut's runs. The interval of a mean takes the correlation of the force \
+                and the error of the zero together; a systematic error of the calibration is not in it." }
+            p { "The interval of a condition is that of its repeats (their relative scatter is taken as the same \
+                everywhere), or that within the cuts if it is wider. Spectra are those of the force before low-pass and \
+                inverse response, in the steady window. The low-pass and the inverse of a response change the fluctuation of \
+                a force, not its mean." }
+        }
+    }
+}

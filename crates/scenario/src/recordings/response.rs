@@ -1,0 +1,70 @@
+//! A measured frequency response: comma-separated, a header with units.
+
+use crate::columns::{self, ColumnRule};
+use crate::files::{LARGEST_OUTLINE, Surroundings, file_mistake};
+use crate::findings::Findings;
+use crate::record::Record;
+use sphcut_physics::Quantity;
+
+/// A line of a frequency response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResponseLine {
+    /// Hz.
+    pub frequency: f64,
+    /// |H|, in any unit.
+    pub gain: f64,
+    /// rad.
+    pub phase: f64,
+}
+
+const fn column(
+    name: &'static str,
+    quantity: Quantity,
+    unit: &'static str,
+    positive: bool,
+) -> ColumnRule {
+    ColumnRule { name, quantity, unit, required: true, positive }
+}
+
+const COLUMNS: [ColumnRule; 3] = [
+    column("frequency", Quantity::Frequency, "Hz", false),
+    column("gain", Quantity::Dimensionless, "", true),
+    column("phase", Quantity::Angle, "deg", false),
+];
+
+/// The response of a channel; empty without one, `None` after a mistake.
+pub(super) fn read_response(
+    findings: &mut Findings,
+    channel: &Record<'_>,
+    surroundings: &Surroundings,
+) -> Option<Vec<ResponseLine>> {
+    let Some(named) = channel.text("response") else { return Some(Vec::new()) };
+    let read = surroundings.read(named, LARGEST_OUTLINE).and_then(|text| {
+        lines(&text).map_err(|reason| {
+            file_mistake(named, reason, "its header is frequency [Hz],gain,phase [deg]")
+        })
+    });
+    match read {
+        Ok(lines) => Some(lines),
+        Err(mistake) => {
+            findings.problem(&channel.source, channel.span("response"), *mistake);
+            None
+        }
+    }
+}
+
+fn lines(text: &str) -> Result<Vec<ResponseLine>, String> {
+    let rows = columns::read(text, &COLUMNS, "no line follows the header")
+        .map_err(|problem| problem.to_string())?;
+    let mut lines: Vec<ResponseLine> = Vec::new();
+    for (line, values) in rows {
+        let &[Some(frequency), Some(gain), Some(phase)] = values.as_slice() else {
+            return Err(format!("line {line}: a needed column is missing"));
+        };
+        if frequency < 0.0 || lines.last().is_some_and(|last| frequency <= last.frequency) {
+            return Err(format!("line {line}: the frequencies do not rise"));
+        }
+        lines.push(ResponseLine { frequency, gain, phase });
+    }
+    if lines.len() < 2 { Err("two lines at least are needed".to_owned()) } else { Ok(lines) }
+}
