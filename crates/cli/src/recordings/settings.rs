@@ -1,7 +1,7 @@
 //! From the words of a file of recordings to the settings of the evaluation, and back to columns.
 
 use sphcut_postprocess::recordings::formats::{
-    CsvLayout, DecimalMark, FormatError, Separator, read_csv,
+    CsvLayout, DecimalMark, FormatError, Separator, read_csv, read_lvm,
 };
 use sphcut_postprocess::recordings::{
     Channel, Component, Condition, Conditions, CutResult, Detection, Pooled, RawColumn, RawTable,
@@ -73,6 +73,9 @@ pub fn conditions(cut: &RecordingCut) -> Conditions {
 
 /// The columns of a text.
 pub fn read_text(text: &str, file: &RecordingFile) -> Result<RawTable, FormatError> {
+    if file.format == "lvm" {
+        return read_lvm(text);
+    }
     let decimal = if file.decimal == "comma" { DecimalMark::Comma } else { DecimalMark::Point };
     let separator = match file.separator.as_str() {
         "semicolon" => Separator::Semicolon,

@@ -31,7 +31,7 @@ pub struct Span {
 
 /// The two levels of the smoothed force must be this many standard deviations of the air cut apart.
 const APART_FROM_AIR: f64 = 6.0;
-/// And this many of the cut. Two halves of one normal distribution are 2.65 apart.
+/// And this many of the cut. Two halves of one normal distribution are 2.2 apart, those of a ramp 2.9.
 const APART_FROM_CUT: f64 = 3.2;
 /// Share of the rise at which the cut begins.
 const EDGE: f64 = 0.05;
@@ -62,7 +62,7 @@ pub(super) fn automatic(
     let upper_at_ends =
         [smooth.first(), smooth.last()].map(|end| end.is_some_and(|v| *v > threshold));
     // The outer parts of the record are air: if they lie above, the force falls in the cut.
-    if upper_at_ends == [true, true] && separated(&above, &below, rise) {
+    if upper_at_ends == [true, true] && separated(&below, &above, rise) {
         return Err(Fault::WrongSign { channel: String::new(), mean: -rise });
     }
     if !separated(&below, &above, rise) {
@@ -83,11 +83,12 @@ pub(super) fn automatic(
     Ok(Span { entry, exit: exit.map_or(force.len(), |k| span.exit + k) })
 }
 
-/// Whether two classes of the smoothed force are more than the two halves of one noise.
-fn separated(air: &[f64], cut: &[f64], rise: f64) -> bool {
-    // Half the distance of the quantiles of one standard deviation: entry and exit do not count.
-    let spread = |values: &[f64]| 0.5 * (quantile(values, 0.841) - quantile(values, 0.159));
-    rise > 0.0 && rise > APART_FROM_AIR * spread(air) && rise > APART_FROM_CUT * spread(cut)
+/// Whether two classes of the smoothed force are more than the two halves of one noise. The spread of each
+/// is taken on its outer side: entry and exit lie between them.
+fn separated(lower: &[f64], upper: &[f64], rise: f64) -> bool {
+    let air = quantile(lower, 0.5) - quantile(lower, 0.159);
+    let cut = quantile(upper, 0.841) - quantile(upper, 0.5);
+    rise > 0.0 && rise > APART_FROM_AIR * air && rise > APART_FROM_CUT * cut
 }
 
 /// Stretches above the threshold, those with breaks up to `pause` samples taken together.

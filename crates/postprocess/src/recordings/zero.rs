@@ -71,6 +71,9 @@ impl ZeroLine {
 /// Satterthwaite: Biometrics Bulletin 2 (1946) 110).
 pub(super) fn combine(parts: &[(f64, f64)]) -> (f64, f64) {
     let variance: f64 = parts.iter().map(|(error, _)| error * error).sum();
+    if !variance.is_finite() {
+        return (f64::INFINITY, 1.0);
+    }
     let shares: f64 = parts.iter().map(|(error, freedom)| error.powi(4) / freedom).sum();
     let freedom = if shares > 0.0 { variance * variance / shares } else { f64::INFINITY };
     (variance.sqrt(), freedom)

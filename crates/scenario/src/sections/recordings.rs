@@ -88,7 +88,7 @@ pub(crate) fn recordings_file() -> Section {
                 "decimal",
                 Kind::Choice(vec!["point", "comma"]),
                 default("point"),
-                "csv and lvm: what stands before the decimals",
+                "csv: what stands before the decimals",
             ),
             Field::new(
                 "header_line",

@@ -1,8 +1,10 @@
 //! Files of measuring programs as columns of numbers. No reader panics, whatever the bytes are.
 
 mod csv;
+mod lvm;
 
 pub use csv::{CsvLayout, DecimalMark, Separator, read_csv};
+pub use lvm::read_lvm;
 
 use std::fmt;
 
