@@ -43,10 +43,10 @@ impl<const D: usize> Engine<D> {
             return;
         }
         let reach = self.core_distance() + MARGIN * self.spacing;
-        for i in 0..self.reference.len() {
+        for i in 0..self.motion.len() {
             let (index, _) = self.list.row(i);
             for &j in index {
-                let apart = minus(&self.reference[j as usize], &self.reference[i]);
+                let apart = minus(self.motion[j as usize].reference(), self.motion[i].reference());
                 if dot(&apart, &apart) < reach * reach {
                     self.crowded.push((i as u32, j));
                 }
@@ -176,7 +176,8 @@ mod tests {
         assert!(distance(&engine, i, j) > 0.15, "{}", distance(&engine, i, j));
         assert!((total(&engine) - before).abs() < 1e-3 * stored);
         for k in 0..2 {
-            let momenta = (0..engine.id.len()).map(|i| engine.inertia(i) * engine.velocity[i][k]);
+            let momenta =
+                (0..engine.id.len()).map(|i| engine.inertia(i) * engine.motion[i].velocity()[k]);
             let (sum, size) = momenta.fold((0.0, 0.0), |(s, a), p| (s + p, a + p.abs()));
             assert!(f64::abs(sum) < 1e-10 * size, "{sum} {size}");
         }

@@ -64,12 +64,11 @@ impl<const D: usize> Engine<D> {
         let left = self.numerics.residual_density_diffusion * length * duration;
         let (materials, material, volume) = (&self.materials, &self.material, &self.volume);
         let largest = SAFETY / self.largest_weight;
-        let (list, reference, frame, point) =
-            (&self.list, &self.reference, &self.frame, &self.point);
+        let (list, motion, frame, point) = (&self.list, &self.motion, &self.frame, &self.point);
         let tool: Option<Vector<D>> = self.tool.as_ref().map(|tool| reduced(&tool.velocity));
         let passing = |i: usize| {
             tool.map_or(0.0, |tool| {
-                let slip = minus(&tool, &self.velocity[i]);
+                let slip = minus(&tool, motion[i].velocity());
                 dot(&slip, &slip).sqrt()
             })
         };
@@ -83,7 +82,11 @@ impl<const D: usize> Engine<D> {
                 for (&j, &w) in index.iter().zip(weight) {
                     let j = j as usize;
                     let change = point[j].volume_ratio - point[i].volume_ratio;
-                    sum = plus_scaled(&sum, w * change, &minus(&reference[j], &reference[i]));
+                    sum = plus_scaled(
+                        &sum,
+                        w * change,
+                        &minus(motion[j].reference(), motion[i].reference()),
+                    );
                 }
                 let flowed = (point[i].plastic_strain / FLOWED).min(1.0);
                 Smooth {
@@ -109,7 +112,8 @@ impl<const D: usize> Engine<D> {
                     let mut change = 0.0;
                     for (&j, &w) in index.iter().zip(weight) {
                         let other = &smooth[j as usize];
-                        let separation = minus(&reference[j as usize], &reference[i]);
+                        let separation =
+                            minus(motion[j as usize].reference(), motion[i].reference());
                         let slope: Vector<D> =
                             std::array::from_fn(|k| 0.5 * (own.gradient[k] + other.gradient[k]));
                         let jump = other.volume_ratio - own.volume_ratio - dot(&slope, &separation);

@@ -59,15 +59,40 @@ pub(crate) struct MaterialData {
     pub(crate) wave_speed: f64,
 }
 
-/// What a neighbour needs to know of a particle in the force sweep.
+/// Where a particle was at the last renewal and how it moves: what every sweep asks of a neighbour, side by side.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Exchange<const D: usize> {
-    /// `P B - eta F_dot - y (x) q`.
-    pub(crate) flux: Matrix<D>,
-    /// Hourglass force y = kappa G n in Pa m.
-    pub(crate) spring: Vector<D>,
-    /// eta in Pa s.
-    pub(crate) damping: f64,
+pub(crate) struct Motion<const D: usize>([Vector<D>; 2]);
+
+impl<const D: usize> Motion<D> {
+    pub(crate) fn new(reference: Vector<D>, velocity: Vector<D>) -> Self {
+        Self([reference, velocity])
+    }
+
+    /// Position in the reference configuration.
+    #[inline(always)]
+    pub(crate) fn reference(&self) -> &Vector<D> {
+        &self.0[0]
+    }
+
+    #[inline(always)]
+    pub(crate) fn velocity(&self) -> &Vector<D> {
+        &self.0[1]
+    }
+
+    pub(crate) fn set_reference(&mut self, reference: Vector<D>) {
+        self.0[0] = reference;
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_velocity(&mut self, velocity: Vector<D>) {
+        self.0[1] = velocity;
+    }
+
+    /// Reference and velocity, one after the other.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> &[f64] {
+        self.0.as_flattened()
+    }
 }
 
 /// The discrete operators of one particle in the reference configuration.
@@ -111,8 +136,7 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) position: Vec<Vector<D>>,
     /// Position in the undeformed state.
     pub(crate) origin: Vec<Vector<D>>,
-    pub(crate) velocity: Vec<Vector<D>>,
-    pub(crate) reference: Vec<Vector<D>>,
+    pub(crate) motion: Vec<Motion<D>>,
     /// Shape H of each support, see `support_shape.rs`; empty while supports are round.
     pub(crate) shape: Vec<Matrix<D>>,
     /// Volume in the undeformed state in m^3 (m^2).
@@ -123,7 +147,8 @@ pub(crate) struct Engine<const D: usize> {
     /// Total force except the reaction of supports.
     pub(crate) force: Vec<Vector<D>>,
     pub(crate) frame: Vec<Frame<D>>,
-    pub(crate) exchange: Vec<Exchange<D>>,
+    /// What a neighbour needs to know of a particle in the force sweep ([`crate::sweeps`]).
+    pub(crate) exchange: Vec<f64>,
     pub(crate) reference_volume: Vec<f64>,
     pub(crate) list: NeighbourList,
     pub(crate) tallies: Vec<Tally>,
@@ -223,7 +248,7 @@ impl<const D: usize> Engine<D> {
             engine.material.push(u8::try_from(material).expect("fewer than 256 materials"));
             engine.hold.push(hold);
             engine.position.push(reduced(&seed.position));
-            engine.velocity.push(velocity);
+            engine.motion.push(Motion::new(reduced(&seed.position), velocity));
             engine.volume.push(seed.volume);
             engine.point.push(MaterialPoint::at_rest(temperature));
         }
@@ -279,8 +304,7 @@ impl<const D: usize> Engine<D> {
             hold: Vec::new(),
             position: Vec::new(),
             origin: Vec::new(),
-            velocity: Vec::new(),
-            reference: Vec::new(),
+            motion: Vec::new(),
             shape: Vec::new(),
             volume: Vec::new(),
             point: Vec::new(),
@@ -337,7 +361,6 @@ impl<const D: usize> Engine<D> {
             weight: 0.0,
             volume_ratio: 1.0,
         };
-        self.reference = self.position.clone();
         self.origin = self.position.clone();
         self.shape = self.initial_shapes();
         if self.materials.iter().any(|data| data.memory.is_needed()) {
@@ -345,7 +368,7 @@ impl<const D: usize> Engine<D> {
         }
         self.force = vec![[0.0; D]; count];
         self.frame = vec![frame; count];
-        self.exchange = vec![Exchange { flux: zero(), spring: [0.0; D], damping: 0.0 }; count];
+        self.exchange = vec![0.0; count * crate::sweeps::exchange_width::<D>()];
         self.reference_volume = vec![0.0; count];
         self.tallies = vec![Tally::default(); count.div_ceil(CHUNK)];
     }
@@ -409,7 +432,7 @@ impl<const D: usize> Engine<D> {
             + 2 * size_of::<f64>()
             + size_of::<MaterialPoint<D>>()
             + size_of::<Frame<D>>()
-            + size_of::<Exchange<D>>();
+            + size_of::<f64>() * crate::sweeps::exchange_width::<D>();
         let tool = self.tool_heat.as_ref().map_or(0, ToolHeat::memory);
         tool + self.id.len() * each
             + self.shape.len() * size_of::<Matrix<D>>()
@@ -432,22 +455,23 @@ impl<const D: usize> Engine<D> {
     fn kick_and_drift(&mut self, kick: f64, drift: f64) {
         let (materials, scaling, holds) =
             (&self.materials, self.numerics.mass_scaling, &self.holds);
-        self.velocity
+        self.motion
             .par_chunks_mut(CHUNK)
             .zip(self.position.par_chunks_mut(CHUNK))
             .zip(self.force.par_chunks(CHUNK))
             .zip(self.material.par_chunks(CHUNK))
             .zip(self.hold.par_chunks(CHUNK))
             .zip(self.volume.par_chunks(CHUNK))
-            .for_each(|(((((velocity, position), force), material), hold), volume)| {
-                for k in 0..velocity.len() {
+            .for_each(|(((((motion, position), force), material), hold), volume)| {
+                for (k, motion) in motion.iter_mut().enumerate() {
                     let inertia = scaling * materials[material[k] as usize].density * volume[k];
-                    velocity[k] = plus_scaled(&velocity[k], kick / inertia, &force[k]);
+                    let mut velocity = plus_scaled(motion.velocity(), kick / inertia, &force[k]);
                     if hold[k] != FREE {
-                        velocity[k] = holds[hold[k] as usize].constrained(&velocity[k]);
+                        velocity = holds[hold[k] as usize].constrained(&velocity);
                     }
+                    motion.set_velocity(velocity);
                     if drift > 0.0 {
-                        position[k] = plus_scaled(&position[k], drift, &velocity[k]);
+                        position[k] = plus_scaled(&position[k], drift, &velocity);
                     }
                 }
             });
@@ -457,7 +481,7 @@ impl<const D: usize> Engine<D> {
                 continue;
             }
             let reaction = self.holds[self.hold[i] as usize].reaction(&self.force[i]);
-            self.account.support_work += kick * dot(&reaction, &self.velocity[i]);
+            self.account.support_work += kick * dot(&reaction, self.motion[i].velocity());
             for k in 0..D {
                 self.account.reaction_impulse[k] += kick * reaction[k];
             }
@@ -469,7 +493,7 @@ impl<const D: usize> Engine<D> {
         let Some(mut tool) = self.tool.take() else { return };
         tool.evaluate(self.time, self.time_step, |i| ContactInput {
             position: self.position[i],
-            velocity: self.velocity[i],
+            velocity: *self.motion[i].velocity(),
             other_force: self.force[i],
             inertia: self.inertia(i),
             flow_stress: self.point[i].flow_stress,
@@ -498,7 +522,7 @@ impl<const D: usize> Engine<D> {
         let tool_velocity: Vector<D> = reduced(&tool.velocity);
         for touch in &tool.touches {
             let i = touch.particle as usize;
-            let slip = crate::tensor::minus(&tool_velocity, &self.velocity[i]);
+            let slip = crate::tensor::minus(&tool_velocity, self.motion[i].velocity());
             let friction = duration * dot(&touch.friction_force, &slip);
             self.account.friction += friction;
             self.account.contact += duration * dot(&touch.normal_force, &slip);

@@ -38,7 +38,7 @@ impl<const D: usize> Engine<D> {
 
     fn conduct(&mut self, duration: f64) {
         if self.conduction_tensor.is_empty() {
-            self.conduction_tensor = laplacian::tensors(&self.list, &self.reference);
+            self.conduction_tensor = laplacian::tensors(&self.list, &self.motion);
         }
         let temperature: Vec<f64> = self.point.iter().map(|point| point.temperature).collect();
         let conductivity: Vec<f64> = self
@@ -53,7 +53,7 @@ impl<const D: usize> Engine<D> {
             .collect();
         let (list, frame, materials) = (&self.list, &self.frame, &self.materials);
         let (material, temperature, conductivity) = (&self.material, &temperature, &conductivity);
-        let (reference, tensor) = (&self.reference, &self.conduction_tensor);
+        let (motion, tensor) = (&self.motion, &self.conduction_tensor);
         self.point.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
             |(chunk, points)| {
                 for (offset, point) in points.iter_mut().enumerate() {
@@ -68,7 +68,7 @@ impl<const D: usize> Engine<D> {
                         } else {
                             0.0
                         };
-                        let separation = minus(&reference[j], &reference[i]);
+                        let separation = minus(motion[j].reference(), motion[i].reference());
                         let factor = laplacian::pair(&separation, &tensor[i], &tensor[j]);
                         flux += w * mean * factor * (temperature[j] - temperature[i]);
                     }

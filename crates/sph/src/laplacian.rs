@@ -23,6 +23,7 @@
 //! keeps the trace of the sum. theta < 1 is needed where the neighbourhood has an edge in 3D or a
 //! corner: lines and points, so that the order stays two.
 
+use crate::engine::Motion;
 use crate::neighbours::{CHUNK, NeighbourList, TURN};
 use crate::tensor::{Matrix, Vector, contract, dot, identity, minus, sum_scaled, zero};
 use rayon::prelude::*;
@@ -38,13 +39,13 @@ const MOST: usize = 6;
 /// S of all particles.
 pub(crate) fn tensors<const D: usize>(
     list: &NeighbourList,
-    reference: &[Vector<D>],
+    motion: &[Motion<D>],
 ) -> Vec<Matrix<D>> {
-    (0..reference.len())
+    (0..motion.len())
         .into_par_iter()
         .with_min_len(CHUNK)
         .with_max_len(TURN * CHUNK)
-        .map(|i| tensor(list, reference, i))
+        .map(|i| tensor(list, motion, i))
         .collect()
 }
 
@@ -64,12 +65,12 @@ pub(crate) fn pair<const D: usize>(
     form / dot(separation, separation)
 }
 
-fn tensor<const D: usize>(list: &NeighbourList, reference: &[Vector<D>], i: usize) -> Matrix<D> {
+fn tensor<const D: usize>(list: &NeighbourList, motion: &[Motion<D>], i: usize) -> Matrix<D> {
     let (index, weight) = list.row(i);
     let mut gram = [[0.0; MOST]; MOST];
     let mut second = 0.0;
     for (&j, &w) in index.iter().zip(weight) {
-        let separation = minus(&reference[j as usize], &reference[i]);
+        let separation = minus(motion[j as usize].reference(), motion[i].reference());
         let square = dot(&separation, &separation);
         second += w * square;
         let products = products(&separation);
@@ -149,7 +150,7 @@ fn solution<const D: usize>(gram: &[[f64; MOST]; MOST]) -> Option<Matrix<D>> {
 mod tests {
     use super::*;
     use crate::kernel::KernelChoice;
-    use crate::neighbours::{Cells, Smoothing, build_list};
+    use crate::neighbours::{Cells, Cloud, Smoothing, build_list};
     use crate::strangers::Kinship;
     use approx::assert_relative_eq;
 
@@ -164,8 +165,14 @@ mod tests {
         let kinship =
             Kinship { body: &body, origin: &points, bonded: true, reach_square: f64::INFINITY };
         let mut list = NeighbourList::default();
-        build_list(&mut list, &cells, &points, &volume, kinship, smoothing, &[]);
+        let cloud = Cloud { positions: &points, volumes: &volume, kinship, metrics: &[] };
+        build_list(&mut list, &cells, &cloud, smoothing, 0.0);
         (list, points)
+    }
+
+    fn tensors_at<const D: usize>(list: &NeighbourList, points: &[Vector<D>]) -> Vec<Matrix<D>> {
+        let motion: Vec<Motion<D>> = points.iter().map(|x| Motion::new(*x, [0.0; D])).collect();
+        tensors(list, &motion)
     }
 
     /// A block of `count` particles a side, each displaced at random by up to `disorder`.
@@ -216,7 +223,7 @@ mod tests {
     #[test]
     fn the_rows_at_a_surface_conduct_right_in_sum() {
         let (list, points) = neighbours(block::<2>(20, 0.0));
-        let (moments, ..) = moments(&list, &points, &tensors(&list, &points));
+        let (moments, ..) = moments(&list, &points, &tensors_at(&list, &points));
         // Half way along the surface y = 0, the seven rows that two supports reach: corners are
         // nine spacings away.
         let column: Vec<usize> =
@@ -237,7 +244,7 @@ mod tests {
     fn a_stretched_lattice_conducts_as_an_even_one() {
         let stretched = block::<2>(24, 0.0).into_iter().map(|x| [1.25 * x[0], x[1] / 1.25]);
         let (list, points) = neighbours(stretched.collect());
-        let found = tensors(&list, &points);
+        let found = tensors_at(&list, &points);
         let (moments, ..) = moments(&list, &points, &found);
         let inside = (0..points.len())
             .filter(|&i| (points[i][0] - 14.0).abs() < 2.0 && (points[i][1] - 9.6).abs() < 2.0);
@@ -257,7 +264,7 @@ mod tests {
     fn no_pair_conducts_backwards_whatever_the_arrangement() {
         fn check<const D: usize>(points: Vec<Vector<D>>) {
             let (list, points) = neighbours(points);
-            let (_, low, high) = moments(&list, &points, &tensors(&list, &points));
+            let (_, low, high) = moments(&list, &points, &tensors_at(&list, &points));
             // Zero and 2 C may be reached up to rounding.
             assert!(low >= -1e-12 && high <= 2.0 * LARGEST + 1e-12, "{low} {high}");
         }

@@ -15,6 +15,7 @@ mod heat_conduction;
 mod heat_source;
 mod history;
 pub mod kernel;
+mod lanes;
 mod laplacian;
 mod lattice;
 mod material_point;

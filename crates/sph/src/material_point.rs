@@ -45,6 +45,9 @@ pub(crate) struct MaterialPoint<const D: usize> {
     /// Young's modulus that the stress is expressed with, over that at room temperature: 1 where
     /// it does not depend on temperature ([`crate::thermoelasticity`]).
     pub(crate) stiffness: f64,
+    /// Temperature at which `flow_stress` is the limit of elastic steps, which spares evaluating the law; not a
+    /// number while the point flows, and where an effect remembers more than the point.
+    pub(crate) limit_temperature: f64,
 }
 
 impl<const D: usize> MaterialPoint<D> {
@@ -61,6 +64,7 @@ impl<const D: usize> MaterialPoint<D> {
             viscous_pressure: 0.0,
             offset: [0.0; D],
             stiffness: 1.0,
+            limit_temperature: f64::NAN,
         }
     }
 
@@ -202,12 +206,19 @@ impl<const D: usize> MaterialPoint<D> {
     /// Replaces the deviator by `trial` returned to the yield surface; the plastic increment.
     fn return_to_yield(&mut self, trial: &Matrix<D>, context: &UpdateContext) -> f64 {
         let equivalent = self.equivalent(trial);
-        let returned = context.law.radial_return(&self.trial_state(equivalent, context));
+        let limit_is_known = self.limit_temperature == self.temperature;
+        let returned = if limit_is_known && equivalent <= self.flow_stress {
+            Returned { plastic_increment: 0.0, flow_stress: self.flow_stress }
+        } else {
+            context.law.radial_return(&self.trial_state(equivalent, context))
+        };
         if returned.plastic_increment > 0.0 {
             let scale = returned.flow_stress / equivalent;
             self.deviator = trial.map(|row| row.map(|component| component * scale));
+            self.limit_temperature = f64::NAN;
         } else {
             self.deviator = *trial;
+            self.limit_temperature = self.temperature;
         }
         self.flow(&returned, context.time_step);
         returned.plastic_increment

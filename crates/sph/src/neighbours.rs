@@ -162,118 +162,119 @@ impl Smoothing {
     }
 }
 
-/// Builds the list for particles already stored in cell order, strangers left out. `metrics` are
-/// the inverse shapes of the supports, or none for round ones.
+/// Where the particles are, what they weigh and who belongs together.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cloud<'a, const D: usize> {
+    /// Stored in cell order.
+    pub(crate) positions: &'a [Vector<D>],
+    pub(crate) volumes: &'a [f64],
+    pub(crate) kinship: Kinship<'a, D>,
+    /// The inverse shapes of the supports, or none for round ones.
+    pub(crate) metrics: &'a [Matrix<D>],
+}
+
+/// Tasks whose rows wait to be joined to the list: enough for many threads, and few megabytes.
+const BATCH: usize = 64;
+
+/// The rows of one chunk of particles.
+#[derive(Debug, Default)]
+struct Rows {
+    counts: Vec<u32>,
+    index: Vec<u32>,
+    weight: Vec<f64>,
+    strangers: Vec<(u32, u32)>,
+}
+
+/// Builds the list, strangers left out, and finds the strangers: pairs closer than `reach` that do not belong
+/// together, each from both sides, in the order of the first. `reach` and every support must not exceed the cells.
 pub(crate) fn build_list<const D: usize>(
     list: &mut NeighbourList,
     cells: &Cells<D>,
-    positions: &[Vector<D>],
-    volumes: &[f64],
-    kinship: Kinship<D>,
+    cloud: &Cloud<D>,
     smoothing: Smoothing,
-    metrics: &[Matrix<D>],
-) {
-    let support = smoothing.support();
-    let square_of = |i: usize, j: usize| {
-        let separation = minus(&positions[j], &positions[i]);
-        if metrics.is_empty() {
-            return dot(&separation, &separation);
+    reach: f64,
+) -> Vec<(u32, u32)> {
+    let count = cloud.positions.len();
+    let mut strangers = Vec::new();
+    list.start.clear();
+    list.start.reserve_exact(count + 1);
+    list.start.push(0);
+    list.index.clear();
+    list.weight.clear();
+    for first in (0..count).step_by(BATCH * CHUNK) {
+        let last = (first + BATCH * CHUNK).min(count);
+        let rows: Vec<Rows> = (0..(last - first).div_ceil(CHUNK))
+            .into_par_iter()
+            .with_max_len(TURN)
+            .map(|chunk| {
+                let own = first + chunk * CHUNK;
+                rows_of(own..(own + CHUNK).min(last), cells, cloud, smoothing, reach)
+            })
+            .collect();
+        let pairs = list.index.len() + rows.iter().map(|rows| rows.index.len()).sum::<usize>();
+        let all = (pairs as f64 * count as f64 / last as f64) as usize;
+        make_room(&mut list.index, pairs, all);
+        make_room(&mut list.weight, pairs, all);
+        for rows in rows {
+            let mut end = list.index.len() as u32;
+            list.start.extend(rows.counts.iter().map(|count| {
+                end += count;
+                end
+            }));
+            list.index.extend_from_slice(&rows.index);
+            list.weight.extend_from_slice(&rows.weight);
+            strangers.extend_from_slice(&rows.strangers);
         }
-        let both = sum_scaled(&metrics[i], 1.0, &metrics[j]);
-        0.5 * dot(&separation, &apply(&both, &separation))
-    };
-    // Calls `found(j, r^2)` for each neighbour of `i`, always in the same order.
-    let search = |i: usize, found: &mut dyn FnMut(usize, f64)| {
+    }
+    strangers
+}
+
+fn rows_of<const D: usize>(
+    own: std::ops::Range<usize>,
+    cells: &Cells<D>,
+    cloud: &Cloud<D>,
+    smoothing: Smoothing,
+    reach: f64,
+) -> Rows {
+    let Cloud { positions, volumes, kinship, metrics } = *cloud;
+    let support = smoothing.support();
+    let mut rows = Rows::default();
+    for i in own {
+        let before = rows.index.len();
         cells.around(&positions[i], |range| {
             for j in range {
-                let square = square_of(i, j);
-                if square < support * support && j != i && kinship.joins(i, j) {
-                    found(j, square);
+                let separation = minus(&positions[j], &positions[i]);
+                let distance_square = dot(&separation, &separation);
+                let square = if metrics.is_empty() {
+                    distance_square
+                } else {
+                    let both = sum_scaled(&metrics[i], 1.0, &metrics[j]);
+                    0.5 * dot(&separation, &apply(&both, &separation))
+                };
+                let (in_support, near) =
+                    (square < support * support, distance_square < reach * reach);
+                if !(in_support || near) || j == i {
+                    continue;
+                }
+                if !kinship.joins(i, j) {
+                    if near {
+                        rows.strangers.push((i as u32, j as u32));
+                    }
+                } else if in_support {
+                    let weight = smoothing.kernel.weight(square.sqrt(), smoothing.length, D);
+                    rows.index.push(j as u32);
+                    rows.weight.push(volumes[j] * weight);
                 }
             }
         });
-    };
-    // Counting first and filling in place afterwards needs no second copy of the list.
-    list.start.clear();
-    list.start.resize(positions.len() + 1, 0);
-    list.start[1..].par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
-        |(chunk, counts)| {
-            for (offset, count) in counts.iter_mut().enumerate() {
-                search(chunk * CHUNK + offset, &mut |_, _| *count += 1);
-            }
-        },
-    );
-    for i in 1..list.start.len() {
-        list.start[i] += list.start[i - 1];
+        rows.counts.push((rows.index.len() - before) as u32);
     }
-    let total = list.start[positions.len()] as usize;
-    resize_sparingly(&mut list.index, total, 0);
-    resize_sparingly(&mut list.weight, total, 0.0);
-    let rows = rows_of_chunks(&list.start, &mut list.index, &mut list.weight);
-    rows.into_par_iter().enumerate().with_max_len(TURN).for_each(|(chunk, (indices, weights))| {
-        let first = chunk * CHUNK;
-        let mut places = indices.iter_mut().zip(weights.iter_mut());
-        for i in first..(first + CHUNK).min(positions.len()) {
-            search(i, &mut |j, square| {
-                let (index, weight) = places.next().expect("as many as were counted");
-                *index = j as u32;
-                *weight = volumes[j] * smoothing.kernel.weight(square.sqrt(), smoothing.length, D);
-            });
-        }
-    });
+    rows
 }
 
-/// Pairs closer than `reach` that do not belong together, each from both sides, in the order of
-/// the first; `reach` must not exceed the cell size.
-pub(crate) fn find_strangers<const D: usize>(
-    cells: &Cells<D>,
-    positions: &[Vector<D>],
-    kinship: Kinship<D>,
-    reach: f64,
-) -> Vec<(u32, u32)> {
-    let of_chunk = |(chunk, own): (usize, &[Vector<D>])| {
-        let mut found = Vec::new();
-        for (offset, position) in own.iter().enumerate() {
-            let i = chunk * CHUNK + offset;
-            cells.around(position, |range| {
-                for j in range {
-                    let separation = minus(&positions[j], position);
-                    let near = dot(&separation, &separation) < reach * reach;
-                    if near && j != i && !kinship.joins(i, j) {
-                        found.push((i as u32, j as u32));
-                    }
-                }
-            });
-        }
-        found
-    };
-    let chunks: Vec<_> =
-        positions.par_chunks(CHUNK).enumerate().with_max_len(TURN).map(of_chunk).collect();
-    chunks.concat()
-}
-
-/// Resizes without the doubling of `Vec`: a list grows by a few per cent at most.
-fn resize_sparingly<T: Clone>(values: &mut Vec<T>, length: usize, filler: T) {
-    if values.capacity() < length {
-        values.reserve_exact(length + length / 16 - values.len());
+/// Room for `needed` values without the doubling of `Vec`: what all are expected to be, and a sixteenth.
+fn make_room<T>(values: &mut Vec<T>, needed: usize, expected: usize) {
+    if values.capacity() < needed {
+        values.reserve_exact(expected.max(needed) + expected / 16 - values.len());
     }
-    values.resize(length, filler);
-}
-
-/// Splits the list into the parts that belong to the chunks of particles.
-fn rows_of_chunks<'a>(
-    start: &[u32],
-    mut index: &'a mut [u32],
-    mut weight: &'a mut [f64],
-) -> Vec<(&'a mut [u32], &'a mut [f64])> {
-    let count = start.len() - 1;
-    let mut parts = Vec::with_capacity(count.div_ceil(CHUNK));
-    for first in (0..count).step_by(CHUNK) {
-        let length = (start[(first + CHUNK).min(count)] - start[first]) as usize;
-        let (head, tail) = index.split_at_mut(length);
-        let (weight_head, weight_tail) = weight.split_at_mut(length);
-        parts.push((head, weight_head));
-        (index, weight) = (tail, weight_tail);
-    }
-    parts
 }

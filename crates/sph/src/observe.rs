@@ -2,7 +2,7 @@
 
 use crate::account::Account;
 use crate::contact::{Touch, extended};
-use crate::engine::Engine;
+use crate::engine::{Engine, Motion};
 use crate::error::SetupError;
 use crate::history::History;
 use crate::material_point::MaterialPoint;
@@ -15,8 +15,10 @@ use crate::tool_heat::ToolHeat;
 impl<const D: usize> Engine<D> {
     /// Kinetic energy with the inertia as scaled.
     pub(crate) fn kinetic_energy(&self) -> f64 {
-        (0..self.velocity.len())
-            .map(|i| 0.5 * self.inertia(i) * dot(&self.velocity[i], &self.velocity[i]))
+        (0..self.motion.len())
+            .map(|i| {
+                0.5 * self.inertia(i) * dot(self.motion[i].velocity(), self.motion[i].velocity())
+            })
             .sum()
     }
 
@@ -47,9 +49,9 @@ impl<const D: usize> Engine<D> {
 
     fn momentum(&self) -> Vector3 {
         let mut sum = [0.0; 3];
-        for i in 0..self.velocity.len() {
+        for i in 0..self.motion.len() {
             for k in 0..D {
-                sum[k] += self.inertia(i) * self.velocity[i][k];
+                sum[k] += self.inertia(i) * self.motion[i].velocity()[k];
             }
         }
         sum
@@ -212,7 +214,7 @@ impl<const D: usize> Engine<D> {
             snapshot.id.push(self.id[i]);
             snapshot.body.push(self.body[i]);
             snapshot.position.push(extended(&self.position[i]));
-            snapshot.velocity.push(extended(&self.velocity[i]));
+            snapshot.velocity.push(extended(self.motion[i].velocity()));
             snapshot.stress.push(cauchy(&point.deviator, point.volume_ratio, pressure));
             let square = MaterialPoint::<D>::deviator_square(&point.deviator);
             snapshot.von_mises_stress.push((1.5 * square).sqrt() / point.volume_ratio);
@@ -250,8 +252,8 @@ impl<const D: usize> Engine<D> {
         let mut real = |name: &str, values: Vec<f64>| state.reals.push((name.to_owned(), values));
         real("position", flat(&self.position));
         real("origin", flat(&self.origin));
-        real("velocity", flat(&self.velocity));
-        real("reference", flat(&self.reference));
+        real("velocity", self.motion.iter().flat_map(|motion| *motion.velocity()).collect());
+        real("reference", self.motion.iter().flat_map(|motion| *motion.reference()).collect());
         real("force", flat(&self.force));
         if !self.shape.is_empty() {
             real("support_shape", self.shape.iter().flatten().flatten().copied().collect());
@@ -309,8 +311,13 @@ impl<const D: usize> Engine<D> {
         let reader = Reader { state, count };
         engine.position = reader.vectors("position")?;
         engine.origin = reader.vectors("origin")?;
-        engine.velocity = reader.vectors("velocity")?;
-        engine.reference = reader.vectors("reference")?;
+        let velocities = reader.vectors("velocity")?;
+        let references = reader.vectors("reference")?;
+        engine.motion = velocities
+            .into_iter()
+            .zip(references)
+            .map(|(velocity, reference)| Motion::new(reference, velocity))
+            .collect();
         engine.force = reader.vectors("force")?;
         if !engine.shape.is_empty() {
             let rows = reader.reals("support_shape", count * D * D)?.chunks_exact(D * D);
@@ -357,10 +364,12 @@ impl<const D: usize> Engine<D> {
         if let Some(tool) = &mut self.tool {
             tool.holder.set_reference(held);
         }
-        let mut cells = Cells::new(&self.reference, self.support_reach);
+        let reference: Vec<Vector<D>> =
+            self.motion.iter().map(|motion| *motion.reference()).collect();
+        let mut cells = Cells::new(&reference, self.support_reach);
         // The particles are stored in cell order already: sorting only fills the cells.
-        cells.sort(&self.reference);
-        self.rebuild(&cells);
+        cells.sort(&reference);
+        self.rebuild(&cells, &reference);
         if let Some(tool) = &mut self.tool {
             tool.holder.set(held);
         }
@@ -450,6 +459,7 @@ fn point_from_slice<const D: usize>(values: &[f64]) -> MaterialPoint<D> {
         viscous_pressure: rest[5],
         offset: std::array::from_fn(|k| rest[6 + k]),
         stiffness: rest[6 + D],
+        limit_temperature: f64::NAN,
     }
 }
 

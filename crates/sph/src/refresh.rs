@@ -1,9 +1,9 @@
 //! Renewal of the reference configuration: storage order, neighbours, corrections, time step.
 
 use crate::contact::reduced;
-use crate::engine::{Engine, Frame, MaterialData};
+use crate::engine::{Engine, Frame, MaterialData, Motion};
 use crate::laplacian;
-use crate::neighbours::{CHUNK, Cells, NeighbourList, TURN, build_list, find_strangers};
+use crate::neighbours::{CHUNK, Cells, Cloud, NeighbourList, TURN, build_list};
 use crate::strangers::Kinship;
 use crate::tensor::{
     Matrix, Vector, apply, clamped_spectrum, determinant, dot, identity, inverse_nonsingular,
@@ -61,17 +61,21 @@ impl<const D: usize> Engine<D> {
         let mut cells = Cells::new(&self.position, self.support_reach);
         let order = cells.sort(&self.position);
         self.reorder(&order);
-        self.reference.copy_from_slice(&self.position);
+        for (motion, position) in self.motion.iter_mut().zip(&self.position) {
+            motion.set_reference(*position);
+        }
         self.refresh_time = self.time;
         for (point, frame) in self.point.iter_mut().zip(&mut self.frame) {
             point.deformation = identity();
             frame.volume_ratio = point.volume_ratio;
         }
-        self.rebuild(&cells);
+        let reference = std::mem::take(&mut self.position);
+        self.rebuild(&cells, &reference);
+        self.position = reference;
     }
 
-    /// Rebuilds everything that follows from reference positions and volumes.
-    pub(crate) fn rebuild(&mut self, cells: &Cells<D>) {
+    /// Rebuilds everything that follows from reference positions, those of `self.motion`, and volumes.
+    pub(crate) fn rebuild(&mut self, cells: &Cells<D>, reference: &[Vector<D>]) {
         for i in 0..self.volume.len() {
             self.reference_volume[i] = self.volume[i] * self.frame[i].volume_ratio;
         }
@@ -82,23 +86,20 @@ impl<const D: usize> Engine<D> {
             bonded: self.bonded,
             reach_square: (self.numerics.bonding_distance * self.spacing).powi(2),
         };
-        build_list(
-            &mut list,
-            cells,
-            &self.reference,
-            &self.reference_volume,
+        let cloud = Cloud {
+            positions: reference,
+            volumes: &self.reference_volume,
             kinship,
-            self.smoothing,
-            &self.metrics(),
-        );
+            metrics: &self.metrics(),
+        };
         let reach = (1.0 + STRANGER_MARGIN) * self.spacing;
-        self.strangers = find_strangers(cells, &self.reference, kinship, reach);
+        self.strangers = build_list(&mut list, cells, &cloud, self.smoothing, reach);
         self.list = list;
         self.find_crowded();
         let limits = self.correct_operators();
         self.set_time_step(&limits);
         if let Some(mut tool) = self.tool.take() {
-            tool.refresh(&self.reference, self.refresh_time, CONTACT_MARGIN * self.spacing);
+            tool.refresh(reference, self.refresh_time, CONTACT_MARGIN * self.spacing);
             self.tool = Some(tool);
         }
         self.since_refresh = crate::account::Tally::default();
@@ -120,7 +121,7 @@ impl<const D: usize> Engine<D> {
         if !self.history.is_empty() {
             permute(&mut self.history, order, done);
         }
-        permute(&mut self.velocity, order, done);
+        permute(&mut self.motion, order, done);
         permute(&mut self.volume, order, done);
         permute(&mut self.point, order, done);
         permute(&mut self.force, order, done);
@@ -138,7 +139,7 @@ impl<const D: usize> Engine<D> {
 
     /// Corrections B and moments; returns what limits the time step.
     fn correct_operators(&mut self) -> Limits {
-        let (list, reference) = (&self.list, &self.reference);
+        let (list, motion) = (&self.list, &self.motion);
         self.frame
             .par_chunks_mut(CHUNK)
             .enumerate()
@@ -146,7 +147,7 @@ impl<const D: usize> Engine<D> {
             .map(|(chunk, frames)| {
                 let mut limits = Limits::default();
                 for (offset, frame) in frames.iter_mut().enumerate() {
-                    correct(frame, list, reference, chunk * CHUNK + offset, &mut limits);
+                    correct(frame, list, motion, chunk * CHUNK + offset, &mut limits);
                 }
                 limits
             })
@@ -266,7 +267,7 @@ fn filled<const D: usize>(moment: Matrix<D>, mean: f64) -> Matrix<D> {
 fn correct<const D: usize>(
     frame: &mut Frame<D>,
     list: &NeighbourList,
-    reference: &[Vector<D>],
+    motion: &[Motion<D>],
     i: usize,
     limits: &mut Limits,
 ) {
@@ -275,7 +276,7 @@ fn correct<const D: usize>(
     let mut first = [0.0; D];
     let mut total = 0.0;
     for (&j, &w) in index.iter().zip(weight) {
-        let separation = minus(&reference[j as usize], &reference[i]);
+        let separation = minus(motion[j as usize].reference(), motion[i].reference());
         total += w;
         first = plus_scaled(&first, w, &separation);
         for row in 0..D {
@@ -295,7 +296,7 @@ fn correct<const D: usize>(
         .iter()
         .zip(weight)
         .map(|(&j, &w)| {
-            let separation = minus(&reference[j as usize], &reference[i]);
+            let separation = minus(motion[j as usize].reference(), motion[i].reference());
             let vector = apply(&frame.correction, &separation);
             w * dot(&vector, &vector).sqrt()
         })

@@ -25,8 +25,7 @@ impl<const D: usize> Engine<D> {
     }
 
     fn renew_strain_gradients(&mut self) {
-        let (list, reference, frame, point) =
-            (&self.list, &self.reference, &self.frame, &self.point);
+        let (list, motion, frame, point) = (&self.list, &self.motion, &self.frame, &self.point);
         self.history.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
             |(chunk, histories)| {
                 for (offset, past) in histories.iter_mut().enumerate() {
@@ -36,7 +35,11 @@ impl<const D: usize> Engine<D> {
                     for (&j, &w) in index.iter().zip(weight) {
                         let j = j as usize;
                         let change = point[j].plastic_strain - point[i].plastic_strain;
-                        sum = plus_scaled(&sum, w * change, &minus(&reference[j], &reference[i]));
+                        sum = plus_scaled(
+                            &sum,
+                            w * change,
+                            &minus(motion[j].reference(), motion[i].reference()),
+                        );
                     }
                     let gradient = apply(&frame[i].correction, &sum);
                     let carried = transpose(&inverse_nonsingular(&point[i].deformation));
@@ -102,7 +105,7 @@ mod tests {
             std::array::from_fn(|column| if row == column { 1.05 } else { 0.03 * row as f64 })
         });
         for i in 0..engine.point.len() {
-            let place = apply(&stretch, &engine.reference[i]);
+            let place = apply(&stretch, engine.motion[i].reference());
             engine.point[i].deformation = stretch;
             engine.point[i].plastic_strain = 5.0 + dot(&slope, &place);
         }

@@ -2,12 +2,13 @@
 
 use crate::account::{Failure, Tally};
 use crate::contact::extended;
-use crate::engine::{Engine, Exchange, MaterialData};
+use crate::engine::{Engine, MaterialData, Motion};
 use crate::error::Diverged;
+use crate::lanes::{Lanes, order, with_lanes};
 use crate::material_point::{MaterialPoint, UpdateContext};
 use crate::neighbours::{CHUNK, NeighbourList, TURN};
 use crate::tensor::{
-    Matrix, Vector, apply, contract, dot, minus, plus_scaled, product, sum_scaled, transpose, zero,
+    Matrix, Vector, apply, contract, minus, plus_scaled, product, sum_scaled, transpose,
 };
 use rayon::prelude::*;
 
@@ -24,30 +25,66 @@ struct VelocitySums<const D: usize> {
     square: f64,
 }
 
-#[inline]
-fn gather_velocity<const D: usize>(
+/// `(X, v)` of a particle in four numbers in the plane, in twice four in space: X and v_1, X_3 and v.
+#[inline(always)]
+fn lanes_of<const D: usize, L: Lanes>(lanes: L, motion: &Motion<D>) -> [L::Four; 2] {
+    let numbers = motion.numbers();
+    [lanes.load(numbers, 0), lanes.load(numbers, 2 * D - 4)]
+}
+
+#[inline(always)]
+fn gather_velocity<const D: usize, L: Lanes>(
+    lanes: L,
     list: &NeighbourList,
-    reference: &[Vector<D>],
-    velocity: &[Vector<D>],
+    motion: &[Motion<D>],
     i: usize,
 ) -> VelocitySums<D> {
     let (index, weight) = list.row(i);
-    let (here, speed) = (reference[i], velocity[i]);
-    let mut sums = VelocitySums { moment: zero(), difference: [0.0; D], square: 0.0 };
+    let here = lanes_of(lanes, &motion[i]);
+    let nothing = lanes.all(0.0);
+    // In the plane all four components in the first; in space one row in each.
+    let (mut moment, mut difference, mut square) = ([nothing; 3], nothing, nothing);
     for (&j, &w) in index.iter().zip(weight) {
-        let j = j as usize;
-        let separation = minus(&reference[j], &here);
-        let difference = minus(&velocity[j], &speed);
-        for row in 0..D {
-            let weighted = w * difference[row];
-            sums.difference[row] += weighted;
-            sums.square += weighted * difference[row];
-            for column in 0..D {
-                sums.moment[row][column] += weighted * separation[column];
+        let there = lanes_of(lanes, &motion[j as usize]);
+        let w = lanes.all(w);
+        if D == 2 {
+            let apart = lanes.sub(there[0], here[0]);
+            let weighted = lanes.mul(w, apart);
+            let velocity = lanes.pick::<{ order([2, 2, 3, 3]) }>(weighted);
+            let separation = lanes.pick::<{ order([0, 1, 0, 1]) }>(apart);
+            moment[0] = lanes.add(moment[0], lanes.mul(velocity, separation));
+            difference = lanes.add(difference, weighted);
+            square = lanes.add(square, lanes.mul(weighted, apart));
+        } else {
+            let separation = lanes.sub(there[0], here[0]);
+            let apart = lanes.sub(there[1], here[1]);
+            let weighted = lanes.mul(w, apart);
+            let velocity = [
+                lanes.pick::<{ order([1, 1, 1, 1]) }>(weighted),
+                lanes.pick::<{ order([2, 2, 2, 2]) }>(weighted),
+                lanes.pick::<{ order([3, 3, 3, 3]) }>(weighted),
+            ];
+            for (row, velocity) in moment.iter_mut().zip(velocity) {
+                *row = lanes.add(*row, lanes.mul(velocity, separation));
             }
+            difference = lanes.add(difference, weighted);
+            square = lanes.add(square, lanes.mul(weighted, apart));
         }
     }
-    sums
+    let rows = moment.map(|row| lanes.values(row));
+    // v takes the last D of the four numbers.
+    let (difference, square) = (lanes.values(difference), lanes.values(square));
+    VelocitySums {
+        moment: std::array::from_fn(|row| {
+            std::array::from_fn(
+                |column| {
+                    if D == 2 { rows[0][2 * row + column] } else { rows[row][column] }
+                },
+            )
+        }),
+        difference: std::array::from_fn(|k| difference[4 - D + k]),
+        square: square[4 - D..].iter().sum(),
+    }
 }
 
 /// Damping eta in Pa s: `chi_e rho c h`, in flowing material at most `chi_p sigma_y / (3 eps_p_dot)`.
@@ -142,7 +179,11 @@ fn green_strain<const D: usize>(deformation: &Matrix<D>) -> f64 {
 impl<const D: usize> Engine<D> {
     /// Velocity gradients, stresses and damping of all particles; with `dt` = 0 the stress stays.
     pub(crate) fn sweep_gradients(&mut self, dt: f64) {
-        let (list, reference, velocity) = (&self.list, &self.reference, &self.velocity);
+        with_lanes!(lanes => self.sweep_gradients_with(lanes, dt));
+    }
+
+    fn sweep_gradients_with<L: Lanes>(&mut self, lanes: L, dt: f64) {
+        let (list, motion) = (&self.list, &self.motion);
         let (frame, material, volume) = (&self.frame, &self.material, &self.volume);
         let (materials, position) = (&self.materials, &self.position);
         let (tilted_axes, yield_fraction) = (self.tilted_axes, self.numerics.yield_fraction);
@@ -151,64 +192,80 @@ impl<const D: usize> Engine<D> {
         let histories = self.history.par_chunks_mut(CHUNK).map(Some).chain(none);
         self.point
             .par_chunks_mut(CHUNK)
-            .zip(self.exchange.par_chunks_mut(CHUNK))
+            .zip(self.exchange.par_chunks_mut(CHUNK * exchange_width::<D>()))
             .zip(self.force.par_chunks_mut(CHUNK))
             .zip(self.tallies.par_iter_mut())
             .zip(histories)
             .enumerate()
             .with_max_len(TURN)
             .for_each(|(chunk, ((((points, exchanges), forces), tally), mut histories))| {
-                *tally = Tally::default();
-                for (offset, point) in points.iter_mut().enumerate() {
-                    let i = chunk * CHUNK + offset;
-                    let sums = gather_velocity(list, reference, velocity, i);
-                    let data = &materials[material[i] as usize];
-                    let frame = &frame[i];
-                    let rate = product(&sums.moment, &frame.correction);
-                    if dt > 0.0 {
-                        if let Some(table) = &data.stiffness_table {
-                            tally.thermoelastic += point.follow_modulus(data, table) * volume[i];
+                lanes.run(
+                    #[inline(always)]
+                    || {
+                        *tally = Tally::default();
+                        for (offset, point) in points.iter_mut().enumerate() {
+                            let i = chunk * CHUNK + offset;
+                            let sums = gather_velocity(lanes, list, motion, i);
+                            let data = &materials[material[i] as usize];
+                            let frame = &frame[i];
+                            let rate = product(&sums.moment, &frame.correction);
+                            if dt > 0.0 {
+                                if let Some(table) = &data.stiffness_table {
+                                    tally.thermoelastic +=
+                                        point.follow_modulus(data, table) * volume[i];
+                                }
+                                let share = data.heating_share(point);
+                                let past =
+                                    histories.as_deref_mut().map(|of_chunk| &mut of_chunk[offset]);
+                                let work = point.advance(&rate, &context(data, point, dt), past);
+                                tally.plastic += work.plastic * volume[i];
+                                tally.viscosity += work.viscosity * volume[i];
+                                tally.residue += work.residue * volume[i];
+                                tally.thermoelastic += work.thermal * volume[i];
+                                tally.heat +=
+                                    work.plastic * volume[i] * share + work.heat * volume[i];
+                                let mut moved = minus(&position[i], motion[i].reference());
+                                let mut strain = green_strain(&point.deformation);
+                                if let Some(axes) = &tilted_axes {
+                                    moved = apply(axes, &moved);
+                                    strain = green_strain(&turned(&point.deformation, axes));
+                                }
+                                tally.strain = tally.strain.max(strain);
+                                tally.spread(&extended(&moved));
+                                check_point(point, data, i, tally);
+                            }
+                            let damping = damping_of(point, data, yield_fraction);
+                            let residual = sums.square - contract(&rate, &sums.moment);
+                            let mut power = damping * residual.max(0.0);
+                            let dissipation = power * frame.volume_ratio * dt;
+                            let kept = point.keep_dissipation(&data.elasticity, dissipation);
+                            tally.heat += kept * volume[i];
+                            let drift = minus(&sums.difference, &apply(&rate, &frame.moment));
+                            power +=
+                                remember(point, data, &drift, frame.weight, dt, yield_fraction);
+                            tally.hourglass += power * volume[i] * frame.volume_ratio * dt;
+                            let spring = point.offset.map(|n| data.hourglass_stiffness * n);
+                            let flux =
+                                product(&point.piola_stress(&data.elasticity), &frame.correction)
+                                    .map(|row| row.map(|component| component / frame.volume_ratio));
+                            let mut flux = sum_scaled(&flux, -damping, &rate);
+                            for row in 0..D {
+                                for column in 0..D {
+                                    flux[row][column] -= spring[row] * frame.lean[column];
+                                }
+                            }
+                            let own = plus_scaled(
+                                &apply(&flux, &frame.moment),
+                                damping,
+                                &sums.difference,
+                            );
+                            forces[offset] = plus_scaled(&own, frame.weight, &spring);
+                            let width = exchange_width::<D>();
+                            let exchange = &mut exchanges[offset * width..(offset + 1) * width];
+                            write_exchange(exchange, &flux, &spring, damping);
                         }
-                        let share = data.heating_share(point);
-                        let past = histories.as_deref_mut().map(|of_chunk| &mut of_chunk[offset]);
-                        let work = point.advance(&rate, &context(data, point, dt), past);
-                        tally.plastic += work.plastic * volume[i];
-                        tally.viscosity += work.viscosity * volume[i];
-                        tally.residue += work.residue * volume[i];
-                        tally.thermoelastic += work.thermal * volume[i];
-                        tally.heat += work.plastic * volume[i] * share + work.heat * volume[i];
-                        let mut moved = minus(&position[i], &reference[i]);
-                        let mut strain = green_strain(&point.deformation);
-                        if let Some(axes) = &tilted_axes {
-                            moved = apply(axes, &moved);
-                            strain = green_strain(&turned(&point.deformation, axes));
-                        }
-                        tally.strain = tally.strain.max(strain);
-                        tally.spread(&extended(&moved));
-                        check_point(point, data, i, tally);
-                    }
-                    let damping = damping_of(point, data, yield_fraction);
-                    let residual = sums.square - contract(&rate, &sums.moment);
-                    let mut power = damping * residual.max(0.0);
-                    let dissipation = power * frame.volume_ratio * dt;
-                    let kept = point.keep_dissipation(&data.elasticity, dissipation);
-                    tally.heat += kept * volume[i];
-                    let drift = minus(&sums.difference, &apply(&rate, &frame.moment));
-                    power += remember(point, data, &drift, frame.weight, dt, yield_fraction);
-                    tally.hourglass += power * volume[i] * frame.volume_ratio * dt;
-                    let spring = point.offset.map(|n| data.hourglass_stiffness * n);
-                    let flux = product(&point.piola_stress(&data.elasticity), &frame.correction)
-                        .map(|row| row.map(|component| component / frame.volume_ratio));
-                    let mut flux = sum_scaled(&flux, -damping, &rate);
-                    for row in 0..D {
-                        for column in 0..D {
-                            flux[row][column] -= spring[row] * frame.lean[column];
-                        }
-                    }
-                    let own = plus_scaled(&apply(&flux, &frame.moment), damping, &sums.difference);
-                    forces[offset] = plus_scaled(&own, frame.weight, &spring);
-                    exchanges[offset] = Exchange { flux, spring, damping };
-                }
+                    },
+                )
             });
     }
 
@@ -253,30 +310,96 @@ impl<const D: usize> Engine<D> {
     /// Internal forces `f_i = V_i sum_j w_ij [(G_i + G_j) X_ij + eta_i d + eta_j d]`; the sweep
     /// over gradients left the terms of particle `i` itself in `force`.
     pub(crate) fn sweep_forces(&mut self) {
-        let (list, reference, velocity) = (&self.list, &self.reference, &self.velocity);
+        with_lanes!(lanes => self.sweep_forces_with(lanes));
+    }
+
+    fn sweep_forces_with<L: Lanes>(&mut self, lanes: L) {
+        let (list, motion) = (&self.list, &self.motion);
         let (exchange, reference_volume) = (&self.exchange, &self.reference_volume);
         self.force.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
             |(chunk, forces)| {
-                for (offset, force) in forces.iter_mut().enumerate() {
-                    let i = chunk * CHUNK + offset;
-                    let (index, weight) = list.row(i);
-                    let (here, speed) = (reference[i], velocity[i]);
-                    let mut sum = *force;
-                    for (&j, &w) in index.iter().zip(weight) {
-                        let j = j as usize;
-                        let separation = minus(&reference[j], &here);
-                        let other = &exchange[j];
-                        for k in 0..D {
-                            let stress = dot(&other.flux[k], &separation);
-                            let damping = other.damping * (velocity[j][k] - speed[k]);
-                            sum[k] += w * (stress + damping - other.spring[k]);
+                lanes.run(
+                    #[inline(always)]
+                    || {
+                        for (offset, force) in forces.iter_mut().enumerate() {
+                            let i = chunk * CHUNK + offset;
+                            let sum = gather_force(lanes, list, motion, exchange, i, force);
+                            *force = sum.map(|component| component * reference_volume[i]);
                         }
-                    }
-                    *force = sum.map(|component| component * reference_volume[i]);
-                }
+                    },
+                );
             },
         );
     }
+}
+
+/// Numbers that [`Engine::sweep_gradients`] leaves of each particle for its neighbours: the flux
+/// `P B - eta F_dot - y (x) q` column by column, the hourglass force y = kappa G n in Pa m and eta in Pa s; in
+/// the plane an eighth that fills a line of the cache.
+pub(crate) const fn exchange_width<const D: usize>() -> usize {
+    if D == 2 { 8 } else { D * D + D + 1 }
+}
+
+fn write_exchange<const D: usize>(
+    exchange: &mut [f64],
+    flux: &Matrix<D>,
+    spring: &Vector<D>,
+    damping: f64,
+) {
+    for row in 0..D {
+        for column in 0..D {
+            exchange[column * D + row] = flux[row][column];
+        }
+        exchange[D * D + row] = spring[row];
+    }
+    exchange[D * D + D] = damping;
+}
+
+/// `own + sum_j w [flux_j X_ij + eta_j (v_j - v_i) - y_j]`.
+#[inline(always)]
+fn gather_force<const D: usize, L: Lanes>(
+    lanes: L,
+    list: &NeighbourList,
+    motion: &[Motion<D>],
+    exchange: &[f64],
+    i: usize,
+    own: &Vector<D>,
+) -> Vector<D> {
+    let (index, weight) = list.row(i);
+    let here = lanes_of(lanes, &motion[i]);
+    let width = exchange_width::<D>();
+    let mut sum = lanes.four([own[0], own[1], if D == 2 { 0.0 } else { own[D - 1] }, 0.0]);
+    for (&j, &w) in index.iter().zip(weight) {
+        let j = j as usize;
+        let there = lanes_of(lanes, &motion[j]);
+        let other = &exchange[j * width..(j + 1) * width];
+        let rest = lanes.load(other, D * D);
+        let force = if D == 2 {
+            let apart = lanes.sub(there[0], here[0]);
+            let separation = lanes.pick::<{ order([0, 0, 1, 1]) }>(apart);
+            let stress = lanes.mul(lanes.load(other, 0), separation);
+            let stress = lanes.add(stress, lanes.pick::<{ order([2, 3, 2, 3]) }>(stress));
+            let velocity = lanes.pick::<{ order([2, 3, 2, 3]) }>(apart);
+            let damping = lanes.pick::<{ order([2, 2, 2, 2]) }>(rest);
+            lanes.add(stress, lanes.mul(damping, velocity))
+        } else {
+            let separation = lanes.sub(there[0], here[0]);
+            let apart = lanes.sub(there[1], here[1]);
+            let x = lanes.pick::<{ order([0, 0, 0, 0]) }>(separation);
+            let y = lanes.pick::<{ order([1, 1, 1, 1]) }>(separation);
+            let z = lanes.pick::<{ order([2, 2, 2, 2]) }>(separation);
+            let stress = lanes.mul(lanes.load(other, 0), x);
+            let stress = lanes.add(stress, lanes.mul(lanes.load(other, 3), y));
+            let stress = lanes.add(stress, lanes.mul(lanes.load(other, 6), z));
+            let velocity = lanes.pick::<{ order([1, 2, 3, 3]) }>(apart);
+            let damping = lanes.pick::<{ order([3, 3, 3, 3]) }>(rest);
+            lanes.add(stress, lanes.mul(damping, velocity))
+        };
+        // What lies beyond the D components is never read.
+        sum = lanes.add(sum, lanes.mul(lanes.all(w), lanes.sub(force, rest)));
+    }
+    let sum = lanes.values(sum);
+    std::array::from_fn(|k| sum[k])
 }
 
 #[inline]
@@ -303,11 +426,12 @@ fn context<'a, const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::Plain;
     use crate::setup::{
         Body, Dimension, Discretisation, Lattice, Material, Setup, Shape, TemperatureTables,
         VelocityField,
     };
-    use crate::tensor::identity;
+    use crate::tensor::{dot, identity};
     use sphcut_physics::Values;
     use sphcut_physics::elasticity::ElasticModuli;
     use sphcut_physics::flow_stress;
@@ -350,11 +474,12 @@ mod tests {
         let field: Matrix<D> = std::array::from_fn(|row| {
             std::array::from_fn(|column| 0.3 * row as f64 - 0.7 * column as f64 + 0.2)
         });
-        for i in 0..engine.velocity.len() {
-            engine.velocity[i] = apply(&field, &engine.position[i]);
+        for i in 0..engine.motion.len() {
+            let velocity = apply(&field, &engine.position[i]);
+            engine.motion[i].set_velocity(velocity);
         }
-        for i in 0..engine.velocity.len() {
-            let sums = gather_velocity(&engine.list, &engine.reference, &engine.velocity, i);
+        for i in 0..engine.motion.len() {
+            let sums = gather_velocity(Plain, &engine.list, &engine.motion, i);
             let rate = product(&sums.moment, &engine.frame[i].correction);
             for row in 0..D {
                 for column in 0..D {
@@ -375,10 +500,12 @@ mod tests {
     /// the stress is symmetric, no moment.
     fn forces_balance<const D: usize>(dimension: Dimension) {
         let mut engine = Engine::<D>::new(&block(dimension)).unwrap();
-        for i in 0..engine.velocity.len() {
+        for i in 0..engine.motion.len() {
             let wave = |k: usize| (3.1 * i as f64 + 1.7 * k as f64).sin();
             for row in 0..D {
-                engine.velocity[i][row] = wave(row);
+                let mut velocity = *engine.motion[i].velocity();
+                velocity[row] = wave(row);
+                engine.motion[i].set_velocity(velocity);
                 engine.point[i].offset[row] = 1e-3 * wave(row + 7);
                 for column in 0..D {
                     engine.point[i].deviator[row][column] = 1e5 * wave(row * column + 3);
