@@ -34,6 +34,10 @@ use sphcut_physics::TemperatureTable;
 use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
 use sphcut_physics::flow_stress::FlowStressModel;
 
+/// A slower motion in m/s is none. In front of a wave velocities fall without end, and numbers below 1e-308, as their
+/// squares are from 1e-154 on, take a processor a hundred times as long as others.
+const STILL: f64 = 1e-100;
+
 /// Constants of one material.
 #[derive(Debug)]
 pub(crate) struct MaterialData {
@@ -465,7 +469,8 @@ impl<const D: usize> Engine<D> {
             .for_each(|(((((motion, position), force), material), hold), volume)| {
                 for (k, motion) in motion.iter_mut().enumerate() {
                     let inertia = scaling * materials[material[k] as usize].density * volume[k];
-                    let mut velocity = plus_scaled(motion.velocity(), kick / inertia, &force[k]);
+                    let mut velocity = plus_scaled(motion.velocity(), kick / inertia, &force[k])
+                        .map(|speed| if speed.abs() < STILL { 0.0 } else { speed });
                     if hold[k] != FREE {
                         velocity = holds[hold[k] as usize].constrained(&velocity);
                     }
