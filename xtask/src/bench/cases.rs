@@ -1,49 +1,148 @@
-//! What is measured: a cut at two sizes and an impact in three dimensions.
+//! What is measured: a developed cut at three sizes, turning and an impact in three dimensions.
 
+use super::machine;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress, friction};
-use sphcut_sph::options;
+use sphcut_scenario::LoadOptions;
 use sphcut_sph::setup::{
     Body, Dimension, Material, Setup, Shape, Support, TemperatureTables, Tool, ToolSurface,
     VelocityField,
 };
+use sphcut_sph::{CheckpointState, Simulation, options};
+use std::path::Path;
 
-/// A case of the benchmark.
+/// A case of the benchmark, ready to be measured.
 pub struct Case {
     /// Name in the table.
     pub name: &'static str,
-    /// Steps before the measurement.
-    pub warm_up: u64,
-    /// What is computed.
-    pub setup: fn() -> Setup,
+    pub simulation: Simulation,
+    /// Memory in bytes that came with it, where the system tells.
+    pub allocated_bytes: Option<u64>,
 }
 
-/// All cases.
-pub fn all() -> Vec<Case> {
-    vec![
-        Case { name: "2D cut, heat on", warm_up: 2000, setup: || cut(14.4e-6) },
-        Case { name: "2D cut, heat on", warm_up: 150, setup: || cut(3.53e-6) },
-        Case { name: "3D Taylor bar", warm_up: 50, setup: taylor_bar },
-    ]
+/// Steps of a plane cut until there is a chip: 0.4 mm of travel.
+const CUT_STEPS: u64 = 15_000;
+/// Copies of the cut at which a particle's speed is measured; 6,090 particles each.
+const COPIES: [usize; 3] = [1, 16, 164];
+const TURNING_STEPS: u64 = 400;
+const BAR_STEPS: u64 = 50;
+
+/// Prepares the cases one after the other and hands each to `ready`.
+pub fn each(root: &Path, mut ready: impl FnMut(Case)) -> Result<(), String> {
+    let state = {
+        let mut small = simulation(cut(1))?;
+        run(&mut small, CUT_STEPS)?;
+        small.checkpoint()
+    };
+    for copies in COPIES {
+        let (setup, state) = (cut(copies), copied(&state, copies));
+        ready(weighed("2D cut with chip, heat on", || {
+            Simulation::restore(setup, &state).map_err(|error| error.to_string())
+        })?);
+    }
+    for (name, smoothing_ratio) in
+        [("3D turning", None), ("3D turning, smaller support", Some(1.25))]
+    {
+        ready(weighed(name, || {
+            let mut simulation = simulation(turning(root, smoothing_ratio)?)?;
+            run(&mut simulation, TURNING_STEPS)?;
+            Ok(simulation)
+        })?);
+    }
+    ready(weighed("3D Taylor bar", || {
+        let mut bar = simulation(taylor_bar())?;
+        run(&mut bar, BAR_STEPS)?;
+        Ok(bar)
+    })?);
+    Ok(())
+}
+
+fn weighed(
+    name: &'static str,
+    prepare: impl FnOnce() -> Result<Simulation, String>,
+) -> Result<Case, String> {
+    let before = machine::allocated_bytes();
+    let simulation = prepare()?;
+    let after = machine::allocated_bytes();
+    let allocated_bytes = before.zip(after).and_then(|(before, after)| after.checked_sub(before));
+    Ok(Case { name, simulation, allocated_bytes })
+}
+
+fn simulation(setup: Setup) -> Result<Simulation, String> {
+    let simulation = Simulation::new(setup).map_err(|error| error.to_string())?;
+    eprintln!("{} particles", simulation.particle_count());
+    Ok(simulation)
+}
+
+fn run(simulation: &mut Simulation, steps: u64) -> Result<(), String> {
+    for _ in 0..steps {
+        simulation.step().map_err(|error| error.to_string())?;
+    }
+    Ok(())
+}
+
+/// Distance in m between a cut and its copy, which no tool reaches.
+const APART: f64 = 2e-3;
+
+/// The state of a cut with copies of its particles below it: as many particles as asked for with the distribution of
+/// a real cut, in seconds instead of hours. Forces of the tool act on the first.
+fn copied(state: &CheckpointState, copies: usize) -> CheckpointState {
+    let particles = state.integer("id").map_or(0, <[u64]>::len);
+    let mut copied = CheckpointState::default();
+    for (name, values) in &state.reals {
+        let per_particle = particles > 0
+            && values.len() >= particles
+            && values.len().is_multiple_of(particles)
+            && !["touches", "friction_use", "contact_area"].contains(&name.as_str());
+        let places = ["position", "origin", "reference"].contains(&name.as_str());
+        let mut all = Vec::new();
+        for copy in 0..if per_particle { copies } else { 1 } {
+            let below = APART * copy as f64;
+            all.extend(
+                values
+                    .iter()
+                    .enumerate()
+                    .map(|(k, value)| if places && k % 2 == 1 { value - below } else { *value }),
+            );
+        }
+        copied.reals.push((name.clone(), all));
+    }
+    for (name, values) in &state.integers {
+        let mut all = Vec::new();
+        let per_particle = values.len() == particles && name != "touched";
+        for copy in 0..if per_particle { copies } else { 1 } {
+            all.extend(values.iter().map(|value| match name.as_str() {
+                "id" => value + (copy * particles) as u64,
+                "body" => value + copy as u64,
+                _ => *value,
+            }));
+        }
+        copied.integers.push((name.clone(), all));
+    }
+    copied
 }
 
 const PART: &str = "the built-in tables have this entry and these keys";
 
-/// An orthogonal cut of steel: 2.5 mm x 0.5 mm, h 0.1 mm, 150 m/min, rake 5, clearance 7 degrees.
-fn cut(spacing: f64) -> Setup {
-    let speed = 2.5;
+/// An orthogonal cut of steel: 2.5 mm x 0.5 mm, h 0.1 mm, 150 m/min, rake 5, clearance 7 degrees, and copies of the
+/// workpiece below it.
+fn cut(copies: usize) -> Setup {
+    let (speed, spacing) = (2.5, 14.4e-6);
     let mut setup = Setup::empty(Dimension::Two, spacing, 1.0);
     setup.numerics = Values::resolve(options::NUMERICS, &[("mass_scaling", 100.0)]).expect(PART);
     setup.sampling_interval = 1e-6;
     setup.uncut_chip_thickness = Some(1e-4);
     setup.materials.push(steel());
-    setup.bodies.push(Body {
-        name: "workpiece".to_owned(),
-        material: 0,
-        shape: rectangle([0.0, -0.5e-3], [2.5e-3, 0.0]),
-        velocity: VelocityField::Uniform([0.0; 3]),
-        temperature: 293.15,
-    });
+    for copy in 0..copies {
+        let top = -APART * copy as f64;
+        setup.bodies.push(Body {
+            name: "workpiece".to_owned(),
+            material: 0,
+            shape: rectangle([0.0, top - 0.5e-3], [2.5e-3, top]),
+            velocity: VelocityField::Uniform([0.0; 3]),
+            temperature: 293.15,
+        });
+    }
     setup.supports.push(Support {
         name: "bottom".to_owned(),
         region: rectangle([0.0, -0.5e-3], [2.5e-3, -0.5e-3 + 3.0 * spacing]),
@@ -109,6 +208,25 @@ fn steel() -> Material {
         flow_stress: law,
         flow_stress_values: Values::resolve(law.parameters, &constants).expect(PART),
     }
+}
+
+/// `scenarios/al6262_turning.toml`, if asked for with another smoothing length.
+fn turning(root: &Path, smoothing_ratio: Option<f64>) -> Result<Setup, String> {
+    let path = root.join("scenarios/al6262_turning.toml");
+    let scenario = sphcut_scenario::load(&path, &LoadOptions::default())
+        .map_err(|problems| format!("{}: {} mistakes", path.display(), problems.len()))?;
+    let mut setup = scenario.setup;
+    if let Some(ratio) = smoothing_ratio {
+        let mut values = vec![("smoothing_ratio", ratio)];
+        values.extend(
+            options::NUMERICS
+                .iter()
+                .filter(|option| option.key != "smoothing_ratio")
+                .map(|option| (option.key, setup.numerics.get(option.key))),
+        );
+        setup.numerics = Values::resolve(options::NUMERICS, &values).expect(PART);
+    }
+    Ok(setup)
 }
 
 /// A copper-like bar, 32.4 mm x R3.2 mm, against a wall at 227 m/s.
