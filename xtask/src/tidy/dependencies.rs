@@ -23,15 +23,28 @@ const NOT_IN_THE_CORE: [&str; 12] = [
 const CORE: [&str; 2] = ["sphcut-physics", "sphcut-sph"];
 
 /// The arrows that exist: a crate and the crates of the workspace it may build on.
-const ARROWS: [(&str, &[&str]); 8] = [
+const ARROWS: [(&str, &[&str]); 9] = [
     ("physics", &[]),
     ("sph", &["physics"]),
     ("scenario", &["sph", "physics"]),
     ("record", &["sph", "physics"]),
     ("postprocess", &["record", "sph", "physics"]),
-    ("report", &["postprocess", "record", "sph", "physics"]),
+    ("greybox", &["record", "physics"]),
+    ("report", &["greybox", "postprocess", "record", "sph", "physics"]),
     ("verification", &["scenario", "postprocess", "record", "sph", "physics"]),
-    ("cli", &["verification", "report", "postprocess", "record", "scenario", "sph", "physics"]),
+    (
+        "cli",
+        &[
+            "verification",
+            "report",
+            "greybox",
+            "postprocess",
+            "record",
+            "scenario",
+            "sph",
+            "physics",
+        ],
+    ),
 ];
 
 /// Checks the arrows in the manifests and what the core reaches.
