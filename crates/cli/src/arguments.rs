@@ -67,6 +67,8 @@ pub enum Command {
     /// Turn recordings of a dynamometer into a table of mean forces with intervals.
     #[command(after_help = RECORDINGS_HELP)]
     Recordings(RecordingsArguments),
+    /// Correct simulated forces by measured ones: fit a correction, use it, test it.
+    Greybox(crate::greybox::GreyboxArguments),
     /// Write the snapshots of a run as VTKHDF for ParaView.
     Export {
         /// Folder of the run, with `run.h5` inside.

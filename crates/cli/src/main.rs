@@ -7,6 +7,7 @@ mod check;
 mod digest;
 mod export;
 mod failure;
+mod greybox;
 mod interrupt;
 mod loading;
 mod outcome;
@@ -47,6 +48,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Springback(arguments) => springback::springback(&arguments),
         Command::Recordings(arguments) => recordings::recordings(&arguments),
         Command::CalibrateFriction(arguments) => calibrate_friction::calibrate(&arguments),
+        Command::Greybox(arguments) => greybox::greybox(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Catalogue { name } => catalogue::print(name.as_deref()),
         Command::Completions { shell } => {

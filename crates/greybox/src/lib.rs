@@ -17,3 +17,35 @@
 //! Equations (7) to (16): Wolf et al., "A grey-box approach based on Johnson-Cook constitutive model to improve
 //! predictions of mechanical loads of cutting simulations for normalized AISI 1045".
 
+mod compare;
+mod error;
+mod files;
+mod fit;
+mod folds;
+mod hull;
+mod importance;
+mod metrics;
+mod model_file;
+mod noise;
+mod pairing;
+mod random;
+pub mod regressor;
+mod samples;
+pub mod validation;
+
+pub use compare::{Comparison, ForceComparison, compare};
+pub use error::GreyBoxError;
+pub use files::{comparison_json, fit_json, points_csv, predictions_csv};
+pub use fit::{
+    BlackBox, Choice, Extrapolated, FitOptions, ForceFit, GreyBoxFit, LearningPoint, MethodFit,
+    Report, Table, TableOrigin, Validated, fit,
+};
+pub use folds::grouped_folds;
+pub use hull::Hull;
+pub use importance::{Permutation, Sobol};
+pub use metrics::{Estimate, Outcomes, Scores, difference, scores};
+pub use model_file::{Correction, GreyBox, Prediction, Taught};
+pub use noise::{NoiseFloor, NoiseSource, noise_floor};
+pub use pairing::{Condition, ForceKind, ForceRow, PairedRow, Pairs, pair};
+pub use random::Random;
+pub use samples::{Input, Samples};

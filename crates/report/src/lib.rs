@@ -2,7 +2,8 @@
 //!
 //! [`write_report`] writes one self-contained `report.html`; [`render_snapshot`] draws a single
 //! picture; [`render_springback`] is the page of `sphcut springback`, [`render_calibration`] that of
-//! `sphcut calibrate-friction`, [`render_recordings`] that of `sphcut recordings`.
+//! `sphcut calibrate-friction`, [`render_recordings`] that of `sphcut recordings`, [`render_greybox`] and
+//! [`render_comparison`] those of `sphcut greybox`.
 
 mod animation;
 mod canvas;
@@ -17,7 +18,8 @@ mod ticks;
 
 pub use error::ReportError;
 pub use page::{
-    RecordingsPage, SpringbackRun, calibration_words, recordings_words, render_calibration,
-    render_recordings, render_report, render_springback, write_report,
+    RecordingsPage, SpringbackRun, calibration_words, greybox_words, recordings_words,
+    render_calibration, render_comparison, render_greybox, render_recordings, render_report,
+    render_springback, write_report,
 };
 pub use picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};

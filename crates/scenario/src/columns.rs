@@ -60,7 +60,7 @@ struct Column {
 pub(crate) type Line = (usize, Vec<Option<f64>>);
 
 /// Reads a table with the columns of `rules` in any order. Empty lines and lines that begin with `#`
-/// are skipped. `nothing` says what is missing if no line follows the header.
+/// are skipped; cells of columns that are not required may be empty. `nothing` says what is missing if no line follows the header.
 ///
 /// # Errors
 /// The first mistake with its line and column.
@@ -149,6 +149,9 @@ fn row(
             column: Some((index + 1, rule.name.to_owned())),
             message: format!("`{}`: {message}", crate::reader::shortened(cell)),
         };
+        if cell.is_empty() && !rule.required {
+            continue;
+        }
         // The unit stands in the header; a bare number is what is wanted.
         let number: f64 = cell.parse().map_err(|_| wrong("not a number".to_owned()))?;
         let value = units::parse(&format!("{number} {}", column.unit), rule.quantity)

@@ -15,6 +15,7 @@ mod field_reader;
 mod files;
 mod findings;
 mod flow_stress_table;
+mod force_table;
 mod heat_source;
 mod library;
 mod machine;
@@ -52,6 +53,7 @@ pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem};
 
 pub use columns::TableProblem;
+pub use force_table::{ForceTableRow, read_force_table};
 pub use measured::{
     MeasuredForces, MeasuredSpringback, read_measured_forces, read_measured_springback,
 };

@@ -3,6 +3,7 @@
 mod calibrate_friction;
 mod commands;
 mod common;
+mod greybox;
 mod recordings;
 mod run;
 mod springback;

@@ -2,12 +2,14 @@
 
 mod calibration;
 mod charts;
+mod greybox;
 mod measures;
 mod recordings;
 mod springback;
 mod tables;
 
 pub use calibration::{calibration_words, render_calibration};
+pub use greybox::{greybox_words, render_comparison, render_greybox};
 pub use recordings::{RecordingsPage, recordings_words, render_recordings};
 pub use springback::{SpringbackRun, render_springback};
 

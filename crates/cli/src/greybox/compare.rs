@@ -1,0 +1,50 @@
+//! `sphcut greybox compare`.
+
+use super::arguments::CompareArguments;
+use super::{create, method, model, refused, table, unless_there};
+use crate::failure::{ExitCode, Failure};
+use crate::{results, terminal, text};
+use sphcut_greybox::{comparison_json, predictions_csv};
+use sphcut_report::render_comparison;
+
+const FILES: [&str; 3] = ["comparison.html", "comparison.json", "predictions.csv"];
+/// Resamples of the bootstrap.
+const RESAMPLES: usize = 1000;
+
+/// Compares a stored correction with measurements.
+pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
+    let out = &arguments.out;
+    unless_there(&FILES.map(|name| out.join(name)), arguments.force)?;
+    let method = method(arguments.regressor.as_deref())?;
+    let model = model(&arguments.model)?;
+    let (simulated, measured) = (table(&arguments.simulated)?, table(&arguments.measured)?);
+    let found = sphcut_greybox::compare(&model, method, &simulated, &measured, RESAMPLES)
+        .map_err(|error| refused(&arguments.measured, &error))?;
+    create(out)?;
+    let inputs = found.pairs.inputs();
+    let rows: Vec<_> = inputs
+        .into_iter()
+        .enumerate()
+        .map(|(row, input)| (input, found.forces.each_ref().map(|force| force.predictions[row])))
+        .collect();
+    let texts =
+        [render_comparison(&model, &found), comparison_json(&found), predictions_csv(&rows)];
+    for (name, content) in FILES.iter().zip(&texts) {
+        results::save(&out.join(name), content.as_bytes())?;
+    }
+    if found.same_measurements {
+        terminal::note("warning: these are the very measurements the correction was fitted to");
+    }
+    let newton = |value: f64| text::number((value * 1e3).round() * 1e-3);
+    for force in &found.forces {
+        terminal::line(&format!(
+            "{}: mean absolute error of the simulation {} N, corrected {} N; {:.0} % inside the 95 % intervals",
+            force.force.symbol(),
+            newton(force.white_box.mae.value),
+            newton(force.grey_box.mae.value),
+            100.0 * force.coverage
+        ));
+    }
+    terminal::line(&format!("report  {}", out.join(FILES[0]).display()));
+    Ok(ExitCode::Done)
+}

@@ -1,0 +1,95 @@
+//! `sphcut greybox fit`.
+
+use super::arguments::FitArguments;
+use super::{MODEL, create, method, refused, table, unless_there};
+use crate::failure::{ExitCode, Failure};
+use crate::{loading, results, terminal, text};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sphcut_greybox::regressor::Method;
+use sphcut_greybox::{FitOptions, ForceFit, GreyBox, GreyBoxFit, fit_json, points_csv};
+use sphcut_report::render_greybox;
+
+const FILES: [&str; 4] = ["greybox.html", "greybox.json", "points.csv", MODEL];
+const TICKS: u64 = 1000;
+
+/// Fits and writes page, numbers, points and models.
+pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
+    let out = &arguments.out;
+    unless_there(&FILES.map(|name| out.join(name)), arguments.force)?;
+    let options =
+        FitOptions { seed: arguments.seed, methods: methods(arguments)?, ..FitOptions::default() };
+    let (simulated, measured) = (table(&arguments.simulated)?, table(&arguments.measured)?);
+    let pool = loading::pool(loading::threads(arguments.threads))?;
+    let bar = bar(arguments.quiet);
+    let found = pool.install(|| {
+        sphcut_greybox::fit(&simulated, &measured, &options, &|share, what| {
+            bar.set_position((share * TICKS as f64) as u64);
+            bar.set_message(what.to_owned());
+        })
+    });
+    bar.finish_and_clear();
+    let found = found.map_err(|error| refused(&arguments.measured, &error))?;
+    create(out)?;
+    let texts = [
+        render_greybox(&found),
+        fit_json(&found),
+        points_csv(&found),
+        GreyBox::of(&found).to_json(),
+    ];
+    for (name, content) in FILES.iter().zip(&texts) {
+        results::save(&out.join(name), content.as_bytes())?;
+    }
+    if !arguments.quiet {
+        say(&found);
+        terminal::line(&format!("report  {}", out.join(FILES[0]).display()));
+    }
+    Ok(ExitCode::Done)
+}
+
+/// The regressors that are asked for, in their usual order.
+fn methods(arguments: &FitArguments) -> Result<Vec<Method>, Failure> {
+    if arguments.regressors.is_empty() {
+        return Ok(Method::ALL.to_vec());
+    }
+    let mut asked = Vec::new();
+    for key in &arguments.regressors {
+        asked.extend(method(Some(key.trim()))?);
+    }
+    Ok(Method::ALL.into_iter().filter(|method| asked.contains(method)).collect())
+}
+
+/// A bar that only a terminal sees.
+fn bar(quiet: bool) -> ProgressBar {
+    let target =
+        if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(5) };
+    let bar = ProgressBar::with_draw_target(Some(TICKS), target);
+    let style =
+        ProgressStyle::with_template("{bar:24} {percent:>3} %  {elapsed} (left {eta})  {wide_msg}");
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "))
+}
+
+fn say(found: &GreyBoxFit) {
+    terminal::line(&format!(
+        "{} rows, {} conditions; errors are those of conditions left out",
+        found.pairs.rows.len(),
+        found.pairs.conditions.len()
+    ));
+    found.forces.iter().for_each(|force| terminal::line(&line(force)));
+}
+
+/// `F_c: simulation 63.2 N, corrected 2.95 N (-95.3 %), noise floor 2.1 N; use gaussian_process`.
+fn line(force: &ForceFit) -> String {
+    let (before, after) = (force.white_box.mae.value, force.procedure.mae.value);
+    let newton = |value: f64| text::number((value * 1e3).round() * 1e-3);
+    let floor = force
+        .floor
+        .map_or_else(String::new, |floor| format!(", noise floor {} N", newton(floor.mae)));
+    format!(
+        "{}: mean absolute error of the simulation {} N, corrected {} N ({:+.1} %){floor}; use {}",
+        force.force.symbol(),
+        newton(before),
+        newton(after),
+        100.0 * (after / before.max(f64::MIN_POSITIVE) - 1.0),
+        force.choice.method.key()
+    )
+}

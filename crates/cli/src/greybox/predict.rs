@@ -1,0 +1,35 @@
+//! `sphcut greybox predict`.
+
+use super::arguments::PredictArguments;
+use super::{method, model, table, unless_there};
+use crate::failure::{ExitCode, Failure};
+use crate::{results, terminal};
+use sphcut_greybox::{ForceKind, predictions_csv};
+
+/// Corrects a table of simulated forces.
+pub fn predict(arguments: &PredictArguments) -> Result<ExitCode, Failure> {
+    unless_there(std::slice::from_ref(&arguments.out), arguments.force)?;
+    let method = method(arguments.regressor.as_deref())?;
+    let (model, simulated) = (model(&arguments.model)?, table(&arguments.simulated)?);
+    let mut rows = Vec::with_capacity(simulated.rows.len());
+    for row in &simulated.rows {
+        let input = [row.cutting_speed, row.uncut_chip_thickness];
+        let of = |force: ForceKind| {
+            model
+                .predict(force, method, input, row.forces[force.index()])
+                .map_err(|error| Failure::input(error.to_string()))
+        };
+        rows.push((input, [of(ForceKind::Cutting)?, of(ForceKind::Feed)?]));
+    }
+    let outside = rows.iter().filter(|(_, predictions)| !predictions[0].inside).count();
+    if outside > 0 {
+        terminal::note(&format!(
+            "warning: {outside} of {} conditions lie outside the hull of the measured ones: the correction \
+             extrapolates there (column `inside` is 0)",
+            rows.len()
+        ));
+    }
+    results::save(&arguments.out, predictions_csv(&rows).as_bytes())?;
+    terminal::line(&format!("{} conditions  {}", rows.len(), arguments.out.display()));
+    Ok(ExitCode::Done)
+}

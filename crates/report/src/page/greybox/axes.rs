@@ -1,0 +1,208 @@
+//! A small frame of two axes, linear or logarithmic, for maps and scatter plots.
+
+use crate::ticks::Ticks;
+use std::fmt::Write;
+
+pub(super) const WIDTH: f64 = 520.0;
+pub(super) const HEIGHT: f64 = 390.0;
+const LEFT: f64 = 62.0;
+const TOP: f64 = 30.0;
+const BOTTOM: f64 = 46.0;
+
+/// One axis.
+#[derive(Debug, Clone)]
+pub(super) struct Axis {
+    pub title: String,
+    low: f64,
+    high: f64,
+    logarithmic: bool,
+}
+
+/// Axes that span more are logarithmic.
+const DECADES: f64 = 12.0;
+
+impl Axis {
+    /// An axis of cutting conditions: all values with a margin; logarithmic if they span decades.
+    pub(super) fn of_conditions(title: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
+        let (low, high) = extremes(values);
+        if low > 0.0 && high / low > DECADES {
+            let margin = (high / low).powf(0.04);
+            let (low, high) = (low / margin, high * margin);
+            return Self { title: title.to_owned(), low, high, logarithmic: true };
+        }
+        Self::linear(title, [low, high].into_iter(), 0.06)
+    }
+
+    /// A linear axis with a margin of a share of its extent.
+    pub(super) fn linear(
+        title: &str,
+        values: impl Iterator<Item = f64> + Clone,
+        share: f64,
+    ) -> Self {
+        let (low, high) = extremes(values);
+        let extent = if high > low { high - low } else { high.abs().max(1e-9) };
+        let (low, high) = (low - share * extent, high + share * extent);
+        Self { title: title.to_owned(), low, high, logarithmic: false }
+    }
+
+    /// Place of a value, 0 at the low end and 1 at the high end.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        let map = |v: f64| if self.logarithmic { v.max(1e-300).ln() } else { v };
+        (map(value) - map(self.low)) / (map(self.high) - map(self.low))
+    }
+
+    /// The value at a place.
+    pub(super) fn value(&self, share: f64) -> f64 {
+        if self.logarithmic {
+            return (self.low.ln() + share * (self.high / self.low).ln()).exp();
+        }
+        self.low + share * (self.high - self.low)
+    }
+
+    fn ticks(&self, wanted: usize) -> Vec<(f64, String)> {
+        if !self.logarithmic {
+            let ticks = Ticks::new(self.low, self.high, wanted);
+            return ticks.values.iter().map(|&value| (value, ticks.label(value))).collect();
+        }
+        let first = self.low.log10().floor() as i32;
+        let last = self.high.log10().ceil() as i32;
+        (first..=last)
+            .flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * 10_f64.powi(power)))
+            .filter(|value| (self.low..=self.high).contains(value))
+            .map(|value| {
+                let decimals = (-value.log10() + 1e-9).ceil().max(0.0) as usize;
+                (value, format!("{value:.decimals$}"))
+            })
+            .collect()
+    }
+}
+
+pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    if low > high { (0.0, 1.0) } else { (low, high) }
+}
+
+/// Two axes and the drawing.
+pub(super) struct Frame {
+    pub x: Axis,
+    pub y: Axis,
+    /// Room for a colour bar.
+    pub right: f64,
+    pub svg: String,
+}
+
+impl Frame {
+    pub(super) fn new(x: Axis, y: Axis, right: f64, description: &str) -> Self {
+        let svg = format!(
+            r#"<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
+            escape(description)
+        );
+        Self { x, y, right, svg }
+    }
+
+    /// Left, top, right and bottom of the inner part.
+    pub(super) fn inner(&self) -> [f64; 4] {
+        [LEFT, TOP, WIDTH - self.right, HEIGHT - BOTTOM]
+    }
+
+    pub(super) fn at(&self, x: f64, y: f64) -> [f64; 2] {
+        let [left, top, right, bottom] = self.inner();
+        [
+            left + self.x.share(x).clamp(-5.0, 6.0) * (right - left),
+            bottom - self.y.share(y).clamp(-5.0, 6.0) * (bottom - top),
+        ]
+    }
+
+    pub(super) fn put(&mut self, text: std::fmt::Arguments<'_>) {
+        self.svg.write_fmt(text).expect("writing to a string cannot fail");
+    }
+
+    pub(super) fn line(&mut self, points: &[[f64; 2]], style: &str) {
+        let path: Vec<String> = points
+            .iter()
+            .map(|&[x, y]| self.at(x, y))
+            .map(|[x, y]| format!("{x:.1} {y:.1}"))
+            .collect();
+        self.put(format_args!(r#"<path d="M{}" fill="none" {style}/>"#, path.join("L")));
+    }
+
+    pub(super) fn dot(&mut self, x: f64, y: f64, radius: f64, style: &str) {
+        let [x, y] = self.at(x, y);
+        self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#));
+    }
+
+    /// Grid, axes and titles.
+    pub(super) fn axes(&mut self, title: &str, grid: bool) {
+        let [left, top, right, bottom] = self.inner();
+        for (value, label) in self.y.ticks(6) {
+            let [_, y] = self.at(self.x.low, value);
+            let line = if grid {
+                format!(r#"<line class="grid" x1="{left}" x2="{right}" y1="{y:.1}" y2="{y:.1}"/>"#)
+            } else {
+                String::new()
+            };
+            self.put(format_args!(
+                r#"{line}<line class="axis" x1="{:.1}" x2="{left}" y1="{y:.1}" y2="{y:.1}"/><text class="tick" x="{:.1}" y="{:.1}" text-anchor="end">{label}</text>"#,
+                left - 4.0,
+                left - 8.0,
+                y + 4.0
+            ));
+        }
+        for (value, label) in self.x.ticks(7) {
+            let [x, _] = self.at(value, self.y.low);
+            self.put(format_args!(
+                r#"<line class="axis" x1="{x:.1}" x2="{x:.1}" y1="{bottom}" y2="{:.1}"/><text class="tick" x="{x:.1}" y="{:.1}" text-anchor="middle">{label}</text>"#,
+                bottom + 4.0,
+                bottom + 18.0
+            ));
+        }
+        let (x_title, y_title) = (escape(&self.x.title), escape(&self.y.title));
+        self.put(format_args!(
+            r#"<rect x="{left}" y="{top}" width="{:.1}" height="{:.1}" fill="none" class="axis"/><text class="label" x="{:.1}" y="{:.1}" text-anchor="middle">{x_title}</text><text class="label" x="4" y="16">{y_title}</text><text class="label" x="{:.1}" y="16" text-anchor="end" font-weight="600">{}</text>"#,
+            right - left,
+            bottom - top,
+            (left + right) / 2.0,
+            HEIGHT - 8.0,
+            WIDTH - 4.0,
+            escape(title)
+        ));
+    }
+
+    pub(super) fn finish(mut self) -> String {
+        self.svg.push_str("</svg>");
+        self.svg
+    }
+}
+
+/// Text for SVG; what follows an underscore becomes an index of one letter.
+pub(super) fn escape(text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let mut parts = text.split('_');
+    let mut escaped = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let rest = part.chars().next().map_or(0, char::len_utf8);
+        let (index, rest) = part.split_at(rest);
+        let _ = write!(
+            escaped,
+            r#"<tspan dy="3" font-size="75%">{index}</tspan><tspan dy="-3">{rest}</tspan>"#
+        );
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_that_span_decades_are_logarithmic() {
+        let axis = Axis::of_conditions("v", [10.0, 500.0].into_iter());
+        assert!(axis.logarithmic && (axis.value(axis.share(70.0)) - 70.0).abs() < 1e-9);
+        let labels: Vec<String> = axis.ticks(5).into_iter().map(|(_, label)| label).collect();
+        assert_eq!(labels, ["10", "20", "50", "100", "200", "500"]);
+        let axis = Axis::of_conditions("h", [0.06, 0.15].into_iter());
+        assert!(!axis.logarithmic && (axis.share(0.105) - 0.5).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,246 @@
+//! `greybox.html`: simulated forces corrected by measured ones.
+
+mod axes;
+mod comparison;
+mod maps;
+mod plots;
+mod tables;
+mod words;
+
+pub use comparison::render_comparison;
+pub use words::greybox_words;
+
+use super::STYLE;
+use crate::chart::{Chart, Line};
+use maps::{Colours, Map};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sphcut_greybox::{ForceFit, GreyBoxFit, Input};
+
+const BLUE: &str = "#0072b2";
+const GREY: &str = "#8b949e";
+const GREEN: &str = "#009e73";
+const RED: &str = "#d55e00";
+
+/// The text of `greybox.html`; nothing is loaded.
+#[must_use]
+pub fn render_greybox(fit: &GreyBoxFit) -> String {
+    let [simulated, measured] = &fit.origins;
+    let lead = format!(
+        "{} measured values under {} conditions ({}), simulated in {}: F_T + F_D, the simulation and a correction learnt \
+         from its error.",
+        fit.pairs.rows.len(),
+        fit.pairs.conditions.len(),
+        measured.name,
+        simulated.name
+    );
+    let body = html! {
+        section.warnings role="note" {
+            h2 { "What these figures say" }
+            ul { @for sentence in greybox_words(fit) { li { (sentence) } } }
+        }
+        @for force in &fit.forces { (section(fit, force)) }
+        (definitions(fit))
+        (reproduce(fit))
+    };
+    page("Grey box", &lead.replace("F_T + F_D", "f_T + f_D"), fit.version, &body)
+}
+
+/// A page with this title and content.
+fn page(title: &str, lead: &str, version: &str, body: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content={ "sphcut " (version) };
+                link rel="icon" href="data:,";
+                title { (title) " \u{2013} sphcut" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    header { h1 { (title) } p.lead { (lead) } }
+                    (body)
+                    footer { "Written by sphcut " (version) "." }
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn figure(svg: &str, caption: &str) -> Markup {
+    html! { figure { (PreEscaped(svg)) figcaption { (caption) } } }
+}
+
+fn section(fit: &GreyBoxFit, force: &ForceFit) -> Markup {
+    let name = force.force.name();
+    let method = force.choice.method.name();
+    let [surface, corrected, correction, left] = four_maps(fit, force);
+    html! {
+        section {
+            h2 { (capital(name)) " " (force.force.symbol()) }
+            (key_figures(force))
+            div.pair {
+                (figure(&surface, "Simulated force as a surface; the dots are the measured forces in the same colours. The dashed line is the hull of \
+                    the measured conditions."))
+                (figure(&corrected, &format!("Corrected force ({method}) with the same dots: they should vanish in the surface. Outside the hull it is pale: \
+                    extrapolated.")))
+                (figure(&correction, "The correction f_D; dots: measured minus simulated. Red: the simulation is too low."))
+                (figure(&left, "What is left: measured minus corrected, each condition predicted without its own measurements. Neighbours of one \
+                    colour would be structure that the regressor missed."))
+                (figure(&plots::slices(fit, force, 1), "Over the uncut chip thickness at fixed cutting speeds. Solid: corrected; dashed: simulated; dots: measured."))
+                (figure(&plots::slices(fit, force, 0), "Over the cutting speed at fixed thicknesses."))
+                (figure(&plots::against_measured(fit, force), "Predicted against measured; dashed lines at \u{b1} 10 %."))
+                (learning(force))
+            }
+            (tables::errors(force))
+            (tables::extrapolation(force))
+            (tables::importance(force))
+        }
+    }
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn key_figures(force: &ForceFit) -> Markup {
+    let three = crate::text::three_digits;
+    let (before, after) = (force.white_box.mae.value, force.procedure.mae.value);
+    let relative = |scores: &sphcut_greybox::Scores| {
+        scores
+            .mape_of_force
+            .map_or_else(|| "\u{2013}".to_owned(), |mape| words::percent(mape.value))
+    };
+    html! {
+        dl.figures {
+            div { dt { "MAE of the simulation" } dd { (three(before)) " N " small { (relative(&force.white_box)) } } }
+            div { dt { "MAE corrected, held out" } dd { (three(after)) " N " small { (relative(&force.procedure)) } } }
+            div { dt { "Reduction of MAE" } dd { (words::percent(1.0 - after / before.max(f64::MIN_POSITIVE))) } }
+            @if let Some(floor) = force.floor {
+                div { dt { "Noise floor" } dd { (three(floor.mae)) " N" } }
+            }
+            div { dt { "Use" } dd { (force.choice.method.name()) } }
+        }
+    }
+}
+
+/// Simulated, corrected, correction and what is left.
+fn four_maps(fit: &GreyBoxFit, force: &ForceFit) -> [String; 4] {
+    let inputs = fit.pairs.inputs();
+    let measured = fit.pairs.measured(force.force);
+    let residuals = fit.pairs.residuals(force.force).targets;
+    let held = &force.chosen().interpolation.predicted;
+    let symbol = force.force.symbol();
+    let white = |input: Input| plots::white_at(fit, force.force, input);
+    let correction = |input: Input| plots::predict(force, input);
+    let grey = |input: Input| white(input) + correction(input);
+    let with =
+        |values: &[f64]| inputs.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
+    let forces =
+        Colours::of_range(measured.iter().copied().chain(inputs.iter().map(|&input| white(input))));
+    let errors = Colours::around_zero(residuals.iter().copied());
+    let left: Vec<f64> = residuals.iter().zip(held).map(|(r, p)| r - p).collect();
+    let map = |title: &str, quantity: &str, colours, surface, points| {
+        Map {
+            title: title.to_owned(),
+            description: format!(
+                "{title} of {} over cutting speed and thickness.",
+                force.force.name()
+            ),
+            quantity: quantity.to_owned(),
+            colours,
+            hull: &fit.hull,
+            inputs: &inputs,
+            surface,
+            points,
+        }
+        .svg()
+    };
+    let unit = format!("{symbol} in N");
+    [
+        map("Simulated", &unit, forces, Some(&white as &dyn Fn(Input) -> f64), with(&measured)),
+        map("Corrected", &unit, forces, Some(&grey), with(&measured)),
+        map("Correction", "N", errors, Some(&correction), with(&residuals)),
+        map("Left over", "N", Colours::around_zero(left.iter().copied()), None, with(&left)),
+    ]
+}
+
+fn learning(force: &ForceFit) -> Markup {
+    let points = &force.learning;
+    let line = |name, colour, width, pick: fn(&sphcut_greybox::LearningPoint) -> f64| Line {
+        name,
+        colour,
+        width,
+        values: points.iter().map(pick).collect(),
+    };
+    let mut lines = vec![
+        line("corrected", BLUE, 2.4, |point| point.mae),
+        line("its range over draws", BLUE, 0.8, |point| point.range[0]),
+        line("", BLUE, 0.8, |point| point.range[1]),
+        line("without the simulation", GREEN, 1.6, |point| point.alone),
+        Line {
+            name: "simulation alone",
+            colour: GREY,
+            width: 1.4,
+            values: vec![force.white_box.mae.value; points.len()],
+        },
+    ];
+    if let Some(floor) = force.floor {
+        lines.push(Line {
+            name: "noise floor",
+            colour: RED,
+            width: 1.4,
+            values: vec![floor.mae; points.len()],
+        });
+    }
+    let chart = Chart {
+        description: "Error over the number of measured conditions.".to_owned(),
+        x_title: "Measured conditions",
+        y_title: "MAE in N",
+        height: 720.0,
+        x: points.iter().map(|point| point.conditions as f64).collect(),
+        lines,
+        y_includes: vec![0.0],
+        ..Chart::default()
+    };
+    html! {
+        @if let Some(svg) = chart.svg() {
+            (figure(&svg, "How many experiments are enough: error on the conditions not used, median and range of eight draws."))
+        }
+    }
+}
+
+fn definitions(fit: &GreyBoxFit) -> Markup {
+    let options = &fit.options;
+    html! {
+        section {
+            h2 { "Definitions and limits" }
+            p { "Corrected force = simulated force + correction. The correction is taught the difference of measured and simulated force over v"
+                sub { "c" } " and h; the simulation comes first and is not changed. A prediction therefore needs a simulation at its condition." }
+            p { "Errors are those of conditions left out: " (options.folds) " folds, repeats of a condition in one fold, settings searched by " (options.folds)
+                " folds inside each. Intervals: " (options.resamples) " bootstrap resamples of the conditions. \u{201c}Chosen anew in every fold\u{201d} \
+                is the error of the whole procedure, the choice of the regressor included; it is what to expect of new conditions inside the hull." }
+            p { "R\u{b2} and MAPE of the error refer to measured minus simulated, as in the published method; MAPE is large where that difference is near zero. \
+                MAPE of the force refers to the measured force." }
+            p { "Surfaces between simulated conditions are interpolated for the pictures alone. The correction knows nothing of wear, other tools or other material: \
+                it holds for what was measured." }
+        }
+    }
+}
+
+fn reproduce(fit: &GreyBoxFit) -> Markup {
+    html! {
+        section {
+            h2 { "How to reproduce" }
+            pre { code { "sphcut greybox fit --simulated " (fit.origins[0].name) " --measured " (fit.origins[1].name) " --seed " (fit.options.seed) " --out DIR" } }
+            p { "The same tables, seed and version give the same numbers, whatever the number of threads." }
+            table { thead { tr { th { "Table" } th { "Rows" } th { "SHA-256" } } } tbody {
+                @for origin in &fit.origins { tr { td { (origin.name) } td { (origin.rows) } td { code { (origin.sha256) } } } }
+            } }
+        }
+    }
+}

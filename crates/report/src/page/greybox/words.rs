@@ -1,0 +1,208 @@
+//! What the figures of a grey box say, in sentences.
+
+use crate::text::{minus, three_digits};
+use sphcut_greybox::regressor::Method;
+use sphcut_greybox::{Estimate, ForceFit, GreyBoxFit, NoiseSource};
+
+/// Improvement of a mean absolute error as a share.
+fn reduction(before: f64, after: f64) -> f64 {
+    if before > 0.0 { 1.0 - after / before } else { 0.0 }
+}
+
+/// `97.9 %`.
+pub(super) fn percent(share: f64) -> String {
+    minus(&format!("{:.1} %", 100.0 * share))
+}
+
+/// `5.65 (3.62 to 7.96)`.
+pub(super) fn estimate(estimate: &Estimate) -> String {
+    let [value, low, high] = [estimate.value, estimate.low, estimate.high].map(three_digits);
+    format!("{value} ({low} to {high})")
+}
+
+/// What can be said, one entry per force and point.
+#[must_use]
+pub fn greybox_words(fit: &GreyBoxFit) -> Vec<String> {
+    let mut words: Vec<String> = fit.forces.iter().flat_map(force_words).collect();
+    let conditions = fit.pairs.conditions.len();
+    if fit.pairs.condensed {
+        words.push(
+            "The measured table is long: repeats were condensed to the means of their conditions."
+                .to_owned(),
+        );
+    }
+    if conditions < 30 {
+        words.push(format!(
+            "{conditions} conditions are few: the intervals below are wide, and the order of the regressors may \
+             change with the next measurement."
+        ));
+    }
+    words
+}
+
+fn force_words(force: &ForceFit) -> Vec<String> {
+    let chosen = force.chosen();
+    let (before, after) = (&force.white_box.mae, &force.procedure.mae);
+    let name = force.force.name();
+    let mut words = vec![format!(
+        "{}: use {}. The simulation alone misses the measured {name} by {} N on average; corrected, conditions it \
+         has not seen are missed by {} N, {} less.{}",
+        force.force.symbol(),
+        article(chosen.method),
+        three_digits(before.value),
+        estimate(after),
+        percent(reduction(before.value, after.value)),
+        force.procedure.mape_of_force.map_or_else(String::new, |mape| format!(
+            " That is {} of the force.",
+            percent(mape.value)
+        ))
+    )];
+    words.push(why(force));
+    words.extend(floor(force));
+    words.extend(extrapolation(force));
+    words.push(simulation(force));
+    words.extend(enough(force));
+    words
+}
+
+fn article(method: Method) -> &'static str {
+    match method {
+        Method::Linear => "the linear fit",
+        Method::Quadratic => "the polynomial of degree 2",
+        Method::Quartic => "the polynomial of degree 4",
+        Method::SupportVector => "support vectors",
+        Method::Forest => "the random forest",
+        Method::Boosting => "boosted trees",
+        Method::Network => "the network",
+        Method::GaussianProcess => "the Gaussian process",
+    }
+}
+
+/// Why this regressor.
+fn why(force: &ForceFit) -> String {
+    let choice = &force.choice;
+    let tied: Vec<&str> =
+        choice.tied.iter().filter(|m| **m != choice.method).map(|m| article(*m)).collect();
+    let symbol = force.force.symbol();
+    match (tied.as_slice(), choice.method == choice.best) {
+        ([], _) => format!(
+            "{symbol}, why: its error is the least, and the difference to every other regressor is larger than \
+             the scatter of the resamples."
+        ),
+        (_, true) => format!(
+            "{symbol}, why: its error is the least. It cannot be told from that of {} with these measurements; of \
+             these it is also the best where whole levels of v_c or h were left out.",
+            tied.join(", ")
+        ),
+        (_, false) => format!(
+            "{symbol}, why: {} has the least error, but it cannot be told from that of {}; of these {} is the best \
+             where whole levels of v_c or h were left out.",
+            article(choice.best),
+            [article(choice.method)]
+                .into_iter()
+                .chain(tied.iter().copied().filter(|m| *m != article(choice.best)))
+                .collect::<Vec<_>>()
+                .join(", "),
+            article(choice.method)
+        ),
+    }
+}
+
+fn floor(force: &ForceFit) -> Option<String> {
+    let symbol = force.force.symbol();
+    let Some(floor) = force.floor else {
+        return Some(format!(
+            "{symbol}, noise: the table has neither repeats nor standard deviations, so it cannot be said how much of \
+             the error is left to remove. Measure some conditions three times."
+        ));
+    };
+    let source = match floor.source {
+        NoiseSource::Repeats => "the scatter of repeats",
+        NoiseSource::Deviations => "the standard deviations of the table",
+    };
+    let ratio = force.procedure.mae.value / floor.mae;
+    let verdict = if ratio < 1.15 {
+        "nothing worth removing is left; an error below this would be over-fitting"
+    } else if ratio < 2.0 {
+        "most of what is left is noise of the measurement"
+    } else {
+        "the larger part of the error is still the model's"
+    };
+    Some(format!(
+        "{symbol}, noise: by {source} a perfect model would miss single values by {} N; this one is at {} times \
+         that: {verdict}.",
+        three_digits(floor.mae),
+        three_digits(ratio)
+    ))
+}
+
+fn extrapolation(force: &ForceFit) -> Option<String> {
+    let chosen = force.chosen();
+    let [speed, thickness] = &chosen.extrapolation;
+    let part = |found: &Option<sphcut_greybox::Extrapolated>, what: &str| {
+        found.as_ref().map(|found| {
+            format!(
+                "{} N with a whole {what} left out ({} N at the ends of the range)",
+                three_digits(found.all.scores.mae.value),
+                three_digits(found.ends.mae.value)
+            )
+        })
+    };
+    let parts: Vec<String> = [part(speed, "cutting speed"), part(thickness, "thickness")]
+        .into_iter()
+        .flatten()
+        .collect();
+    if parts.is_empty() {
+        return None;
+    }
+    let worst =
+        chosen.extrapolation.iter().flatten().map(|found| found.ends.mae.value).fold(0.0, f64::max);
+    let warning = if worst > force.white_box.mae.value {
+        " Beyond the measured range the correction makes the simulation worse: do not use it there."
+    } else if worst > 2.0 * force.procedure.mae.value {
+        " Beyond the measured range trust it less than inside."
+    } else {
+        ""
+    };
+    Some(format!(
+        "{}, beyond the plan: the error is {}.{warning}",
+        force.force.symbol(),
+        parts.join(" and ")
+    ))
+}
+
+/// Whether the simulation is worth its time.
+fn simulation(force: &ForceFit) -> String {
+    let symbol = force.force.symbol();
+    let (grey, black) = (force.chosen().interpolation.scores.mae, force.alone.interpolation.mae);
+    let verdict = if black.value > 1.1 * grey.value {
+        "the simulation helps"
+    } else if black.value < 0.9 * grey.value {
+        "inside the measured range the simulation does not help: its error is less smooth than the force"
+    } else {
+        "inside the measured range the simulation adds little with so many conditions measured"
+    };
+    format!(
+        "{symbol}, is the simulation worth it: the same regressor without it misses by {} N, with it by {} N: {verdict}.",
+        three_digits(black.value),
+        three_digits(grey.value)
+    )
+}
+
+/// How many experiments are enough: the first size within a tenth of the last.
+fn enough(force: &ForceFit) -> Option<String> {
+    let last = force.learning.last()?;
+    let first = force.learning.iter().find(|point| point.mae <= 1.1 * last.mae)?;
+    let symbol = force.force.symbol();
+    Some(if first.conditions == last.conditions {
+        format!(
+            "{symbol}, how many experiments: the error still falls at {} conditions; more would help.",
+            last.conditions
+        )
+    } else {
+        format!(
+            "{symbol}, how many experiments: {} conditions are enough for an error within a tenth of that with {}.",
+            first.conditions, last.conditions
+        )
+    })
+}

@@ -1,0 +1,155 @@
+//! Forces over cutting conditions as a table: comma-separated, a header with units, a condition per line.
+
+use crate::columns::{self, ColumnRule, TableProblem};
+use sphcut_physics::Quantity;
+
+/// One line of the table in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceTableRow {
+    /// v_c in m/s.
+    pub cutting_speed: f64,
+    /// h in m.
+    pub uncut_chip_thickness: f64,
+    /// F_c in N.
+    pub cutting_force: f64,
+    /// F_f in N.
+    pub feed_force: f64,
+    /// Standard deviation of F_c between the measurements of which the line is the mean, in N.
+    pub cutting_force_deviation: Option<f64>,
+    /// The same of F_f.
+    pub feed_force_deviation: Option<f64>,
+    /// Number of these measurements.
+    pub count: Option<f64>,
+}
+
+const fn column(
+    name: &'static str,
+    quantity: Quantity,
+    unit: &'static str,
+    (required, positive): (bool, bool),
+) -> ColumnRule {
+    ColumnRule { name, quantity, unit, required, positive }
+}
+
+/// What is used, then what a table of `sphcut recordings` has beside it.
+const COLUMNS: [ColumnRule; 12] = [
+    column("v_c", Quantity::Speed, "m/min", (true, true)),
+    column("h", Quantity::Length, "mm", (true, true)),
+    column("F_c", Quantity::Force, "N", (true, false)),
+    column("F_f", Quantity::Force, "N", (true, false)),
+    column("F_c_sd", Quantity::Force, "N", (false, false)),
+    column("F_f_sd", Quantity::Force, "N", (false, false)),
+    column("n", Quantity::Dimensionless, "", (false, true)),
+    column("b", Quantity::Length, "mm", (false, true)),
+    column("F_p", Quantity::Force, "N", (false, false)),
+    column("F_p_sd", Quantity::Force, "N", (false, false)),
+    column("order", Quantity::Dimensionless, "", (false, false)),
+    column("time", Quantity::Time, "s", (false, false)),
+];
+
+/// Reads a table with the columns `v_c`, `h`, `F_c` and `F_f` and, if it has them, `F_c_sd`, `F_f_sd` (standard
+/// deviations) and `n`, in any order, each with its unit in brackets: `v_c [m/min]`. Columns `b`, `F_p`, `F_p_sd`,
+/// `order` and `time` are read over. A condition may be there more than once. Empty lines and lines that
+/// begin with `#` are skipped.
+///
+/// # Errors
+/// The first mistake with its line and column.
+pub fn read_force_table(text: &str) -> Result<Vec<ForceTableRow>, TableProblem> {
+    columns::read(text, &COLUMNS, "no line with forces follows the header")?
+        .into_iter()
+        .map(|(line, values)| {
+            let &[
+                Some(cutting_speed),
+                Some(uncut_chip_thickness),
+                Some(cutting_force),
+                Some(feed_force),
+                cutting_force_deviation,
+                feed_force_deviation,
+                count,
+                ..,
+            ] = values.as_slice()
+            else {
+                return Err(columns::whole(line, "a needed column is missing"));
+            };
+            let deviations = [cutting_force_deviation, feed_force_deviation];
+            if deviations.into_iter().flatten().any(|deviation| deviation < 0.0) {
+                return Err(columns::whole(line, "a standard deviation is never below 0"));
+            }
+            Ok(ForceTableRow {
+                cutting_speed,
+                uncut_chip_thickness,
+                cutting_force,
+                feed_force,
+                cutting_force_deviation,
+                feed_force_deviation,
+                count,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_any_order_and_what_may_be_missing() {
+        let text = "h [um],F_f [kN],v_c [m/s],F_c [N],n,F_c_sd [N]\n100,0.1,2.5,600,3,4\n60,0.05,2.5,400,1,\n";
+        let rows = read_force_table(text).unwrap();
+        let expected = ForceTableRow {
+            cutting_speed: 2.5,
+            uncut_chip_thickness: 100e-6,
+            cutting_force: 600.0,
+            feed_force: 100.0,
+            cutting_force_deviation: Some(4.0),
+            feed_force_deviation: None,
+            count: Some(3.0),
+        };
+        assert_eq!(rows[0], expected);
+        assert_eq!((rows[1].cutting_force_deviation, rows[1].count), (None, Some(1.0)));
+        let recorded = "v_c [m/min],h [mm],b [mm],F_c [N],F_f [N],F_p [N],F_c_sd [N],F_f_sd [N],F_p_sd [N],n,order,\
+                        time [s]\n150,0.1,3,600,200,10,4,3,1,5,2,12.5\n";
+        assert_eq!(read_force_table(recorded).unwrap()[0].feed_force_deviation, Some(3.0));
+    }
+
+    #[test]
+    fn mistakes_are_told_with_line_and_column() {
+        let good = "v_c [m/min],h [mm],F_c [N],F_f [N]\n";
+        for (text, expected) in [
+            (String::new(), "line 1: the table is empty"),
+            (good.to_owned(), "line 1: no line with forces follows the header"),
+            (good.replace("F_f [N]", "n"), "line 1: the column `F_f [N]` is missing"),
+            (good.replace("[mm]", "[N]"), "line 1, column 2 `h`: `N`: this is a force"),
+            (
+                good.replace(" [mm]", ""),
+                "line 1, column 2 `h`: the unit is missing: write `h [mm]`",
+            ),
+            (
+                good.replace("F_c", "Fc"),
+                "line 1, column 3 `Fc`: no such column; did you mean `F_c`?",
+            ),
+            (format!("{good}150,0.1,nan,5\n"), "line 2, column 3 `F_c`: `nan`"),
+            (format!("{good}150,0.1,inf,5\n"), "line 2, column 3 `F_c`: `inf`"),
+            (format!("{good}150,0.1,,5\n"), "line 2, column 3 `F_c`: ``: not a number"),
+            (format!("{good}150,0,1,5\n"), "line 2, column 2 `h`: `0`: must be above 0"),
+            (format!("{good}150;0.1;1;5\n"), "line 2: 1 cells, but the header has 4"),
+            (
+                format!("{},F_c_sd [N]\n150,0.1,1,5,-2\n", good.trim_end()),
+                "line 2: a standard deviation is never below 0",
+            ),
+        ] {
+            let message = read_force_table(&text).unwrap_err().to_string();
+            assert!(message.starts_with(expected), "{message}\nnot: {expected}");
+        }
+    }
+
+    #[test]
+    fn a_million_lines_are_read() {
+        let mut text = "v_c [m/min],h [mm],F_c [N],F_f [N]\n".to_owned();
+        for k in 0..1_000_000 {
+            let (speed, thickness) = (100 + 10 * (k % 11), 6 + k / 11 % 10);
+            text += &format!("{speed},0.{thickness:02},{}.5,200\n", 500 + k % 7);
+        }
+        assert_eq!(read_force_table(&text).unwrap().len(), 1_000_000);
+    }
+}
