@@ -45,6 +45,13 @@ impl Axis {
         Self { title: title.to_owned(), low, high, logarithmic: false }
     }
 
+    /// A logarithmic axis with a margin; all values above 0.
+    pub(super) fn logarithmic(title: &str, values: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = extremes(values.filter(|value| *value > 0.0));
+        let (low, high) = (low.max(1e-12) / 1.25, high.max(1e-12) * 1.25);
+        Self { title: title.to_owned(), low, high, logarithmic: true }
+    }
+
     /// Place of a value, 0 at the low end and 1 at the high end.
     pub(super) fn share(&self, value: f64) -> f64 {
         let map = |v: f64| if self.logarithmic { v.max(1e-300).ln() } else { v };
@@ -131,6 +138,37 @@ impl Frame {
     pub(super) fn dot(&mut self, x: f64, y: f64, radius: f64, style: &str) {
         let [x, y] = self.at(x, y);
         self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#));
+    }
+
+    /// Names of colours in the row above, to the right.
+    pub(super) fn legend(&mut self, entries: &[(&str, &str)]) {
+        let width = |name: &str| 7.0 * name.chars().count() as f64 + 24.0;
+        let mut x = WIDTH - self.right - entries.iter().map(|(_, name)| width(name)).sum::<f64>();
+        for (colour, name) in entries {
+            self.put(format_args!(
+                r#"<circle cx="{:.1}" cy="12" r="4.5" fill="{colour}"/><text class="legend" x="{:.1}" y="16">{}</text>"#,
+                x + 8.0,
+                x + 16.0,
+                escape(name)
+            ));
+            x += width(name);
+        }
+    }
+
+    /// A line that ends at the border of the inner part.
+    pub(super) fn clipped(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
+        let inside = |value: f64, axis: &Axis| (-1e-9..=1.0 + 1e-9).contains(&axis.share(value));
+        let steps = 400;
+        let points: Vec<[f64; 2]> = (0..=steps)
+            .map(|k| {
+                let share = f64::from(k) / f64::from(steps);
+                [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
+            })
+            .filter(|&[x, y]| inside(x, &self.x) && inside(y, &self.y))
+            .collect();
+        if let [first, .., last] = points[..] {
+            self.line(&[first, last], style);
+        }
     }
 
     /// Grid, axes and titles.

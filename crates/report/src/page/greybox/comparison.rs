@@ -20,7 +20,7 @@ pub fn render_comparison(model: &GreyBox, comparison: &Comparison) -> String {
     let body = html! {
         section.warnings role="note" {
             h2 { "What these figures say" }
-            ul { @for sentence in words(comparison) { li { (sentence) } } }
+            ul { @for sentence in words(comparison) { li { (super::indexed(&sentence)) } } }
         }
         @for force in &comparison.forces { (section(comparison, force)) }
     };
@@ -75,7 +75,7 @@ fn section(comparison: &Comparison, force: &ForceComparison) -> Markup {
     };
     html! {
         section {
-            h2 { (force.force.symbol()) ", " (force.method.name()) }
+            h2 { (super::indexed(force.force.symbol())) ", " (force.method.name()) }
             figure { (PreEscaped(plot(comparison, force))) figcaption { "Predicted against measured; bars: predicted 95 % intervals; \
                 hollow: outside the hull; grey: the simulation alone." } }
             div.scroll { table {

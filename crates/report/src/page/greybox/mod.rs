@@ -11,23 +11,16 @@ pub use comparison::render_comparison;
 pub use words::greybox_words;
 
 use super::STYLE;
-use crate::chart::{Chart, Line};
 use maps::{Colours, Map};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sphcut_greybox::{ForceFit, GreyBoxFit, Input};
-
-const BLUE: &str = "#0072b2";
-const GREY: &str = "#8b949e";
-const GREEN: &str = "#009e73";
-const RED: &str = "#d55e00";
 
 /// The text of `greybox.html`; nothing is loaded.
 #[must_use]
 pub fn render_greybox(fit: &GreyBoxFit) -> String {
     let [simulated, measured] = &fit.origins;
     let lead = format!(
-        "{} measured values under {} conditions ({}), simulated in {}: F_T + F_D, the simulation and a correction learnt \
-         from its error.",
+        "{} measured rows under {} conditions ({}), simulated in {}: the simulated force plus a correction learnt from its error, f_T + f_D.",
         fit.pairs.rows.len(),
         fit.pairs.conditions.len(),
         measured.name,
@@ -36,13 +29,13 @@ pub fn render_greybox(fit: &GreyBoxFit) -> String {
     let body = html! {
         section.warnings role="note" {
             h2 { "What these figures say" }
-            ul { @for sentence in greybox_words(fit) { li { (sentence) } } }
+            ul { @for sentence in greybox_words(fit) { li { (indexed(&sentence)) } } }
         }
         @for force in &fit.forces { (section(fit, force)) }
         (definitions(fit))
         (reproduce(fit))
     };
-    page("Grey box", &lead.replace("F_T + F_D", "f_T + f_D"), fit.version, &body)
+    page("Grey box: simulated forces corrected", &lead, fit.version, &body)
 }
 
 /// A page with this title and content.
@@ -60,7 +53,7 @@ fn page(title: &str, lead: &str, version: &str, body: &Markup) -> String {
             }
             body {
                 main {
-                    header { h1 { (title) } p.lead { (lead) } }
+                    header { h1 { (title) } p.lead { (indexed(lead)) } }
                     (body)
                     footer { "Written by sphcut " (version) "." }
                 }
@@ -70,8 +63,21 @@ fn page(title: &str, lead: &str, version: &str, body: &Markup) -> String {
     page.into_string()
 }
 
+/// Text in which the letter after an underscore is an index.
+fn indexed(text: &str) -> Markup {
+    let mut parts = text.split('_');
+    let first = parts.next().unwrap_or_default();
+    html! {
+        (first)
+        @for part in parts {
+            @let (index, rest) = part.split_at(part.chars().next().map_or(0, char::len_utf8));
+            sub { (index) } (rest)
+        }
+    }
+}
+
 fn figure(svg: &str, caption: &str) -> Markup {
-    html! { figure { (PreEscaped(svg)) figcaption { (caption) } } }
+    html! { figure { (PreEscaped(svg)) figcaption { (indexed(caption)) } } }
 }
 
 fn section(fit: &GreyBoxFit, force: &ForceFit) -> Markup {
@@ -80,8 +86,9 @@ fn section(fit: &GreyBoxFit, force: &ForceFit) -> Markup {
     let [surface, corrected, correction, left] = four_maps(fit, force);
     html! {
         section {
-            h2 { (capital(name)) " " (force.force.symbol()) }
+            h2 { (capital(name)) " " (indexed(force.force.symbol())) }
             (key_figures(force))
+            ul { @for sentence in words::details(force) { li { (indexed(&sentence)) } } }
             div.pair {
                 (figure(&surface, "Simulated force as a surface; the dots are the measured forces in the same colours. The dashed line is the hull of \
                     the measured conditions."))
@@ -170,46 +177,10 @@ fn four_maps(fit: &GreyBoxFit, force: &ForceFit) -> [String; 4] {
 }
 
 fn learning(force: &ForceFit) -> Markup {
-    let points = &force.learning;
-    let line = |name, colour, width, pick: fn(&sphcut_greybox::LearningPoint) -> f64| Line {
-        name,
-        colour,
-        width,
-        values: points.iter().map(pick).collect(),
-    };
-    let mut lines = vec![
-        line("corrected", BLUE, 2.4, |point| point.mae),
-        line("its range over draws", BLUE, 0.8, |point| point.range[0]),
-        line("", BLUE, 0.8, |point| point.range[1]),
-        line("without the simulation", GREEN, 1.6, |point| point.alone),
-        Line {
-            name: "simulation alone",
-            colour: GREY,
-            width: 1.4,
-            values: vec![force.white_box.mae.value; points.len()],
-        },
-    ];
-    if let Some(floor) = force.floor {
-        lines.push(Line {
-            name: "noise floor",
-            colour: RED,
-            width: 1.4,
-            values: vec![floor.mae; points.len()],
-        });
-    }
-    let chart = Chart {
-        description: "Error over the number of measured conditions.".to_owned(),
-        x_title: "Measured conditions",
-        y_title: "MAE in N",
-        height: 720.0,
-        x: points.iter().map(|point| point.conditions as f64).collect(),
-        lines,
-        y_includes: vec![0.0],
-        ..Chart::default()
-    };
     html! {
-        @if let Some(svg) = chart.svg() {
-            (figure(&svg, "How many experiments are enough: error on the conditions not used, median and range of eight draws."))
+        @if let Some(svg) = plots::learning(force) {
+            (figure(&svg, "How many experiments are enough: error on the conditions not used. Dots: median of eight draws, bars: their range; \
+                green: the same regressor without the simulation."))
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Scatter plots and slices of the grey box.
 
 use super::axes::{Axis, Frame, extremes};
-use sphcut_greybox::{ForceFit, ForceKind, GreyBoxFit, Input};
+use sphcut_greybox::{ForceFit, ForceKind, GreyBoxFit, Input, LearningPoint};
 
 const M_PER_MIN: f64 = 60.0;
 const MM: f64 = 1e3;
@@ -27,8 +27,9 @@ pub(super) fn against_measured(fit: &GreyBoxFit, force: &ForceFit) -> String {
     let (low, high) = extremes(all());
     frame.line(&[[low, low], [high, high]], r##"stroke="#22262b" stroke-width="1.2""##);
     for factor in [0.9, 1.1] {
-        frame.line(
-            &[[low, low * factor], [high, high * factor]],
+        frame.clipped(
+            [low, low * factor],
+            [high, high * factor],
             r##"stroke="#8b949e" stroke-width="1" stroke-dasharray="4 4""##,
         );
     }
@@ -38,22 +39,8 @@ pub(super) fn against_measured(fit: &GreyBoxFit, force: &ForceFit) -> String {
     for (&x, &y) in measured.iter().zip(&corrected) {
         frame.dot(x, y, 3.4, &format!(r#"fill="{BLUE}" opacity="0.8""#));
     }
-    legend(&mut frame, &[(GREY, "simulation alone"), (BLUE, "corrected, condition held out")]);
+    frame.legend(&[(GREY, "simulation alone"), (BLUE, "corrected, held out")]);
     frame.finish()
-}
-
-fn legend(frame: &mut Frame, entries: &[(&str, &str)]) {
-    let [left, top, ..] = frame.inner();
-    for (row, (colour, name)) in entries.iter().enumerate() {
-        let y = top + 18.0 + 17.0 * row as f64;
-        frame.put(format_args!(
-            r#"<circle cx="{:.1}" cy="{:.1}" r="4" fill="{colour}"/><text class="legend" x="{:.1}" y="{y:.1}">{}</text>"#,
-            left + 14.0,
-            y - 4.0,
-            left + 24.0,
-            super::axes::escape(name)
-        ));
-    }
 }
 
 /// Three slices over h at fixed v_c (axis 1) or over v_c at fixed h (axis 0).
@@ -107,15 +94,57 @@ pub(super) fn slices(fit: &GreyBoxFit, force: &ForceFit, axis: usize) -> String 
             let style = format!(r##"fill="{colour}" stroke="#fff" stroke-width="1""##);
             frame.dot(inputs[row][axis] * scale[axis], measured[row], 4.4, &style);
         }
-        let value = crate::text::three_digits(level.value * scale[fixed]);
+        let value = format!("{:.3}", level.value * scale[fixed]);
+        let value = value.trim_end_matches('0').trim_end_matches('.');
         names.push((
             colour,
             if fixed == 0 { format!("{value} m/min") } else { format!("{value} mm") },
         ));
     }
     let entries: Vec<(&str, &str)> = names.iter().map(|(c, n)| (*c, n.as_str())).collect();
-    legend(&mut frame, &entries);
+    frame.legend(&entries);
     frame.finish()
+}
+
+/// Error on the conditions not used over the number of those that were.
+pub(super) fn learning(force: &ForceFit) -> Option<String> {
+    let points = &force.learning;
+    let last = points.last().filter(|_| points.len() > 1)?;
+    let white = force.white_box.mae.value;
+    let floor = force.floor.map(|floor| floor.mae);
+    let values = points.iter().flat_map(|p| [p.mae, p.range[0], p.range[1], p.alone]);
+    let values: Vec<f64> = values.chain([white]).chain(floor).collect();
+    let counts = points.iter().map(|point| point.conditions as f64).chain([0.0]);
+    let counts: Vec<f64> = counts.collect();
+    let mut frame = Frame::new(
+        Axis::linear("Measured conditions", counts.iter().copied(), 0.03),
+        Axis::logarithmic("MAE in N", values.iter().copied()),
+        14.0,
+        "Error over the number of measured conditions.",
+    );
+    frame.axes("", true);
+    let count = |point: &LearningPoint| point.conditions as f64;
+    let level = |frame: &mut Frame, value: f64, style: &str| {
+        frame.line(&[[0.0, value], [last.conditions as f64, value]], style);
+    };
+    level(&mut frame, white, &format!(r#"stroke="{GREY}" stroke-width="1.6""#));
+    if let Some(floor) = floor {
+        let style = format!(r#"stroke="{RED}" stroke-width="1.6" stroke-dasharray="5 4""#);
+        level(&mut frame, floor, &style);
+    }
+    let alone: Vec<[f64; 2]> = points.iter().map(|p| [count(p), p.alone]).collect();
+    frame.line(&alone, r##"stroke="#009e73" stroke-width="1.6""##);
+    let grey: Vec<[f64; 2]> = points.iter().map(|p| [count(p), p.mae]).collect();
+    frame.line(&grey, &format!(r#"stroke="{BLUE}" stroke-width="2.2""#));
+    for point in points {
+        let ends = point.range.map(|value| [count(point), value.max(1e-12)]);
+        frame.line(&ends, &format!(r#"stroke="{BLUE}" stroke-width="1.2" opacity="0.6""#));
+        frame.dot(count(point), point.mae, 3.4, &format!(r#"fill="{BLUE}""#));
+    }
+    let mut names = vec![(BLUE, "corrected"), ("#009e73", "no simulation"), (GREY, "simulation")];
+    names.extend(floor.map(|_| (RED, "noise floor")));
+    frame.legend(&names);
+    Some(frame.finish())
 }
 
 /// One level of v_c or h with its rows.

@@ -1,30 +1,45 @@
 //! Tables of the grey box: errors, importance, and where they come from.
 
-use super::words::{estimate, percent};
+use super::indexed;
+use super::words::percent;
 use crate::text::three_digits;
 use maud::{Markup, html};
 use sphcut_greybox::{Estimate, ForceFit, MethodFit, Scores};
 
-fn optional(found: Option<&Estimate>, show: impl Fn(&Estimate) -> String) -> String {
-    found.map_or_else(|| "\u{2013}".to_owned(), show)
+/// A value with its interval below.
+fn cell(found: Option<&Estimate>, show: impl Fn(f64) -> String) -> Markup {
+    html! {
+        td.n {
+            @if let Some(found) = found {
+                (show(found.value)) br; small { (show(found.low)) " to " (show(found.high)) }
+            } @else { "\u{2013}" }
+        }
+    }
 }
 
-fn r_squared(found: &Estimate) -> String {
-    crate::text::minus(&format!("{:.3} ({:.3} to {:.3})", found.value, found.low, found.high))
-}
-
-fn share(found: &Estimate) -> String {
-    format!("{} ({} to {})", percent(found.value), percent(found.low), percent(found.high))
+fn r_squared(value: f64) -> String {
+    crate::text::minus(&format!("{value:.3}"))
 }
 
 /// Cells of one row of scores.
 fn cells(scores: &Scores) -> Markup {
     html! {
-        td.n { (estimate(&scores.mae)) }
-        td.n { (estimate(&scores.mse)) }
-        td.n { (optional(scores.r_squared.as_ref(), r_squared)) }
-        td.n { (optional(scores.mape_of_error.as_ref(), share)) }
-        td.n { (optional(scores.mape_of_force.as_ref(), share)) }
+        (cell(Some(&scores.mae), three_digits))
+        (cell(Some(&scores.mse), three_digits))
+        (cell(scores.r_squared.as_ref(), r_squared))
+        (cell(scores.mape_of_error.as_ref(), percent))
+        (cell(scores.mape_of_force.as_ref(), percent))
+    }
+}
+
+/// Those of the simulation alone: its error is not predicted, so there is nothing to say of how well.
+fn white_cells(scores: &Scores) -> Markup {
+    html! {
+        (cell(Some(&scores.mae), three_digits))
+        (cell(Some(&scores.mse), three_digits))
+        (cell(None, r_squared))
+        (cell(None, percent))
+        (cell(scores.mape_of_force.as_ref(), percent))
     }
 }
 
@@ -33,14 +48,14 @@ pub(super) fn errors(force: &ForceFit) -> Markup {
     let symbol = force.force.symbol();
     html! {
         div.scroll { table {
-            caption { "Errors of " (symbol) " on conditions left out, 95 % intervals in brackets." }
+            caption { "Errors of " (indexed(symbol)) " on conditions left out, with 95 % intervals (compare Table 6 of the published method)." }
             thead { tr {
                 th { "Regressor" }
                 th.n { "MAE in N" } th.n { "MSE in N\u{b2}" } th.n { "R\u{b2} of the error" }
                 th.n { "MAPE of the error" } th.n { "MAPE of the force" }
             } }
             tbody {
-                tr { th { "Simulation alone" } (cells(&force.white_box)) }
+                tr { th { "Simulation alone" } (white_cells(&force.white_box)) }
                 @for fit in &force.methods {
                     tr { th { (fit.method.name()) (mark(force, fit)) } (cells(&fit.interpolation.scores)) }
                 }
@@ -64,18 +79,20 @@ fn mark(force: &ForceFit, fit: &MethodFit) -> Markup {
 
 /// Errors where whole levels were left out.
 pub(super) fn extrapolation(force: &ForceFit) -> Markup {
-    let cell = |axis: usize, fit: &MethodFit| {
+    let both = |axis: usize, fit: &MethodFit| {
         let found = fit.extrapolation[axis].as_ref();
-        let all = optional(found.map(|part| &part.all.scores.mae), estimate);
-        let ends = optional(found.map(|part| &part.ends.mae), estimate);
-        html! { td.n { (all) } td.n { (ends) } }
+        html! {
+            (cell(found.map(|part| &part.all.scores.mae), three_digits))
+            (cell(found.map(|part| &part.ends.mae), three_digits))
+        }
     };
     let alone = |axis: usize| {
-        optional(force.alone.extrapolation[axis].as_ref().map(|scores| &scores.mae), estimate)
+        let found = force.alone.extrapolation[axis].as_ref();
+        html! { (cell(found.map(|scores| &scores.mae), three_digits)) (cell(None, three_digits)) }
     };
     html! {
         div.scroll { table {
-            caption { "MAE of " (force.force.symbol()) " in N where all conditions of one cutting speed or one thickness were left out; at the \
+            caption { "MAE of " (indexed(force.force.symbol())) " in N where all conditions of one cutting speed or one thickness were left out; at the \
                 ends of the range that is extrapolation." }
             thead { tr {
                 th { "Regressor" }
@@ -85,11 +102,11 @@ pub(super) fn extrapolation(force: &ForceFit) -> Markup {
             } }
             tbody {
                 @for fit in &force.methods {
-                    tr { th { (fit.method.name()) (mark(force, fit)) } (cell(0, fit)) (cell(1, fit))
+                    tr { th { (fit.method.name()) (mark(force, fit)) } (both(0, fit)) (both(1, fit))
                         td.n { (three_digits(fit.interpolation.scores.mae.value)) } }
                 }
                 tr { th { (force.choice.method.name()) ", without the simulation" }
-                    td.n { (alone(0)) } td.n { "\u{2013}" } td.n { (alone(1)) } td.n { "\u{2013}" }
+                    (alone(0)) (alone(1))
                     td.n { (three_digits(force.alone.interpolation.mae.value)) } }
             }
         } }
@@ -103,7 +120,7 @@ pub(super) fn importance(force: &ForceFit) -> Markup {
     let dash = || "\u{2013}".to_owned();
     html! {
         div.scroll { table {
-            caption { "What the error of " (force.force.symbol()) " depends on. Permutation: loss of R\u{b2} when the values of one input are shuffled. Gain: \
+            caption { "What the error of " (indexed(force.force.symbol())) " depends on (compare Tables 7 and 8 of the published method). Permutation: loss of R\u{b2} when the values of one input are shuffled. Gain: \
                 share of the gain of all splits. Sobol: share of the variance over the box of the plan, \u{b1} standard deviation between folds." }
             thead { tr {
                 th { "Regressor" }

@@ -40,29 +40,70 @@ pub fn greybox_words(fit: &GreyBoxFit) -> Vec<String> {
     words
 }
 
+/// The headline of a force.
 fn force_words(force: &ForceFit) -> Vec<String> {
     let chosen = force.chosen();
     let (before, after) = (&force.white_box.mae, &force.procedure.mae);
     let name = force.force.name();
-    let mut words = vec![format!(
-        "{}: use {}. The simulation alone misses the measured {name} by {} N on average; corrected, conditions it \
-         has not seen are missed by {} N, {} less.{}",
+    let mut headline = format!(
+        "{}: use {}. The simulation alone misses the measured {name} by {} N on average; corrected, conditions it has \
+         not seen are missed by {} N, {} less{}.",
         force.force.symbol(),
         article(chosen.method),
         three_digits(before.value),
         estimate(after),
         percent(reduction(before.value, after.value)),
         force.procedure.mape_of_force.map_or_else(String::new, |mape| format!(
-            " That is {} of the force.",
+            "; that is {} of the force",
             percent(mape.value)
         ))
-    )];
-    words.push(why(force));
+    );
+    if let Some(floor) = force.floor {
+        headline += &format!(" Repeats alone scatter by {} N.", three_digits(floor.mae));
+    }
+    if after.value > before.value {
+        headline += " The correction does not pay: there is no pattern in the error that these measurements would show.";
+    }
+    let mut words = vec![headline];
+    words.extend(beyond(force));
+    words
+}
+
+/// Why this regressor, what is left, where it ends and what it took: one sentence each.
+pub(super) fn details(force: &ForceFit) -> Vec<String> {
+    let mut words = vec![why(force)];
     words.extend(floor(force));
     words.extend(extrapolation(force));
     words.push(simulation(force));
     words.extend(enough(force));
     words
+}
+
+/// A warning where the ends of the plan are missed by much more than its inside.
+fn beyond(force: &ForceFit) -> Option<String> {
+    let worst = at_the_ends(force)?;
+    let symbol = force.force.symbol();
+    if worst > force.white_box.mae.value {
+        Some(format!(
+            "{symbol}: not beyond the measured range. Where the outermost speeds or thicknesses were left out, the corrected force \
+             was worse than the simulation ({} N).",
+            three_digits(worst)
+        ))
+    } else if worst > 2.0 * force.procedure.mae.value {
+        Some(format!(
+            "{symbol}: trust it less beyond the measured range. Where the outermost speeds or thicknesses were left out, it missed by \
+             up to {} N on average.",
+            three_digits(worst)
+        ))
+    } else {
+        None
+    }
+}
+
+/// The larger of the errors at the ends of both ranges.
+fn at_the_ends(force: &ForceFit) -> Option<f64> {
+    let ends = force.chosen().extrapolation.iter().flatten().map(|found| found.ends.mae.value);
+    ends.reduce(f64::max)
 }
 
 fn article(method: Method) -> &'static str {
@@ -83,19 +124,17 @@ fn why(force: &ForceFit) -> String {
     let choice = &force.choice;
     let tied: Vec<&str> =
         choice.tied.iter().filter(|m| **m != choice.method).map(|m| article(*m)).collect();
-    let symbol = force.force.symbol();
     match (tied.as_slice(), choice.method == choice.best) {
-        ([], _) => format!(
-            "{symbol}, why: its error is the least, and the difference to every other regressor is larger than \
-             the scatter of the resamples."
-        ),
+        ([], _) => "Why: its error is the least, and the difference to every other regressor is larger than the scatter of the \
+                    resamples."
+            .to_owned(),
         (_, true) => format!(
-            "{symbol}, why: its error is the least. It cannot be told from that of {} with these measurements; of \
+            "Why: its error is the least. It cannot be told from that of {} with these measurements; of \
              these it is also the best where whole levels of v_c or h were left out.",
             tied.join(", ")
         ),
         (_, false) => format!(
-            "{symbol}, why: {} has the least error, but it cannot be told from that of {}; of these {} is the best \
+            "Why: {} has the least error, but it cannot be told from that of {}; of these {} is the best \
              where whole levels of v_c or h were left out.",
             article(choice.best),
             [article(choice.method)]
@@ -109,12 +148,12 @@ fn why(force: &ForceFit) -> String {
 }
 
 fn floor(force: &ForceFit) -> Option<String> {
-    let symbol = force.force.symbol();
     let Some(floor) = force.floor else {
-        return Some(format!(
-            "{symbol}, noise: the table has neither repeats nor standard deviations, so it cannot be said how much of \
+        return Some(
+            "Noise: the table has neither repeats nor standard deviations, so it cannot be said how much of \
              the error is left to remove. Measure some conditions three times."
-        ));
+                .to_owned(),
+        );
     };
     let source = match floor.source {
         NoiseSource::Repeats => "the scatter of repeats",
@@ -122,14 +161,14 @@ fn floor(force: &ForceFit) -> Option<String> {
     };
     let ratio = force.procedure.mae.value / floor.mae;
     let verdict = if ratio < 1.15 {
-        "nothing worth removing is left; an error below this would be over-fitting"
+        "nothing is left to learn from these measurements; an error much below the floor would be over-fitting"
     } else if ratio < 2.0 {
         "most of what is left is noise of the measurement"
     } else {
         "the larger part of the error is still the model's"
     };
     Some(format!(
-        "{symbol}, noise: by {source} a perfect model would miss single values by {} N; this one is at {} times \
+        "Noise: by {source} a perfect model would miss single values by {} N; this one is at {} times \
          that: {verdict}.",
         three_digits(floor.mae),
         three_digits(ratio)
@@ -173,7 +212,6 @@ fn extrapolation(force: &ForceFit) -> Option<String> {
 
 /// Whether the simulation is worth its time.
 fn simulation(force: &ForceFit) -> String {
-    let symbol = force.force.symbol();
     let (grey, black) = (force.chosen().interpolation.scores.mae, force.alone.interpolation.mae);
     let verdict = if black.value > 1.1 * grey.value {
         "the simulation helps"
@@ -183,7 +221,7 @@ fn simulation(force: &ForceFit) -> String {
         "inside the measured range the simulation adds little with so many conditions measured"
     };
     format!(
-        "{symbol}, is the simulation worth it: the same regressor without it misses by {} N, with it by {} N: {verdict}.",
+        "Is the simulation worth it: the same regressor without it misses by {} N, with it by {} N: {verdict}.",
         three_digits(black.value),
         three_digits(grey.value)
     )
@@ -193,15 +231,14 @@ fn simulation(force: &ForceFit) -> String {
 fn enough(force: &ForceFit) -> Option<String> {
     let last = force.learning.last()?;
     let first = force.learning.iter().find(|point| point.mae <= 1.1 * last.mae)?;
-    let symbol = force.force.symbol();
     Some(if first.conditions == last.conditions {
         format!(
-            "{symbol}, how many experiments: the error still falls at {} conditions; more would help.",
+            "How many experiments: the error still falls at {} conditions; more would help.",
             last.conditions
         )
     } else {
         format!(
-            "{symbol}, how many experiments: {} conditions are enough for an error within a tenth of that with {}.",
+            "How many experiments: {} conditions are enough for an error within a tenth of that with {}.",
             first.conditions, last.conditions
         )
     })
