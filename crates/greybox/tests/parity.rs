@@ -69,7 +69,7 @@ fn regressors() -> Vec<(&'static str, Settings, bool)> {
                 max_depth: 3,
                 learning_rate: 0.1,
                 lambda: 1.0,
-                gamma: 0.0,
+                split_penalty: 0.0,
                 min_leaf: 1,
             }),
             false,

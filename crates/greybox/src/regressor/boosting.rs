@@ -26,7 +26,7 @@ pub struct BoostingSettings {
     /// lambda of Eq. 13.
     pub lambda: f64,
     /// gamma of Eq. 13.
-    pub gamma: f64,
+    pub split_penalty: f64,
     /// Least number of rows of a leaf: with this loss its sum of second derivatives.
     pub min_leaf: usize,
 }
@@ -46,7 +46,7 @@ impl BoostingSettings {
             max_depth: self.max_depth,
             min_rows: self.min_leaf,
             lambda: self.lambda,
-            gamma: self.gamma,
+            split_penalty: self.split_penalty,
             inputs_per_split: 2,
         };
         let start = mean(&samples.targets);

@@ -33,7 +33,7 @@ impl ForestSettings {
             max_depth: self.max_depth,
             min_rows: self.min_leaf,
             lambda: 0.0,
-            gamma: 0.0,
+            split_penalty: 0.0,
             inputs_per_split: self.inputs_per_split,
         };
         let trees = (0..self.trees as u64)

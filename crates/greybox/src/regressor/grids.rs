@@ -59,7 +59,7 @@ fn boosting() -> Vec<Settings> {
                     max_depth,
                     learning_rate,
                     lambda: 1.0,
-                    gamma: 0.0,
+                    split_penalty: 0.0,
                     min_leaf: 1,
                 }));
             }

@@ -115,14 +115,14 @@ fn a_stump_splits_where_the_objective_falls_most() {
         max_depth: 1,
         learning_rate: 1.0,
         lambda: 1.0,
-        gamma: 0.0,
+        split_penalty: 0.0,
         min_leaf: 1,
     };
     let model = settings.fit(&samples);
     assert!((model.predict([2.4, 1.0]) - (2.0 - 4.0 / 3.0)).abs() < 1e-12);
     assert!((model.predict([2.6, 1.0]) - 4.0).abs() < 1e-12);
     assert_eq!(model.gain(), Some([1.0, 0.0]));
-    let pruned = BoostingSettings { gamma: 6.7, ..settings }.fit(&samples);
+    let pruned = BoostingSettings { split_penalty: 6.7, ..settings }.fit(&samples);
     assert_eq!(pruned.predict([2.6, 1.0]), 2.0);
 }
 

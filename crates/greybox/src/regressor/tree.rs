@@ -38,7 +38,7 @@ pub(super) struct Growth {
     /// Least number of different rows of a leaf.
     pub min_rows: usize,
     pub lambda: f64,
-    pub gamma: f64,
+    pub split_penalty: f64,
     /// Inputs tried at a split: 1 (drawn) or 2.
     pub inputs_per_split: usize,
 }
@@ -192,7 +192,7 @@ impl Grower<'_> {
             (a < b && enough).then(|| Split {
                 axis,
                 threshold: middle(a, b),
-                gain: 0.5 * (score(left) + score(right) - score(sums)) - growth.gamma,
+                gain: 0.5 * (score(left) + score(right) - score(sums)) - growth.split_penalty,
             })
         })
     }
