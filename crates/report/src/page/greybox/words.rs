@@ -123,28 +123,18 @@ fn article(method: Method) -> &'static str {
 fn why(force: &ForceFit) -> String {
     let choice = &force.choice;
     let tied: Vec<&str> =
-        choice.tied.iter().filter(|m| **m != choice.method).map(|m| article(*m)).collect();
-    match (tied.as_slice(), choice.method == choice.best) {
-        ([], _) => "Why: its error is the least, and the difference to every other regressor is larger than the scatter of the \
-                    resamples."
-            .to_owned(),
-        (_, true) => format!(
-            "Why: its error is the least. It cannot be told from that of {} with these measurements; of \
-             these it is also the best where whole levels of v_c or h were left out.",
-            tied.join(", ")
-        ),
-        (_, false) => format!(
-            "Why: {} has the least error, but it cannot be told from that of {}; of these {} is the best \
-             where whole levels of v_c or h were left out.",
-            article(choice.best),
-            [article(choice.method)]
-                .into_iter()
-                .chain(tied.iter().copied().filter(|m| *m != article(choice.best)))
-                .collect::<Vec<_>>()
-                .join(", "),
-            article(choice.method)
-        ),
+        choice.tied.iter().filter(|m| **m != choice.best).map(|m| article(*m)).collect();
+    let (best, method) = (article(choice.best), article(choice.method));
+    if tied.is_empty() {
+        return "Why: its error is the least, and the difference to every other regressor is larger than the scatter of the \
+                resamples."
+            .to_owned();
     }
+    let rest = tied.join(", ");
+    format!(
+        "Why: the least error is that of {best}, but with these measurements it cannot be told from {rest}. Of all these, {method} \
+         came closest where whole levels of v_c or h were left out."
+    )
 }
 
 fn floor(force: &ForceFit) -> Option<String> {
@@ -165,7 +155,8 @@ fn floor(force: &ForceFit) -> Option<String> {
     } else if ratio < 2.0 {
         "most of what is left is noise of the measurement"
     } else {
-        "the larger part of the error is still the model's"
+        "the larger part of the error is the model's, or a difference between conditions that repeats do not show and v_c and h do \
+         not explain (another insert, another day)"
     };
     Some(format!(
         "Noise: by {source} a perfect model would miss single values by {} N; this one is at {} times \
@@ -194,20 +185,7 @@ fn extrapolation(force: &ForceFit) -> Option<String> {
     if parts.is_empty() {
         return None;
     }
-    let worst =
-        chosen.extrapolation.iter().flatten().map(|found| found.ends.mae.value).fold(0.0, f64::max);
-    let warning = if worst > force.white_box.mae.value {
-        " Beyond the measured range the correction makes the simulation worse: do not use it there."
-    } else if worst > 2.0 * force.procedure.mae.value {
-        " Beyond the measured range trust it less than inside."
-    } else {
-        ""
-    };
-    Some(format!(
-        "{}, beyond the plan: the error is {}.{warning}",
-        force.force.symbol(),
-        parts.join(" and ")
-    ))
+    Some(format!("Beyond the plan: the error is {}.", parts.join(" and ")))
 }
 
 /// Whether the simulation is worth its time.
