@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Version of the schema of `springback.json`.
-pub const SCHEMA_VERSION: &str = "1.0";
+pub const SCHEMA_VERSION: &str = "1.1";
 
 const UM: f64 = 1e6;
 const MM: f64 = 1e3;
@@ -77,6 +77,8 @@ fn run(entry: &Entry<'_>, measurements: &[Measurement]) -> Value {
         "cutting_speed_m_per_min": found.cutting_speed * M_PER_MIN,
         "particle_spacing_um": found.particle_spacing * UM,
         "springback_um": found.mean.map(|mean| mean.mean * UM),
+        "median_um": found.median.map(|median| median.median * UM),
+        "median_ci95_um": found.median.map(|median| median.bounds.map(|bound| bound * UM)),
         "ci95_um": found.error.statistical * UM,
         "overlap_um": found.error.overlap * UM,
         "resolution_um": found.error.resolution * UM,

@@ -19,6 +19,7 @@
 mod compare;
 mod error;
 mod files;
+mod median;
 mod residual;
 mod slice;
 mod strips;
@@ -27,6 +28,7 @@ mod touched;
 pub use compare::{Agreement, Comparison, Measurement};
 pub use error::{ErrorBar, RESOLUTION_SHARE, SpringbackError};
 pub use files::{Entry, SCHEMA_VERSION, springback_csv, springback_json};
+pub use median::MedianInterval;
 pub use residual::StressBin;
 pub use strips::{Strips, outer_heights};
 pub use touched::{RecoveryBin, Touched};
@@ -67,6 +69,8 @@ pub struct Springback {
     pub torn: usize,
     /// Mean springback over the window with its 95 % interval; `None` without a touched particle.
     pub mean: Option<MeanInterval>,
+    /// Median over the same window: unlike the mean it does not follow a crumb that stands up from the surface.
+    pub median: Option<MedianInterval>,
     /// The same particles against the distance behind the tool.
     pub recovery: Vec<RecoveryBin>,
     /// The outermost particles.
@@ -169,6 +173,7 @@ fn measure_plane(
     let all: Vec<f64> = found.touched.iter().map(|touch| touch.springback).collect();
     let mean = (!in_window.is_empty())
         .then(|| mean_interval(&in_window, Some(autocorrelation_time(&all))));
+    let median = median::median_interval(&in_window, &all);
     Ok(Springback {
         cutting_speed: run.facts.cutting_speed(),
         particle_spacing: context.spacing,
@@ -178,6 +183,7 @@ fn measure_plane(
         touched: found.touched,
         torn: found.torn,
         mean,
+        median,
         recovery: found.recovery,
         strips: strips.finish(&context),
         stress: stress.finish(),

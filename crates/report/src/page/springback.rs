@@ -6,7 +6,7 @@ use crate::text::{three_digits, with_interval};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sphcut_postprocess::ProcessResult;
 use sphcut_postprocess::springback::{
-    Agreement, Measurement, RESOLUTION_SHARE, Springback, StressBin,
+    Agreement, Measurement, MedianInterval, RESOLUTION_SHARE, Springback, StressBin,
 };
 use sphcut_record::Run;
 
@@ -158,10 +158,12 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
             h2 { "Springback and forces" }
             div.scroll { table {
                 caption { "Springback with its error bar: 95 % interval of the mean, plus the overlap of \
-                    particles and tool, plus what the spacing resolves. Forces with their 95 % interval." }
+                    particles and tool, plus what the spacing resolves. The median does not follow crumbs \
+                    that stand up from the surface. Forces with their 95 % interval." }
                 thead { tr {
                     th scope="col" { "Run" } th.n scope="col" { "v" sub { "c" } " in m/min" }
                     th.n scope="col" { "Springback in \u{b5}m" } th.n scope="col" { "interval" }
+                    th.n scope="col" { "median and its interval" }
                     th.n scope="col" { "overlap" } th.n scope="col" { "resolution" }
                     th.n scope="col" { "Measured in \u{b5}m" }
                     th.n scope="col" { "F" sub { "c" } " in N" } th.n scope="col" { "F" sub { "f" } " in N" }
@@ -176,6 +178,7 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
                         td.n { (speed(found)) }
                         td.n { (found.mean.map_or_else(|| "\u{2013}".to_owned(), |mean| interval(mean.mean * UM, error.total() * UM))) }
                         td.n { (three_digits(error.statistical * UM)) }
+                        td.n { (found.median.map_or_else(|| "\u{2013}".to_owned(), median)) }
                         td.n { (three_digits(error.overlap * UM)) }
                         td.n { (three_digits(error.resolution * UM)) }
                         td.n { (compared.map_or_else(|| "\u{2013}".to_owned(), |c| interval(c.measured.springback * UM, c.measured.uncertainty * UM))) }
@@ -185,6 +188,17 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
                 } }
             } }
         }
+    }
+}
+
+/// A median in um with the bounds of its interval, if it has one.
+fn median(found: MedianInterval) -> String {
+    let [low, high] = found.bounds.map(|bound| bound * UM);
+    let median = three_digits(found.median * UM);
+    if low.is_finite() && high.is_finite() {
+        format!("{median} ({} to {})", three_digits(low), three_digits(high))
+    } else {
+        median
     }
 }
 

@@ -29,6 +29,31 @@ pub(super) const CUT_SPRINGBACK_ERROR: Observable = Observable {
     evaluate: |evidence, _| Ok(springback(evidence)?.error.total()),
 };
 
+/// Median springback.
+pub(super) const CUT_SPRINGBACK_MEDIAN: Observable = Observable {
+    name: "cut_springback_median",
+    unit: "m",
+    meaning: "median springback of the machined surface, which does not follow crumbs",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let springback = springback(evidence)?;
+        Ok(springback.median.ok_or("no particle of the surface touched the tool")?.median)
+    },
+};
+
+/// Half the width of its interval.
+pub(super) const CUT_SPRINGBACK_MEDIAN_INTERVAL: Observable = Observable {
+    name: "cut_springback_median_interval",
+    unit: "m",
+    meaning: "half the width of the 95 % interval of that median",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let springback = springback(evidence)?;
+        let [low, high] = springback.median.ok_or("no particle of the surface touched")?.bounds;
+        Ok(0.5 * (high - low))
+    },
+};
+
 /// Mean cutting force of the last pass.
 pub(super) const PASS_CUTTING_FORCE: Observable = Observable {
     name: "pass_cutting_force",

@@ -83,6 +83,8 @@ pub const ALL: &[&Observable] = &[
     &body_extent::ROUNDNESS,
     &machined_surface::CUT_SPRINGBACK,
     &machined_surface::CUT_SPRINGBACK_ERROR,
+    &machined_surface::CUT_SPRINGBACK_MEDIAN,
+    &machined_surface::CUT_SPRINGBACK_MEDIAN_INTERVAL,
     &machined_surface::PASS_CUTTING_FORCE,
     &machined_surface::PASS_PASSIVE_FORCE,
     &chip::LARGEST_PLASTIC_STRAIN,
