@@ -29,12 +29,13 @@ pub(super) const HERTZ_WIDTH_RATIO: Observable = Observable {
 pub(super) const HERTZ_PRESSURE_RATIO: Observable = Observable {
     name: "hertz_pressure_ratio",
     unit: "",
-    meaning: "mean contact force per spacing of the touching particles in the middle half of the \
-              contact over Hertz's pressure for the same force",
+    meaning: "mean contact force per length of surface of the touching particles in the middle half of \
+              the contact (each has half the way to its neighbours) over Hertz's pressure for the same force",
     arguments: ARGUMENTS,
     evaluate: |evidence, arguments| {
-        let spacing = evidence.setup.particle_spacing;
-        mean(evidence, arguments, |contact| middle_ratio(contact, |[_, force, _]| force / spacing))
+        mean(evidence, arguments, |contact| {
+            middle_ratio(contact, |touching| touching.force / touching.length)
+        })
     },
 };
 
@@ -46,7 +47,7 @@ pub(super) const HERTZ_STRESS_RATIO: Observable = Observable {
               half of the contact over Hertz's pressure for the same force",
     arguments: ARGUMENTS,
     evaluate: |evidence, arguments| {
-        mean(evidence, arguments, |contact| middle_ratio(contact, |[_, _, stress]| *stress))
+        mean(evidence, arguments, |contact| middle_ratio(contact, |touching| touching.stress))
     },
 };
 
@@ -58,8 +59,20 @@ struct Contact {
     half_width: f64,
     /// p_0 of Hertz in Pa.
     pressure: f64,
-    /// Of each touching particle: s from the middle in m, normal force in N/m, normal stress in Pa.
-    particles: Vec<[f64; 3]>,
+    /// In the order of `place`.
+    particles: Vec<Touching>,
+}
+
+/// A particle in contact.
+struct Touching {
+    /// s from the middle in m.
+    place: f64,
+    /// Normal force in N/m.
+    force: f64,
+    /// Normal stress in Pa, compression positive.
+    stress: f64,
+    /// Length of the surface that is its share in m.
+    length: f64,
 }
 
 fn mean(
@@ -84,21 +97,26 @@ fn mean(
 /// What touches, with Hertz's figures for its force; `None` if nothing does.
 fn contact(evidence: &Evidence, radius: f64, snapshot: &Snapshot) -> Option<Contact> {
     let (normal, along) = (&evidence.setup.frame.cutting, &evidence.setup.frame.feed);
-    let mut particles: Vec<[f64; 3]> = (0..snapshot.id.len())
-        .map(|index| {
-            let stress = -normal_stress(&snapshot.stress[index], normal);
-            let place = dot(&snapshot.position[index], along);
-            [place, dot(&snapshot.contact_force[index], normal), stress]
+    let mut particles: Vec<Touching> = (0..snapshot.id.len())
+        .map(|index| Touching {
+            place: dot(&snapshot.position[index], along),
+            force: dot(&snapshot.contact_force[index], normal),
+            stress: -normal_stress(&snapshot.stress[index], normal),
+            length: evidence.setup.particle_spacing,
         })
-        .filter(|particle| particle[1] > 0.0)
+        .filter(|touching| touching.force > 0.0)
         .collect();
-    let force: f64 = particles.iter().map(|particle| particle[1]).sum();
+    let force: f64 = particles.iter().map(|touching| touching.force).sum();
     if force <= 0.0 {
         return None;
     }
-    let centre = particles.iter().map(|particle| particle[0] * particle[1]).sum::<f64>() / force;
-    for particle in &mut particles {
-        particle[0] -= centre;
+    let centre = particles.iter().map(|t| t.place * t.force).sum::<f64>() / force;
+    particles.sort_by(|a, b| a.place.total_cmp(&b.place));
+    for k in 1..particles.len().saturating_sub(1) {
+        particles[k].length = 0.5 * (particles[k + 1].place - particles[k - 1].place);
+    }
+    for touching in &mut particles {
+        touching.place -= centre;
     }
     let moduli = &evidence.setup.materials[0].moduli;
     let (bulk, shear) = (moduli.bulk, moduli.shear);
@@ -113,16 +131,16 @@ fn contact(evidence: &Evidence, radius: f64, snapshot: &Snapshot) -> Option<Cont
 }
 
 fn width_ratio(contact: &Contact) -> f64 {
-    let moment: f64 = contact.particles.iter().map(|[place, force, _]| force * place * place).sum();
+    let moment: f64 = contact.particles.iter().map(|t| t.force * t.place * t.place).sum();
     2.0 * (moment / contact.force).sqrt() / contact.half_width
 }
 
 /// Mean of `pressure` over Hertz's at the same place, in the middle half of the contact.
-fn middle_ratio(contact: &Contact, pressure: impl Fn(&[f64; 3]) -> f64) -> f64 {
+fn middle_ratio(contact: &Contact, pressure: impl Fn(&Touching) -> f64) -> f64 {
     let ratios: Vec<f64> = contact
         .particles
         .iter()
-        .map(|particle| (particle[0] / contact.half_width, pressure(particle)))
+        .map(|touching| (touching.place / contact.half_width, pressure(touching)))
         .filter(|(place, _)| place.abs() < 0.5)
         .map(|(place, found)| found / (contact.pressure * (1.0 - place * place).sqrt()))
         .collect();
