@@ -69,6 +69,9 @@ pub enum Command {
     Recordings(RecordingsArguments),
     /// Correct simulated forces by measured ones: fit a correction, use it, test it.
     Greybox(crate::greybox::GreyboxArguments),
+    /// Identify flow-stress laws from split Hopkinson bar and compression tests, and write material files.
+    #[command(after_help = IDENTIFY_HELP)]
+    Identify(IdentifyArguments),
     /// Write the snapshots of a run as VTKHDF for ParaView.
     Export {
         /// Folder of the run, with `run.h5` inside.
@@ -161,6 +164,18 @@ What appears in the output folder:
 Gaps, clipping, missing numbers, unequal clocks, a wrong sign, a missing trigger are named; such a
 record gives no force. See docs/recordings.md, and docs/recordings_keys.md for all keys.";
 
+const IDENTIFY_HELP: &str = "\
+Example:
+  sphcut identify scenarios/identification/example.toml --out steel
+
+What appears in the output folder:
+  identification.html   one page: parameters with intervals, where the law cannot follow, other laws
+  identification.json   the same as numbers      residuals.csv   every point with what the laws say
+  johnson_cook.toml, tanh_johnson_cook.toml, tabulated.toml (with tabulated.csv)
+                        material files for scenarios: material = \"johnson_cook.toml\"
+
+See docs/identification.md, and docs/identification_keys.md for all keys.";
+
 const COMPLETIONS_HELP: &str = "\
 Examples:
   sphcut completions bash > ~/.local/share/bash-completion/completions/sphcut
@@ -238,6 +253,20 @@ pub struct SpringbackArguments {
 #[derive(Debug, Args)]
 pub struct RecordingsArguments {
     /// The file of recordings (TOML).
+    #[command(flatten)]
+    pub scene: ScenarioArguments,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Replace an existing result.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `identify`.
+#[derive(Debug, Args)]
+pub struct IdentifyArguments {
+    /// The file of material tests (TOML).
     #[command(flatten)]
     pub scene: ScenarioArguments,
     /// Output folder.

@@ -3,7 +3,9 @@
 use crate::arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
 use sphcut_record::{Provenance, Setting};
-use sphcut_scenario::{Colours, LoadOptions, Mistake, OutsideFiles, Problem, Recordings, Scenario};
+use sphcut_scenario::{
+    Colours, Identification, LoadOptions, Mistake, OutsideFiles, Problem, Recordings, Scenario,
+};
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -17,6 +19,12 @@ pub fn scenario(arguments: &ScenarioArguments) -> Result<Scenario, Failure> {
 /// Reads and checks a file of recordings.
 pub fn recordings(arguments: &ScenarioArguments) -> Result<Recordings, Failure> {
     sphcut_scenario::load_recordings(&arguments.scenario, &options(arguments))
+        .map_err(|problems| refused(arguments, &problems))
+}
+
+/// Reads and checks a file of material tests.
+pub fn identification(arguments: &ScenarioArguments) -> Result<Identification, Failure> {
+    sphcut_scenario::load_identification(&arguments.scenario, &options(arguments))
         .map_err(|problems| refused(arguments, &problems))
 }
 

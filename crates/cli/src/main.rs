@@ -8,6 +8,7 @@ mod digest;
 mod export;
 mod failure;
 mod greybox;
+mod identify;
 mod interrupt;
 mod loading;
 mod outcome;
@@ -46,6 +47,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Report { run } => report::report(&run),
         Command::Springback(arguments) => springback::springback(&arguments),
+        Command::Identify(arguments) => identify::identify(&arguments),
         Command::Recordings(arguments) => recordings::recordings(&arguments),
         Command::CalibrateFriction(arguments) => calibrate_friction::calibrate(&arguments),
         Command::Greybox(arguments) => greybox::greybox(&arguments),

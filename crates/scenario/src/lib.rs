@@ -8,6 +8,7 @@
 mod bodies;
 mod columns;
 mod cut;
+mod document;
 mod effects;
 mod ending;
 mod equation_of_state;
@@ -17,6 +18,7 @@ mod findings;
 mod flow_stress_table;
 mod force_table;
 mod heat_source;
+mod identification;
 mod library;
 mod machine;
 mod material;
@@ -60,10 +62,11 @@ pub use measured::{
 pub use patch::{PatchError, with_value};
 
 pub use ending::{Output, Steady, Stop};
+pub use identification::{Identification, StatedMaterial, TestCurve, load_identification};
 pub use recordings::{
     RecordingChannel, RecordingCut, RecordingFile, Recordings, ResponseLine, load_recordings,
 };
-pub use reference::{recordings_reference, reference};
+pub use reference::{identification_reference, recordings_reference, reference};
 pub use scenario::{Scenario, load, parse};
 pub use schema::{schema, taplo};
 pub use units::UnitError;

@@ -46,6 +46,15 @@ What `sphcut recordings` reads; [recordings.md](recordings.md) says what it does
 
 ";
 
+const IDENTIFICATION_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
+
+# Files of material tests: all keys
+
+What `sphcut identify` reads; [identification.md](identification.md) says what it does. Quantities are written as in
+[scenarios](scenario.md): a number and a unit in quotes.
+
+";
+
 /// The reference of all keys as Markdown.
 #[must_use]
 pub fn reference() -> String {
@@ -96,12 +105,24 @@ pub fn reference() -> String {
 /// The reference of the keys of a file of recordings as Markdown.
 #[must_use]
 pub fn recordings_reference() -> String {
-    let mut page = RECORDINGS_HEAD.to_owned();
-    for one in sections::recordings_sections() {
+    beside(RECORDINGS_HEAD, &sections::recordings_sections(), &["cut"])
+}
+
+/// The reference of the keys of a file of material tests as Markdown.
+#[must_use]
+pub fn identification_reference() -> String {
+    let lists = ["curves", "compression", "bar_test"];
+    beside(IDENTIFICATION_HEAD, &sections::identification_sections(), &lists)
+}
+
+/// The page of a file that is no scenario; `lists` are the sections that may be there several times.
+fn beside(head: &str, sections: &[Section], lists: &[&str]) -> String {
+    let mut page = head.to_owned();
+    for one in sections {
         match one.name.as_str() {
-            "" => section(&mut page, &one),
-            "cut" => headed(&mut page, &one, Brackets::Double),
-            _ => headed(&mut page, &one, Brackets::Single),
+            "" => section(&mut page, one),
+            name if lists.contains(&name) => headed(&mut page, one, Brackets::Double),
+            _ => headed(&mut page, one, Brackets::Single),
         }
     }
     page

@@ -1,7 +1,7 @@
 //! What is generated from the tables: the reference page and the JSON schema.
 
 use serde_json::{Value, json};
-use sphcut_scenario::{recordings_reference, reference, schema, taplo};
+use sphcut_scenario::{identification_reference, recordings_reference, reference, schema, taplo};
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
@@ -27,6 +27,7 @@ fn is_current(path: &str, text: &str) {
 fn the_reference_page_is_current() {
     is_current("../../docs/scenario.md", &reference());
     is_current("../../docs/recordings_keys.md", &recordings_reference());
+    is_current("../../docs/identification_keys.md", &identification_reference());
 }
 
 #[test]

@@ -23,14 +23,15 @@ const NOT_IN_THE_CORE: [&str; 12] = [
 const CORE: [&str; 2] = ["sphcut-physics", "sphcut-sph"];
 
 /// The arrows that exist: a crate and the crates of the workspace it may build on.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("physics", &[]),
     ("sph", &["physics"]),
+    ("identify", &["physics"]),
     ("scenario", &["sph", "physics"]),
     ("record", &["sph", "physics"]),
     ("postprocess", &["record", "sph", "physics"]),
     ("greybox", &["record", "physics"]),
-    ("report", &["greybox", "postprocess", "record", "sph", "physics"]),
+    ("report", &["greybox", "postprocess", "record", "identify", "sph", "physics"]),
     ("verification", &["scenario", "postprocess", "record", "sph", "physics"]),
     (
         "cli",
@@ -41,6 +42,7 @@ const ARROWS: [(&str, &[&str]); 9] = [
             "postprocess",
             "record",
             "scenario",
+            "identify",
             "sph",
             "physics",
         ],

@@ -4,6 +4,7 @@ mod calibrate_friction;
 mod commands;
 mod common;
 mod greybox;
+mod identify;
 mod recordings;
 mod run;
 mod springback;

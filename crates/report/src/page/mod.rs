@@ -3,6 +3,7 @@
 mod calibration;
 mod charts;
 mod greybox;
+mod identification;
 mod measures;
 mod recordings;
 mod springback;
@@ -10,6 +11,7 @@ mod tables;
 
 pub use calibration::{calibration_words, render_calibration};
 pub use greybox::{greybox_words, render_comparison, render_greybox};
+pub use identification::{IdentificationPage, identification_words, render_identification};
 pub use recordings::{RecordingsPage, recordings_words, render_recordings};
 pub use springback::{SpringbackRun, render_springback};
 

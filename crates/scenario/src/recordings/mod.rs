@@ -3,18 +3,18 @@
 
 mod response;
 
-use crate::files::{self, LARGEST_TEXT, Surroundings};
+use crate::LoadOptions;
+use crate::document::{self, contradiction};
+use crate::files::Surroundings;
 use crate::findings::Findings;
-use crate::problem::{Mistake, Problem, Source};
+use crate::problem::Problem;
 use crate::reader;
 use crate::record::Record;
 use crate::sections;
-use crate::{LoadOptions, first_line, report_syntax};
 pub use response::ResponseLine;
 use response::read_response;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use toml::de::DeTable;
 
 /// A checked file of recordings. SI units.
@@ -118,42 +118,16 @@ pub struct RecordingCut {
 /// # Errors
 /// All mistakes of the file, in its order.
 pub fn load_recordings(path: &Path, options: &LoadOptions) -> Result<Recordings, Vec<Problem>> {
-    let shown = path.display().to_string();
-    let text = files::read_text(path, LARGEST_TEXT).map_err(|reason| {
-        let mistake = Mistake::File { path: shown.clone(), reason, help: String::new() };
-        vec![Problem::without_text(&shown, mistake)]
-    })?;
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    let directory = parent.unwrap_or(Path::new(".")).to_path_buf();
-    let surroundings = Surroundings { directory: Some(directory), outside: options.outside_files };
-    let source = Arc::new(Source { name: shown, text });
-    let mut findings = Findings::default();
-    let (document, errors) = DeTable::parse_recoverable(&source.text);
-    report_syntax(&mut findings, &source, &errors);
-    let read = errors
-        .is_empty()
-        .then(|| read_document(&mut findings, &source, document.get_ref(), &surroundings))
-        .flatten();
-    let mut problems = findings.problems;
-    match read {
-        Some(recordings) if problems.is_empty() => Ok(recordings),
-        _ => {
-            problems.sort_by_key(|problem| (problem.line, problem.column));
-            problems.dedup();
-            Err(problems)
-        }
-    }
+    document::load(path, options, &sections::recordings_root(), read_document)
 }
 
 fn read_document(
     findings: &mut Findings,
-    source: &Arc<Source>,
-    table: &DeTable<'_>,
+    root: &Record<'_>,
     surroundings: &Surroundings,
 ) -> Option<Recordings> {
-    let place = (table, first_line(&source.text));
-    let root = reader::read(findings, source, place, &sections::recordings_root(), 2);
-    require_tables(findings, &root);
+    let source = &root.source;
+    require_tables(findings, root);
     let empty = DeTable::new();
     let part = |key: &str| root.table(key).unwrap_or((&empty, root.heading.clone()));
     let mut read = |key: &str, section| reader::read(findings, source, part(key), &section, 2);
@@ -163,7 +137,7 @@ fn read_document(
     let low_pass =
         root.table("low_pass").map(|_| read("low_pass", sections::recordings_low_pass()));
     let steady = read("steady", sections::recordings_steady());
-    let channels = channels(findings, &root, surroundings);
+    let channels = channels(findings, root, surroundings);
     let method = detection.text("method").unwrap_or("automatic").to_owned();
     if method == "trigger" && root.lacks("trigger") {
         contradiction(
@@ -174,7 +148,7 @@ fn read_document(
             "add [trigger] with column and level",
         );
     }
-    let cuts = cuts(findings, &root, surroundings, &method);
+    let cuts = cuts(findings, root, surroundings, &method);
     let file = layout(findings, &file?);
     let trigger = trigger.map(|t| Some((t.text("column")?.to_owned(), t.number("level")?)));
     let low_pass = low_pass.map(|l| Some((l.count("order")? as usize, l.number("cut_off")?)));
@@ -207,17 +181,6 @@ fn require_tables(findings: &mut Findings, root: &Record<'_>) {
             findings.problem(&root.source, root.span(key), reader::missing(&section, field));
         }
     }
-}
-
-fn contradiction(
-    findings: &mut Findings,
-    record: &Record<'_>,
-    key: &str,
-    message: impl Into<String>,
-    help: &str,
-) {
-    let mistake = Mistake::Contradiction { message: message.into(), help: help.to_owned() };
-    findings.problem(&record.source, record.span(key), mistake);
 }
 
 fn layout(findings: &mut Findings, file: &Record<'_>) -> Option<RecordingFile> {

@@ -3,6 +3,7 @@
 mod bodies;
 mod cut;
 mod heat_source;
+mod identification;
 mod material;
 mod recordings;
 mod tool_heat;
@@ -14,6 +15,11 @@ pub(crate) use cut::{
     boundaries, compliance, compliance_of, passes, process, run_out, tool, workpiece,
 };
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
+pub(crate) use identification::{
+    identification_bar, identification_bar_test, identification_compression, identification_curves,
+    identification_material, identification_references, identification_root,
+    identification_sections,
+};
 pub(crate) use material::{effect, effects, equation_of_state, flow_stress, friction, material};
 pub(crate) use recordings::{
     FORCE_CHANNELS, recordings_channels, recordings_cut, recordings_detection, recordings_file,
@@ -375,6 +381,7 @@ mod tests {
             coating("tool.heat.coating"),
         ];
         sections.extend(recordings_sections());
+        sections.extend(identification_sections());
         sections.extend(VELOCITY_FIELDS.iter().map(|field| velocity(field)));
         sections.extend(HEAT_SOURCE_FORMS.iter().map(|form| heat_source(form)));
         sections.extend(flow_stress_laws::LAWS.iter().map(|law| flow_stress("flow", Some(law))));

@@ -1,0 +1,140 @@
+//! `sphcut identify`: flow-stress laws and material files from material tests.
+
+use crate::arguments::IdentifyArguments;
+use crate::failure::{ExitCode, Failure};
+use crate::{loading, results, terminal};
+use sphcut_identify::{
+    Bar, Curve, Cylinder, Fit, LawChoice, LoadPath, Point, Pulses, References, compare, fit,
+    identification_json, material_toml, points_of, residuals_csv, sequence, table_csv, tabulate,
+};
+use sphcut_report::{IdentificationPage, identification_words, render_identification};
+use sphcut_scenario::{Identification, TestCurve};
+
+const FILES: [&str; 7] = [
+    "identification.html",
+    "identification.json",
+    "residuals.csv",
+    "johnson_cook.toml",
+    "tanh_johnson_cook.toml",
+    "tabulated.toml",
+    "tabulated.csv",
+];
+/// Where the fit of tanh softening begins: a soft and a steep one.
+const TANH_STARTS: [[f64; 5]; 2] = [[0.5, 1.0, 1.0, 1.0, 1.0], [2.0, 5.0, 2.0, 1.0, 0.05]];
+/// Where Johnson-Cook begins if the sequence cannot be gone: B of A, n, C, m.
+const PLAIN_START: [f64; 4] = [1.0, 0.3, 0.02, 1.0];
+
+/// Identifies the laws and writes page, numbers and material files into the output folder.
+pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
+    let out = &arguments.out;
+    if let Some(old) = FILES.iter().map(|name| out.join(name)).find(|path| path.exists())
+        && !arguments.force
+    {
+        let message = format!("`{}` exists: use --force to replace it", old.display());
+        return Err(Failure::input(message));
+    }
+    let plan = loading::identification(&arguments.scene)?;
+    let curves: Vec<Curve> = plan.tests.iter().map(|test| curve(test, &plan)).collect();
+    let points = points_of(&curves, plan.smallest_strain)
+        .map_err(|error| Failure::input(error.to_string()))?;
+    let references = References {
+        rate: plan.reference_rate,
+        temperature: plan.reference_temperature,
+        melting: plan.melting_temperature,
+    };
+    let by_sequence = sequence(&points, references);
+    let start = by_sequence.as_ref().map_or_else(|_| plain_start(&points), |s| s.parameters);
+    let undetermined = || Failure::input("these curves do not determine a law");
+    let base = fit(LawChoice::JohnsonCook, references, &points, &start).ok_or_else(undetermined)?;
+    let tanh = with_tanh(&base, references, &points).ok_or_else(undetermined)?;
+    let table = tabulate(&points, &base).ok_or_else(undetermined)?;
+    let comparison = compare(&points, references, &base, &tanh).ok_or_else(undetermined)?;
+    let page = IdentificationPage {
+        title: &plan.title,
+        source: &plan.source,
+        version: env!("CARGO_PKG_VERSION"),
+        curves: &curves,
+        points: &points,
+        sequence: by_sequence.as_ref().map_err(|error| *error),
+        johnson_cook: &base,
+        tanh: &tanh,
+        comparison: &comparison,
+    };
+    let source = format!("identified by sphcut {} from: {}", page.version, plan.source);
+    let material = |law: &Fit, file: Option<&str>| {
+        material_toml(&plan.title, &plan.material, law, file, &source)
+    };
+    let texts = [
+        render_identification(&page),
+        identification_json(by_sequence.as_ref().ok(), [&base, &tanh], &comparison),
+        residuals_csv(&points, [&base, &tanh]),
+        material(&base, None),
+        material(&tanh, None),
+        material(&base, Some(FILES[6])),
+        table_csv(&table),
+    ];
+    std::fs::create_dir_all(out)
+        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
+    for (name, content) in FILES.iter().zip(&texts) {
+        results::save(&out.join(name), content.as_bytes())?;
+    }
+    identification_words(&page).iter().for_each(|words| terminal::line(words));
+    terminal::line(&format!("report             {}", out.join(FILES[0]).display()));
+    Ok(ExitCode::Done)
+}
+
+fn plain_start(points: &[Point]) -> [f64; 5] {
+    let stress = points.iter().map(|p| p.stress).fold(0.0, f64::max);
+    let [modulus, exponent, rate, softening] = PLAIN_START;
+    [0.5 * stress, 0.5 * modulus * stress, exponent, rate, softening]
+}
+
+/// The better of the fits with tanh softening.
+fn with_tanh(base: &Fit, references: References, points: &[Point]) -> Option<Fit> {
+    TANH_STARTS
+        .into_iter()
+        .filter_map(|extra| {
+            let start: Vec<f64> = base.parameters.iter().map(|p| p.value).chain(extra).collect();
+            fit(LawChoice::Tanh, references, points, &start)
+        })
+        .min_by(|a, b| a.deviation.total_cmp(&b.deviation))
+}
+
+/// A test as a flow curve.
+fn curve(test: &TestCurve, plan: &Identification) -> Curve {
+    let modulus =
+        plan.material.iter().find(|p| p.0 == "young_modulus").map_or(f64::INFINITY, |p| p.1);
+    let column = |points: &[[f64; 2]], k: usize| points.iter().map(|p| p[k]).collect::<Vec<f64>>();
+    match test {
+        TestCurve::Flow { name, rate, temperature, points } => Curve {
+            name: name.clone(),
+            plastic_strain_rate: *rate,
+            temperature: *temperature,
+            plastic_strain: column(points, 0),
+            stress: column(points, 1),
+        },
+        TestCurve::Compression { name, specimen, rate, temperature, stiffness, points } => {
+            let path = LoadPath {
+                load: column(points, 0),
+                shortening: column(points, 1),
+                stiffness: *stiffness,
+            };
+            let cylinder = Cylinder { length: specimen[0], diameter: specimen[1] };
+            path.curve(name, &cylinder, (*rate, *temperature, modulus))
+        }
+        TestCurve::Bar { name, specimen, temperature, equilibrium, interval, points } => {
+            let [diameter, stiffness, wave_speed] =
+                plan.bar.expect("scenario refuses tests on a bar without the bar");
+            let area = Cylinder { length: 1.0, diameter }.area();
+            let bar = Bar { area, modulus: stiffness, wave_speed };
+            let pulses = Pulses {
+                interval: *interval,
+                reflected: column(points, 0),
+                transmitted: column(points, 1),
+            };
+            let cylinder = Cylinder { length: specimen[0], diameter: specimen[1] };
+            let size = (cylinder.area(), cylinder.length);
+            pulses.curve(name, &bar, size, (modulus, *temperature), *equilibrium)
+        }
+    }
+}

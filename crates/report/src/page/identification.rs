@@ -1,0 +1,257 @@
+//! `identification.html`: flow-stress laws from material tests.
+
+mod figures;
+
+use super::STYLE;
+use crate::text::{minus, percent, three_digits, with_interval};
+use figures::{curves, residuals};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sphcut_identify::{Comparison, Curve, Fit, Fitted, Point, Sequence, SequenceError};
+
+/// A correlation above which two parameters are not told apart.
+const STRONG: f64 = 0.95;
+/// An advantage in standard errors that is more than chance.
+const CLEAR: f64 = 2.0;
+
+/// What the page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct IdentificationPage<'a> {
+    /// What was tested.
+    pub title: &'a str,
+    /// Where the tests come from.
+    pub source: &'a str,
+    /// Version of the program.
+    pub version: &'a str,
+    /// The flow curves.
+    pub curves: &'a [Curve],
+    /// Their points.
+    pub points: &'a [Point],
+    /// Johnson-Cook one parameter after the other.
+    pub sequence: Result<&'a Sequence, SequenceError>,
+    /// Johnson-Cook, all parameters at once.
+    pub johnson_cook: &'a Fit,
+    /// With tanh softening.
+    pub tanh: &'a Fit,
+    /// The laws side by side.
+    pub comparison: &'a Comparison,
+}
+
+/// The text of `identification.html`; nothing is loaded.
+#[must_use]
+pub fn render_identification(page: &IdentificationPage<'_>) -> String {
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content={ "sphcut " (page.version) };
+                link rel="icon" href="data:,";
+                title { "Flow stress \u{2013} " (page.title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    header {
+                        h1 { "Flow stress of " (page.title) }
+                        p.lead { (page.curves.len()) " curves, " (page.points.len()) " points; " (page.source) "." }
+                    }
+                    section.warnings role="note" {
+                        h2 { "What these figures say" }
+                        ul { @for sentence in identification_words(page) { li { (sentence) } } }
+                    }
+                    (parameters(page))
+                    (laws(page.comparison))
+                    (residuals(page))
+                    (curves(page))
+                    (correlations(page.johnson_cook))
+                    (definitions(page))
+                    footer { "Written by sphcut " (page.version) "." }
+                }
+            }
+        }
+    };
+    markup.into_string()
+}
+
+/// What can be said, one sentence or two per entry.
+#[must_use]
+pub fn identification_words(page: &IdentificationPage<'_>) -> Vec<String> {
+    let fit = page.johnson_cook;
+    let laws = &page.comparison.laws;
+    let mut words = vec![format!(
+        "Johnson-Cook follows the curves to {} (root mean square), and curves of conditions it has not seen \
+         to {}.",
+        percent(fit.deviation),
+        percent(laws[0].unseen)
+    )];
+    let limits: Vec<&str> =
+        fit.parameters.iter().filter(|p| p.at_limit).map(|p| symbol(p.key)).collect();
+    if !limits.is_empty() {
+        words.push(format!(
+            "{} ran into the limit of its range: these curves do not determine it, and its interval means \
+             nothing. Slow tests with small strains at the reference temperature would.",
+            limits.join(", ")
+        ));
+    }
+    let mut pairs = Vec::new();
+    for (i, row) in fit.correlation.iter().enumerate() {
+        for (j, value) in row.iter().enumerate().take(i) {
+            if value.abs() > STRONG {
+                let [a, b] = [j, i].map(|k| symbol(fit.parameters[k].key));
+                pairs.push(format!("{a} and {b}"));
+            }
+        }
+    }
+    if !pairs.is_empty() {
+        words.push(format!(
+            "{} are hardly told apart (correlation above {STRONG}): only together do they mean anything.",
+            pairs.join(", ")
+        ));
+    }
+    if let Err(reason) = page.sequence {
+        words.push(format!("The sequence by hand cannot be gone: {reason}."));
+    }
+    for rival in &laws[1..] {
+        let name = title(rival.law);
+        words.push(if rival.advantage > CLEAR {
+            format!(
+                "{name} is better on unseen conditions: {} against {} ({:.1} standard errors).",
+                percent(rival.unseen),
+                percent(laws[0].unseen),
+                rival.advantage
+            )
+        } else if rival.unseen > laws[0].unseen {
+            format!(
+                "{name} gains nothing on unseen conditions ({}): it is not worth its parameters here.",
+                percent(rival.unseen)
+            )
+        } else {
+            format!(
+                "{name} is not clearly better on unseen conditions ({}, {:.1} standard errors).",
+                percent(rival.unseen),
+                rival.advantage
+            )
+        });
+    }
+    words
+}
+
+/// Letter of a parameter.
+fn symbol(key: &str) -> &str {
+    match key {
+        "initial_yield" => "A",
+        "hardening_modulus" => "B",
+        "hardening_exponent" => "n",
+        "rate_coefficient" => "C",
+        "softening_exponent" => "m",
+        "hardening_damping" => "a",
+        "offset_exponent" => "b",
+        "strain_exponent" => "r",
+        "floor_exponent" => "d",
+        "tanh_exponent" => "s",
+        other => other,
+    }
+}
+
+fn title(law: &str) -> &str {
+    match law {
+        "johnson_cook" => "Johnson-Cook",
+        "tanh_johnson_cook" => "Johnson-Cook with tanh softening",
+        _ => "A table",
+    }
+}
+
+/// Scale and unit for people.
+fn unit(key: &str) -> (f64, &'static str) {
+    if key == "initial_yield" || key == "hardening_modulus" { (1e-6, " in MPa") } else { (1.0, "") }
+}
+
+fn parameters(page: &IdentificationPage<'_>) -> Markup {
+    let shown = |p: &Fitted| {
+        let (scale, _) = unit(p.key);
+        if p.at_limit {
+            format!("{} (at its limit)", three_digits(p.value * scale))
+        } else {
+            with_interval(p.value * scale, p.half_width * scale)
+        }
+    };
+    let by_hand = |k: usize, key: &str| match page.sequence {
+        Ok(found) if k < 5 => three_digits(found.parameters[k] * unit(key).0),
+        _ => "\u{2013}".to_owned(),
+    };
+    html! {
+        section {
+            h2 { "Parameters" }
+            div.scroll { table {
+                caption { "By sequence: one after the other, as by hand. Jointly: all curves at once, robust, with the \
+                    95 % interval from the scatter between curves." }
+                thead { tr {
+                    th scope="col" { "Parameter" } th.n scope="col" { "Johnson-Cook, by sequence" }
+                    th.n scope="col" { "Johnson-Cook, jointly" } th.n scope="col" { "with tanh softening" }
+                } }
+                tbody { @for (k, p) in page.tanh.parameters.iter().enumerate() { tr {
+                    th scope="row" { (symbol(p.key)) (unit(p.key).1) " " code { (p.key) } }
+                    td.n { (by_hand(k, p.key)) }
+                    td.n { (page.johnson_cook.parameters.get(k).map_or_else(|| "\u{2013}".to_owned(), shown)) }
+                    td.n { (shown(p)) }
+                } } }
+            } }
+        }
+    }
+}
+
+fn laws(comparison: &Comparison) -> Markup {
+    html! {
+        section {
+            h2 { "Laws side by side" }
+            div.scroll { table {
+                caption { "Root mean square of ln(model / measured). Unseen: each of " (comparison.conditions) " rates and \
+                    temperatures left out once, in ten groups." }
+                thead { tr {
+                    th scope="col" { "Law" } th.n scope="col" { "fitted" } th.n scope="col" { "unseen" }
+                    th.n scope="col" { "better than Johnson-Cook by standard errors" }
+                } }
+                tbody { @for law in &comparison.laws { tr {
+                    th scope="row" { (title(law.law)) }
+                    td.n { (percent(law.fitted)) } td.n { (percent(law.unseen)) }
+                    td.n { (minus(&format!("{:.1}", law.advantage))) }
+                } } }
+            } }
+        }
+    }
+}
+
+fn correlations(fit: &Fit) -> Markup {
+    html! {
+        section {
+            h2 { "Correlations of the joint fit" }
+            div.scroll { table {
+                caption { "Between the errors of two parameters of Johnson-Cook." }
+                thead { tr { th { }
+                    @for p in &fit.parameters { th.n scope="col" { (symbol(p.key)) } }
+                } }
+                tbody { @for (p, row) in fit.parameters.iter().zip(&fit.correlation) { tr {
+                    th scope="row" { (symbol(p.key)) }
+                    @for value in row { td.n { (if value.is_finite() { minus(&format!("{value:.2}")) } else { "\u{2013}".to_owned() }) } }
+                } } }
+            } }
+        }
+    }
+}
+
+fn definitions(page: &IdentificationPage<'_>) -> Markup {
+    let references = page.johnson_cook.references;
+    html! {
+        section {
+            h2 { "Definitions and limits" }
+            p { "Stated, not fitted: reference rate " (three_digits(references.rate)) " 1/s, reference temperature "
+                (three_digits(references.temperature)) " K, melting temperature " (three_digits(references.melting)) " K. \
+                A, C and m mean nothing without them." }
+            p { "Every curve has the same weight, however densely it was sampled. Temperatures are those at the start of a \
+                test: the heating of the specimen by its own work, about 100 K for a strain of 0.2 in steel, is in the curves \
+                of fast tests and not taken out. The table follows the curves by a smooth correction of Johnson-Cook and \
+                goes over into it where nothing was measured." }
+        }
+    }
+}
