@@ -275,3 +275,35 @@ fn taylor_bar() -> Setup {
     });
     setup
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_of_a_cut_go_on_as_the_cut_does() {
+        let mut alone = simulation(cut(1)).unwrap();
+        run(&mut alone, 900).unwrap();
+        let state = copied(&alone.checkpoint(), 3);
+        let mut copies = Simulation::restore(cut(3), &state).unwrap();
+        assert_eq!(copies.particle_count(), 3 * alone.particle_count());
+        run(&mut alone, 40).unwrap();
+        run(&mut copies, 40).unwrap();
+        let (one, all) = (alone.snapshot(), copies.snapshot());
+        let furthest = one.plastic_strain.iter().fold(0.0, |a: f64, b| a.max(*b));
+        assert!(furthest > 0.0, "the tool has to be in the workpiece");
+        // The first is the cut itself, with the same bits.
+        for (id, position) in one.id.iter().zip(&one.position) {
+            let place = all.id.iter().position(|other| other == id).unwrap();
+            assert_eq!(position, &all.position[place]);
+        }
+    }
+
+    #[test]
+    fn turning_can_be_read_with_another_smoothing_length() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let setup = turning(&root, Some(1.25)).unwrap();
+        assert_eq!(setup.numerics.get("smoothing_ratio"), 1.25);
+        assert_eq!(setup.numerics.get("mass_scaling"), 200.0);
+    }
+}
