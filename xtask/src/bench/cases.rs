@@ -81,10 +81,13 @@ fn run(simulation: &mut Simulation, steps: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Distance in m between a cut and its copy, which no tool reaches.
-const APART: f64 = 2e-3;
+/// dx of the plane cut in m.
+const SPACING: f64 = 14.4e-6;
+/// Distance in m between a cut and its copy above, which no tool reaches: 47 cells of the search for neighbours, so that the
+/// copies are in the order of the cells as the cut is.
+const APART: f64 = 47.0 * 3.0 * SPACING;
 
-/// The state of a cut with copies of its particles below it: as many particles as asked for with the distribution of
+/// The state of a cut with copies of its particles above it: as many particles as asked for with the distribution of
 /// a real cut, in seconds instead of hours. Forces of the tool act on the first.
 fn copied(state: &CheckpointState, copies: usize) -> CheckpointState {
     let particles = state.integer("id").map_or(0, <[u64]>::len);
@@ -97,12 +100,12 @@ fn copied(state: &CheckpointState, copies: usize) -> CheckpointState {
         let places = ["position", "origin", "reference"].contains(&name.as_str());
         let mut all = Vec::new();
         for copy in 0..if per_particle { copies } else { 1 } {
-            let below = APART * copy as f64;
+            let above = APART * copy as f64;
             all.extend(
                 values
                     .iter()
                     .enumerate()
-                    .map(|(k, value)| if places && k % 2 == 1 { value - below } else { *value }),
+                    .map(|(k, value)| if places && k % 2 == 1 { value + above } else { *value }),
             );
         }
         copied.reals.push((name.clone(), all));
@@ -125,16 +128,16 @@ fn copied(state: &CheckpointState, copies: usize) -> CheckpointState {
 const PART: &str = "the built-in tables have this entry and these keys";
 
 /// An orthogonal cut of steel: 2.5 mm x 0.5 mm, h 0.1 mm, 150 m/min, rake 5, clearance 7 degrees, and copies of the
-/// workpiece below it.
+/// workpiece above it.
 fn cut(copies: usize) -> Setup {
-    let (speed, spacing) = (2.5, 14.4e-6);
+    let (speed, spacing) = (2.5, SPACING);
     let mut setup = Setup::empty(Dimension::Two, spacing, 1.0);
     setup.numerics = Values::resolve(options::NUMERICS, &[("mass_scaling", 100.0)]).expect(PART);
     setup.sampling_interval = 1e-6;
     setup.uncut_chip_thickness = Some(1e-4);
     setup.materials.push(steel());
     for copy in 0..copies {
-        let top = -APART * copy as f64;
+        let top = APART * copy as f64;
         setup.bodies.push(Body {
             name: "workpiece".to_owned(),
             material: 0,
