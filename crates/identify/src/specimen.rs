@@ -94,6 +94,8 @@ mod tests {
         // A machine of 100 kN/mm takes 0.785 mm of it.
         let soft = LoadPath { stiffness: 100e6, ..path };
         let [strain, _] = soft.true_stress_and_strain(&specimen);
-        assert!((strain[1] + (1.0 - (7.5 - 0.785_398) / 15.0_f64).ln()).abs() < 1e-6);
+        assert!(
+            (strain[1] + (1.0 - (7.5 - std::f64::consts::FRAC_PI_4) / 15.0_f64).ln()).abs() < 1e-6
+        );
     }
 }

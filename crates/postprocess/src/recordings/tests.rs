@@ -348,7 +348,7 @@ mod files_of_strangers {
             let settings = Settings { low_pass: Some((4, cut_off)), ..settings() };
             let known = Conditions { revolution, ..conditions() };
             let cut = evaluate_cut(&table, &settings, &known);
-            let _ = (cuts_csv(&[cut.clone()]), forces_csv(&pool(&[cut])));
+            let _ = (cuts_csv(std::slice::from_ref(&cut)), forces_csv(&pool(&[cut])));
         }
     }
 }
