@@ -100,7 +100,6 @@ fn the_interval_covers_the_truth_as_often_as_it_says() {
             widths += found.ci95 / truth / 400.0;
         }
     }
-    println!("covered {covered:?} of 200, accepted {accepted}, mean half width {widths:.4}");
     assert!(covered.iter().all(|c| (181..=200).contains(c)), "{covered:?}");
     assert!(accepted >= 180, "{accepted} of 200 good records accepted");
     // 3 % noise, tau = 2 * 4 ms over 1.8 s, quantile 2.1: 0.42 %; wider by the choice of the wider estimate.
