@@ -88,16 +88,16 @@ fn line(run: &Measured) -> String {
             "{name}: {speed} m/min, no particle was seen touching the tool's lowest part"
         );
     };
-    let count = found.touched.len();
+    let count = found.in_window();
     if !found.error.statistical.is_finite() {
         return format!(
-            "{name}: {speed} m/min, springback {} um from {count} particles, too few for an interval",
+            "{name}: {speed} m/min, springback {} um from {count} particles in the window, too few for an interval",
             um(mean.mean)
         );
     }
     let resolved = if found.is_resolved() { "resolved" } else { "not resolved" };
     format!(
-        "{name}: {speed} m/min, springback {} +- {} um ({resolved}, {count} particles)",
+        "{name}: {speed} m/min, springback {} +- {} um ({resolved}, {count} particles in the window)",
         um(mean.mean),
         um(found.error.total())
     )

@@ -83,6 +83,14 @@ pub struct Springback {
     pub snapshots: usize,
 }
 
+impl Springback {
+    /// Number of touched particles that the mean is taken over.
+    #[must_use]
+    pub fn in_window(&self) -> usize {
+        self.touched.iter().filter(|touch| touch.distance >= self.window[0]).count()
+    }
+}
+
 /// Where the tool is lowest in one snapshot, in the frame of the cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Lowest {

@@ -107,10 +107,10 @@ fn sentence(run: &SpringbackRun<'_>, measurements: &[Measurement]) -> String {
     let spacing = three_digits(found.particle_spacing * UM);
     if !error.statistical.is_finite() {
         return format!(
-            "{start}{} \u{b5}m from {} particles: too few for an interval, twenty are needed. A \
+            "{start}{} \u{b5}m from {} particles in the window: too few for an interval, twenty are needed. A \
              longer cut or more snapshots give more.",
             three_digits(mean.mean * UM),
-            found.touched.len()
+            found.in_window()
         );
     }
     let total = three_digits(error.total() * UM);
