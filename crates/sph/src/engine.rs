@@ -21,6 +21,7 @@ use crate::equation_of_state::Elasticity;
 use crate::error::{Diverged, SetupError};
 use crate::history::{History, Memory};
 use crate::material_point::MaterialPoint;
+use crate::motion::Motion;
 use crate::neighbours::{CHUNK, NeighbourList, Smoothing};
 use crate::setup::{CuttingFrame, HeatSource, Setup};
 use crate::stage::Stage;
@@ -61,42 +62,6 @@ pub(crate) struct MaterialData {
     pub(crate) linear_viscosity: f64,
     pub(crate) quadratic_viscosity: f64,
     pub(crate) wave_speed: f64,
-}
-
-/// Where a particle was at the last renewal and how it moves: what every sweep asks of a neighbour, side by side.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Motion<const D: usize>([Vector<D>; 2]);
-
-impl<const D: usize> Motion<D> {
-    pub(crate) fn new(reference: Vector<D>, velocity: Vector<D>) -> Self {
-        Self([reference, velocity])
-    }
-
-    /// Position in the reference configuration.
-    #[inline(always)]
-    pub(crate) fn reference(&self) -> &Vector<D> {
-        &self.0[0]
-    }
-
-    #[inline(always)]
-    pub(crate) fn velocity(&self) -> &Vector<D> {
-        &self.0[1]
-    }
-
-    pub(crate) fn set_reference(&mut self, reference: Vector<D>) {
-        self.0[0] = reference;
-    }
-
-    #[inline(always)]
-    pub(crate) fn set_velocity(&mut self, velocity: Vector<D>) {
-        self.0[1] = velocity;
-    }
-
-    /// Reference and velocity, one after the other.
-    #[inline(always)]
-    pub(crate) fn numbers(&self) -> &[f64] {
-        self.0.as_flattened()
-    }
 }
 
 /// The discrete operators of one particle in the reference configuration.

@@ -23,7 +23,7 @@
 //! keeps the trace of the sum. theta < 1 is needed where the neighbourhood has an edge in 3D or a
 //! corner: lines and points, so that the order stays two.
 
-use crate::engine::Motion;
+use crate::motion::Motion;
 use crate::neighbours::{CHUNK, NeighbourList, TURN};
 use crate::tensor::{Matrix, Vector, contract, dot, identity, minus, sum_scaled, zero};
 use rayon::prelude::*;

@@ -19,6 +19,7 @@ mod lanes;
 mod laplacian;
 mod lattice;
 mod material_point;
+mod motion;
 mod neighbours;
 pub mod observation;
 mod observe;

@@ -2,10 +2,11 @@
 
 use crate::account::Account;
 use crate::contact::{Touch, extended};
-use crate::engine::{Engine, Motion};
+use crate::engine::Engine;
 use crate::error::SetupError;
 use crate::history::History;
 use crate::material_point::MaterialPoint;
+use crate::motion::Motion;
 use crate::neighbours::Cells;
 use crate::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};
 use crate::setup::{Setup, ToolSurface, Vector as Vector3};

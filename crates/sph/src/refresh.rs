@@ -1,8 +1,9 @@
 //! Renewal of the reference configuration: storage order, neighbours, corrections, time step.
 
 use crate::contact::reduced;
-use crate::engine::{Engine, Frame, MaterialData, Motion};
+use crate::engine::{Engine, Frame, MaterialData};
 use crate::laplacian;
+use crate::motion::Motion;
 use crate::neighbours::{CHUNK, Cells, Cloud, NeighbourList, TURN, build_list};
 use crate::strangers::Kinship;
 use crate::tensor::{

@@ -2,10 +2,11 @@
 
 use crate::account::{Failure, Tally};
 use crate::contact::extended;
-use crate::engine::{Engine, MaterialData, Motion};
+use crate::engine::{Engine, MaterialData};
 use crate::error::Diverged;
 use crate::lanes::{Lanes, order, with_lanes};
 use crate::material_point::{MaterialPoint, UpdateContext};
+use crate::motion::Motion;
 use crate::neighbours::{CHUNK, NeighbourList, TURN};
 use crate::tensor::{
     Matrix, Vector, apply, contract, minus, plus_scaled, product, sum_scaled, transpose,
