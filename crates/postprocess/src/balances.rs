@@ -20,6 +20,7 @@ pub const ENERGY_TERMS: &[(ChannelId, TermKind, &str)] = &[
     (ChannelId::FrictionWork, TermKind::Physical, "Friction"),
     (ChannelId::ElasticEnergy, TermKind::Physical, "Elastic energy"),
     (ChannelId::KineticEnergy, TermKind::Physical, "Kinetic energy"),
+    (ChannelId::RetiredEnergy, TermKind::Physical, "Left the moving window"),
     (
         ChannelId::ThermoelasticWork,
         TermKind::Physical,

@@ -4,6 +4,7 @@ use crate::canvas::{Canvas, Rgb};
 use crate::picture::{Field, PictureOptions, draw};
 use gif::{Encoder, Frame, Repeat};
 use sphcut_record::{RunError, Snapshots};
+use sphcut_sph::Snapshot;
 
 /// Colours of the field in the palette; the rest are greys.
 const FIELD_COLOURS: usize = 200;
@@ -13,11 +14,11 @@ const MOST_FRAMES: usize = 60;
 const DELAY: u16 = 10;
 const LAST_DELAY: u16 = 150;
 
-/// The snapshots as an endless animation, or `None` for fewer than two.
+/// The snapshots as an endless animation, each seen as `options` says, or `None` for fewer than two.
 pub(crate) fn animate(
     snapshots: &Snapshots,
     field: Field,
-    options: &PictureOptions,
+    options: impl Fn(&Snapshot) -> PictureOptions,
 ) -> Result<Option<Vec<u8>>, RunError> {
     if snapshots.len() < 2 {
         return Ok(None);
@@ -29,7 +30,8 @@ pub(crate) fn animate(
     let palette = Palette::new(field);
     let mut movie: Option<Encoder<Vec<u8>>> = None;
     for &number in shown.iter().rev() {
-        let canvas = draw(&*snapshots.get(number)?, field, options);
+        let snapshot = snapshots.get(number)?;
+        let canvas = draw(&snapshot, field, &options(&snapshot));
         let (width, height) = (canvas.width as u16, canvas.height as u16);
         let encoder = movie.get_or_insert_with(|| {
             let mut encoder =
@@ -99,7 +101,7 @@ mod tests {
         let cut = SyntheticCut { particle_spacing: 40e-6, ..SyntheticCut::default() };
         let snapshots = Snapshots::in_memory(vec![cut.snapshot(0.0), cut.snapshot(0.5e-3)]);
         let options = PictureOptions { width: 300, ..PictureOptions::default() };
-        let bytes = animate(&snapshots, Field::Temperature, &options).unwrap().unwrap();
+        let bytes = animate(&snapshots, Field::Temperature, |_| options.clone()).unwrap().unwrap();
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(bytes.as_slice()).unwrap();
@@ -110,6 +112,6 @@ mod tests {
         }
         assert_eq!(frames, 2);
         let one = Snapshots::in_memory(vec![cut.snapshot(0.0)]);
-        assert_eq!(animate(&one, Field::Speed, &PictureOptions::default()).unwrap(), None);
+        assert_eq!(animate(&one, Field::Speed, |_| PictureOptions::default()).unwrap(), None);
     }
 }

@@ -93,15 +93,15 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
             &PictureOptions { style: Style::Particles, ..options.clone() },
         ),
     });
-    let scene = whole(&first, &last);
+    let scene = Scene::of_run(run, &first, &last);
     let still = Picture {
         title: "The whole workpiece".to_owned(),
         description: description(Field::Temperature, &last),
         media_type: "image/png",
-        bytes: render_snapshot(&last, Field::Temperature, &scene),
+        bytes: render_snapshot(&last, Field::Temperature, &scene.last),
     };
     let movie = if wanted(run, "animation") {
-        animate(&run.snapshots, Field::Temperature, &scene)?
+        animate(&run.snapshots, Field::Temperature, |snapshot| scene.of(run, snapshot))?
     } else {
         None
     };
@@ -141,13 +141,34 @@ fn tool_picture(snapshot: &Snapshot, options: &PictureOptions) -> Picture {
 }
 
 /// A view and a colour bar that suit the whole run.
-fn whole(first: &Snapshot, last: &Snapshot) -> PictureOptions {
-    PictureOptions {
-        width: ANIMATION_WIDTH,
-        view: Some(View::whole(first).union(View::whole(last))),
-        range: Some(Field::Temperature.range([first, last])),
-        style: Style::Material,
-        ..PictureOptions::default()
+struct Scene {
+    /// For the last snapshot.
+    last: PictureOptions,
+    /// Where the edge is then, if the view goes with it: where what was cut long ago has left.
+    followed: Option<[f64; 3]>,
+}
+
+impl Scene {
+    fn of_run(run: &Run, first: &Snapshot, last: &Snapshot) -> Self {
+        let all = last.id.len() >= first.id.len();
+        let followed = if all { None } else { edge(run, last) };
+        let view = View::whole(last);
+        let last = PictureOptions {
+            width: ANIMATION_WIDTH,
+            view: Some(if followed.is_none() { view.union(View::whole(first)) } else { view }),
+            range: Some(Field::Temperature.range([first, last])),
+            style: Style::Material,
+            ..PictureOptions::default()
+        };
+        Self { last, followed }
+    }
+
+    fn of(&self, run: &Run, snapshot: &Snapshot) -> PictureOptions {
+        let way = self
+            .followed
+            .zip(edge(run, snapshot))
+            .map_or([0.0; 2], |(end, now)| [now[0] - end[0], now[1] - end[1]]);
+        PictureOptions { view: self.last.view.map(|view| view.moved(way)), ..self.last.clone() }
     }
 }
 

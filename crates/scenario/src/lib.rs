@@ -49,6 +49,7 @@ mod turning_tool;
 mod units;
 mod wall;
 mod warnings;
+mod window;
 
 pub use files::OutsideFiles;
 pub use findings::{Origin, ResolvedEntry};

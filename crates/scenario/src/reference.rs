@@ -74,6 +74,7 @@ pub fn reference() -> String {
         sections::run_out(),
         sections::process(),
         sections::passes(),
+        sections::window(),
         sections::boundaries(),
     ] {
         headed(&mut page, &one, Brackets::Single);

@@ -12,7 +12,7 @@ use crate::shared::{self, Resolution};
 use crate::tool::Space;
 use crate::{
     LoadOptions, bodies, effects, equation_of_state, heat_source, passes, sections, tool, wall,
-    warnings,
+    warnings, window,
 };
 use sphcut_physics::Quantity;
 use sphcut_physics::effects::ChosenEffect;
@@ -146,7 +146,7 @@ fn read_sections(
     }
 }
 
-const CUT_SECTIONS: [&str; 5] = ["workpiece", "tool", "process", "passes", "boundaries"];
+const CUT_SECTIONS: [&str; 6] = ["workpiece", "tool", "process", "passes", "window", "boundaries"];
 const BODY_SECTIONS: [&str; 4] = ["body", "support", "heat_source", "wall"];
 
 fn kind(findings: &mut Findings, root: &Record<'_>) -> Option<Kind> {
@@ -210,6 +210,8 @@ fn read_cut(
     let tool = tool::tool(findings, root, surroundings, process, sizes, space);
     let plan = process.zip(stop.as_ref()).map(|(process, stop)| process.plan(stop.extent));
     let passes = passes::passes(findings, root, plan);
+    let sizes = workpiece.as_ref().zip(depth).map(|(workpiece, depth)| (workpiece.height, depth));
+    let window = sizes.and_then(|sizes| window::window(findings, root, dimension, sizes));
     let boundaries = cut::boundaries(findings, root, dimension);
     let (process, resolution, stop, output) = (process?, resolution?, stop?, output?);
     let end = CutEnd { travel: stop.extent, sampling_travel: output.sampling };
@@ -225,6 +227,7 @@ fn read_cut(
     let dimension = if dimension == 3 { Dimension::Three } else { Dimension::Two };
     let mut setup = common.setup(dimension, resolution, time)?;
     cut.fill(&mut setup);
+    setup.window = window?;
     let stop = Stop { time, travel: stop.extent, steady: stop.steady };
     Some(finished(findings, root, setup, output.output, stop, cut.warnings()))
 }
@@ -419,6 +422,9 @@ fn acting(setup: &Setup) -> Vec<(String, String)> {
     }
     if setup.machine.run_out.is_some() {
         add("process", "run_out");
+    }
+    if setup.window.is_some() {
+        add("process", "moving_window");
     }
     if !setup.heat_sources.is_empty() {
         add("heat", "heat_source");

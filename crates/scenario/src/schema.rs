@@ -50,6 +50,7 @@ fn root_child(field: &Field) -> Option<Value> {
         "tool" => whole(&sections::tool(), tool_child),
         "process" => whole(&sections::process(), none),
         "passes" => whole(&sections::passes(), none),
+        "window" => whole(&sections::window(), none),
         "boundaries" => whole(&sections::boundaries(), none),
         "body" => list(whole(&sections::body(), owner_child)),
         "support" => list(whole(&sections::support(), none)),

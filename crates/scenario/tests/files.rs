@@ -133,6 +133,14 @@ fn the_heat_of_an_insert_and_of_a_mesh_arrives() {
 }
 
 #[test]
+fn a_moving_window_arrives() {
+    let window = good("tests/good/cut_with_window.toml").setup.window.unwrap();
+    // As written, and 1.5 times the height of 0.5 mm.
+    assert!((window.ahead - 0.8e-3).abs() < 1e-15 && (window.behind - 0.75e-3).abs() < 1e-15);
+    assert!(good("tests/good/cut_with_machine.toml").setup.window.is_none());
+}
+
+#[test]
 fn passes_of_a_plane_cut_go_deeper() {
     let setup = good("tests/good/cut_in_passes.toml").setup;
     assert_eq!(setup.passes.len(), 3);

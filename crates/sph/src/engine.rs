@@ -20,16 +20,18 @@ use crate::contact::{ContactInput, ToolContact, reduced};
 use crate::equation_of_state::Elasticity;
 use crate::error::{Diverged, SetupError};
 use crate::history::{History, Memory};
+use crate::lattice::Seed;
 use crate::material_point::MaterialPoint;
 use crate::motion::Motion;
 use crate::neighbours::{CHUNK, NeighbourList, Smoothing};
 use crate::setup::{CuttingFrame, HeatSource, Setup};
 use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
-use crate::tensor::{Matrix, Vector, dot, plus_scaled, zero};
+use crate::tensor::{Matrix, Vector, dot, identity, plus_scaled, zero};
 use crate::thermoelasticity;
 use crate::tool_heat::{ToolHeat, in_tool};
 use crate::tool_holder::ToolHolder;
+use crate::window::{self, Rest, Window};
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
@@ -135,6 +137,8 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) tilted_axes: Option<Matrix<D>>,
     pub(crate) materials: Vec<MaterialData>,
     pub(crate) holds: Vec<Hold<D>>,
+    /// What comes and goes while the tool moves on; `None`: everything is followed from start to end.
+    pub(crate) window: Option<Window<D>>,
     pub(crate) tool: Option<ToolContact<D>>,
     /// Heat in the tool, where it is asked for.
     pub(crate) tool_heat: Option<ToolHeat>,
@@ -202,26 +206,16 @@ impl<const D: usize> Engine<D> {
     /// Fills the bodies and prepares the first step.
     pub(crate) fn new(setup: &Setup) -> Result<Self, SetupError> {
         let mut engine = Self::without_particles(setup)?;
-        for (index, seed) in crate::lattice::fill(setup)?.into_iter().enumerate() {
-            let hold = Hold::<D>::of(setup, &seed.position);
-            let mut velocity: Vector<D> = reduced(&seed.velocity);
-            let mut temperature = seed.temperature;
-            if hold != FREE {
-                let support = &engine.holds[hold as usize];
-                velocity = support.constrained(&velocity);
-                temperature = support.temperature.unwrap_or(temperature);
-            }
-            engine.id.push(index as u64);
-            engine.body.push(seed.body);
-            let material = setup.bodies[seed.body as usize].material;
-            engine.material.push(u8::try_from(material).expect("fewer than 256 materials"));
-            engine.hold.push(hold);
-            engine.position.push(reduced(&seed.position));
-            engine.motion.push(Motion::new(reduced(&seed.position), velocity));
-            engine.volume.push(seed.volume);
-            engine.point.push(MaterialPoint::at_rest(temperature));
+        let seeds = crate::lattice::fill(setup)?.into_iter().enumerate();
+        let all: Vec<Rest<D>> = seeds.map(|(id, seed)| engine.rest(setup, id, &seed)).collect();
+        if setup.window.is_some() {
+            engine.holds = window::with_resting(engine.holds);
+            engine.window = Window::of(setup, all, engine.support_reach);
+            engine.move_window();
+        } else {
+            all.iter().for_each(|rest| engine.follow(rest));
+            engine.size_arrays();
         }
-        engine.size_arrays();
         if let Some(tool) = &engine.tool {
             tool.check_start(&engine.position)?;
         }
@@ -234,6 +228,29 @@ impl<const D: usize> Engine<D> {
         engine.push_crowded_apart();
         engine.touch_tool();
         Ok(engine)
+    }
+
+    /// A particle before anything happens to it.
+    fn rest(&self, setup: &Setup, id: usize, seed: &Seed) -> Rest<D> {
+        let hold = Hold::<D>::of(setup, &seed.position);
+        let mut velocity: Vector<D> = reduced(&seed.velocity);
+        let mut temperature = seed.temperature;
+        if hold != FREE {
+            let support = &self.holds[hold as usize];
+            velocity = support.constrained(&velocity);
+            temperature = support.temperature.unwrap_or(temperature);
+        }
+        let material = setup.bodies[seed.body as usize].material;
+        Rest {
+            id: id as u64,
+            body: seed.body,
+            material: u8::try_from(material).expect("fewer than 256 materials"),
+            hold,
+            position: reduced(&seed.position),
+            velocity,
+            volume: seed.volume,
+            temperature,
+        }
     }
 
     fn without_particles(setup: &Setup) -> Result<Self, SetupError> {
@@ -293,6 +310,7 @@ impl<const D: usize> Engine<D> {
             tilted_axes: tilted_axes(&setup.frame),
             materials,
             holds: Hold::all(setup),
+            window: None,
             tool,
             tool_heat,
             heat_sources: setup.heat_sources.clone(),
@@ -321,6 +339,7 @@ impl<const D: usize> Engine<D> {
         })
     }
 
+    /// Gives every particle its place in all arrays; new places are those of the undeformed state.
     pub(crate) fn size_arrays(&mut self) {
         let count = self.position.len();
         let frame = Frame {
@@ -330,16 +349,17 @@ impl<const D: usize> Engine<D> {
             weight: 0.0,
             volume_ratio: 1.0,
         };
-        self.origin = self.position.clone();
-        self.shape = self.initial_shapes();
-        if self.materials.iter().any(|data| data.memory.is_needed()) {
-            self.history = vec![History::default(); count];
+        if self.numerics.support_stretch > 1.0 {
+            self.shape.resize(count, identity());
         }
-        self.force = vec![[0.0; D]; count];
-        self.frame = vec![frame; count];
-        self.exchange = vec![0.0; count * crate::sweeps::exchange_width::<D>()];
-        self.reference_volume = vec![0.0; count];
-        self.tallies = vec![Tally::default(); count.div_ceil(CHUNK)];
+        if self.materials.iter().any(|data| data.memory.is_needed()) {
+            self.history.resize(count, History::default());
+        }
+        self.force.resize(count, [0.0; D]);
+        self.frame.resize(count, frame);
+        self.exchange.resize(count * crate::sweeps::exchange_width::<D>(), 0.0);
+        self.reference_volume.resize(count, 0.0);
+        self.tallies.resize(count.div_ceil(CHUNK), Tally::default());
     }
 
     /// One step, kick-drift-kick; tells `passed` which stage has just ended.
@@ -381,6 +401,7 @@ impl<const D: usize> Engine<D> {
         self.heat_tool_when_due(dt);
         passed(Stage::Diffusion);
         if self.refresh_is_due() {
+            self.move_window();
             self.refresh();
             self.sweep_gradients(0.0);
             self.sweep_forces();

@@ -39,6 +39,7 @@ mod tool_heat;
 mod tool_holder;
 mod tool_motion;
 mod tool_surface;
+mod window;
 
 pub use error::{Diverged, SetupError};
 pub use observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};

@@ -40,7 +40,7 @@ channels! {
     PassiveForce "passive_force" "N" "F_p: the same, along the cutting edge (turning: into the machined surface)";
     ReactionCutting "reaction_cutting" "N" "mean force of the supports on the workpiece along the cutting direction";
     ReactionFeed "reaction_feed" "N" "the same, into the machined surface";
-    MomentumCutting "momentum_cutting" "N s" "momentum of the workpiece along the cutting direction at the end";
+    MomentumCutting "momentum_cutting" "N s" "momentum of the workpiece along the cutting direction at the end, with that of what has left the moving window";
     MomentumFeed "momentum_feed" "N s" "the same, into the machined surface";
     ToolOffsetCutting "tool_offset_cutting" "m" "displacement of the tool from its prescribed path along the cutting direction, by compliance; 0 for a rigid machine";
     ToolOffsetFeed "tool_offset_feed" "m" "the same into the machined surface, by compliance and run-out";
@@ -57,8 +57,9 @@ channels! {
     ArtificialStressWork "artificial_stress_work" "J" "energy stored in the repulsion of crowded neighbours (artificial stress)";
     UpdateResidue "update_residue" "J" "stress power minus stored and plastic energy: error of the stress update since the start";
     ThermoelasticWork "thermoelastic_work" "J" "stored elastic energy released because the modulus fell with temperature since the start, and the work of the thermal pressure, which becomes heat";
+    RetiredEnergy "retired_energy" "J" "kinetic and stored elastic energy of what has left the moving window";
     EnergyError "energy_error" "J" "work done on the workpiece minus all terms above, initial kinetic energy included: what nobody accounts for";
-    HeatContent "heat_content" "J" "thermal energy above the initial state";
+    HeatContent "heat_content" "J" "thermal energy above the initial state, with that of what has left the moving window";
     HeatSupplied "heat_supplied" "J" "heat from plastic work, friction, thermal pressure, heat sources and fixed-temperature boundaries since the start, less what passed into the tool";
     HeatIntoTool "heat_into_tool" "J" "heat that passed from the workpiece through the contact into the tool since the start; friction heat not included";
     ToolFrictionHeat "tool_friction_heat" "J" "the tool's share of the heat of friction since the start, where the tool conducts heat";
@@ -73,6 +74,7 @@ channels! {
     MaxDensityRatio "max_density_ratio" "" "highest density over initial density";
     ContactCount "contact_count" "" "particles in contact with the tool";
     ContactLength "contact_length" "m" "length of the tool in contact (area in m^2 in 3D)";
+    Particles "particles" "" "particles that are followed";
     MeanNeighbours "mean_neighbours" "" "mean number of neighbours";
     MinNeighbours "min_neighbours" "" "smallest number of neighbours: 0 is a lost particle";
     TimeStep "time_step" "s" "time step at the end";
@@ -94,7 +96,8 @@ impl Sample {
     }
 }
 
-/// The particles at one instant, in the order of their identifiers.
+/// The particles at one instant, in the order of their identifiers. With a moving window that of the start
+/// holds all material, any other what the window holds.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapshot {
     /// Simulated time in s.

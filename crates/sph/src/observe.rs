@@ -12,6 +12,7 @@ use crate::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot}
 use crate::setup::{Setup, ToolSurface, Vector as Vector3};
 use crate::tensor::{Matrix, Vector, dot};
 use crate::tool_heat::ToolHeat;
+use crate::window::{Rest, Retired};
 
 impl<const D: usize> Engine<D> {
     /// Kinetic energy with the inertia as scaled.
@@ -35,7 +36,12 @@ impl<const D: usize> Engine<D> {
 
     /// Thermal energy above 0 K, less what an equation of state counts as stored energy.
     pub(crate) fn heat_content(&self) -> f64 {
-        (0..self.point.len())
+        self.heat_of(0..self.point.len())
+    }
+
+    /// [`Engine::heat_content`] of some particles.
+    pub(crate) fn heat_of(&self, particles: std::ops::Range<usize>) -> f64 {
+        particles
             .map(|i| {
                 let data = &self.materials[self.material[i] as usize];
                 let point = &self.point[i];
@@ -49,13 +55,18 @@ impl<const D: usize> Engine<D> {
     }
 
     fn momentum(&self) -> Vector3 {
-        let mut sum = [0.0; 3];
+        let mut sum = self.retired().momentum;
         for i in 0..self.motion.len() {
             for k in 0..D {
                 sum[k] += self.inertia(i) * self.motion[i].velocity()[k];
             }
         }
         sum
+    }
+
+    /// What has left the moving window.
+    fn retired(&self) -> Retired {
+        self.window.as_ref().map_or(Retired::default(), |window| window.retired)
     }
 
     /// Closes the sampling interval that ends now.
@@ -117,6 +128,7 @@ impl<const D: usize> Engine<D> {
             + account.plastic
             + account.friction
             + account.thermoelastic
+            + self.retired().energy
             + numerical;
         set(ChannelId::ToolWork, account.tool_work);
         set(ChannelId::SupportWork, account.support_work);
@@ -131,8 +143,10 @@ impl<const D: usize> Engine<D> {
         set(ChannelId::ArtificialStressWork, crowding);
         set(ChannelId::UpdateResidue, account.residue);
         set(ChannelId::ThermoelasticWork, account.thermoelastic);
+        set(ChannelId::RetiredEnergy, self.retired().energy);
         set(ChannelId::EnergyError, supplied - found);
-        set(ChannelId::HeatContent, self.heat_content() - account.initial_heat);
+        let heat = self.heat_content() + self.retired().heat;
+        set(ChannelId::HeatContent, heat - account.initial_heat);
         set(ChannelId::HeatSupplied, account.heat_supplied);
         if let Some(heat) = &self.tool_heat {
             set(ChannelId::HeatIntoTool, heat.books.contact);
@@ -161,6 +175,7 @@ impl<const D: usize> Engine<D> {
         set(ChannelId::MaxDensityRatio, 1.0 / volume_ratio.0);
         let count = self.point.len();
         let fewest = (0..count).map(|i| self.list.count(i)).min().unwrap_or(0);
+        set(ChannelId::Particles, count as f64);
         set(ChannelId::MeanNeighbours, self.list.pairs() as f64 / count as f64);
         set(ChannelId::MinNeighbours, f64::from(fewest));
         if let Some(tool) = &self.tool {
@@ -180,8 +195,13 @@ impl<const D: usize> Engine<D> {
     /// The particles now, by identifier.
     pub(crate) fn snapshot(&self, setup: &Setup) -> Snapshot {
         let count = self.id.len();
-        let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by_key(|&i| self.id[i]);
+        // With a moving window the start shows what waits, too: it is where everything comes from.
+        let waiting = self.window.iter().filter(|_| self.step == 0).flat_map(|w| &w.reserve);
+        let mut order: Vec<(u64, Shown<'_, D>)> = waiting
+            .map(|rest| (rest.id, Shown::Waiting(rest)))
+            .chain((0..count).map(|i| (self.id[i], Shown::Followed(i))))
+            .collect();
+        order.sort_by_key(|(id, _)| *id);
         let mut contact = vec![[0.0; 3]; count];
         let mut friction_use = vec![0.0; count];
         let mut shear_friction = vec![0.0; count];
@@ -208,7 +228,14 @@ impl<const D: usize> Engine<D> {
             (snapshot.tool_nodes, snapshot.tool_elements, snapshot.tool_temperature) =
                 heat.picture(shift);
         }
-        for i in order {
+        for (_, shown) in order {
+            let i = match shown {
+                Shown::Followed(i) => i,
+                Shown::Waiting(rest) => {
+                    self.show_waiting(rest, &mut snapshot);
+                    continue;
+                }
+            };
             let (point, data) = (&self.point[i], &self.materials[self.material[i] as usize]);
             let pressure =
                 point.pressure(&data.elasticity) + point.viscous_pressure / point.volume_ratio;
@@ -230,6 +257,27 @@ impl<const D: usize> Engine<D> {
             snapshot.neighbours.push(self.list.count(i));
         }
         snapshot
+    }
+
+    /// Adds a particle that the moving window has not reached.
+    fn show_waiting(&self, rest: &Rest<D>, snapshot: &mut Snapshot) {
+        let data = &self.materials[rest.material as usize];
+        let point = MaterialPoint::<D>::at_rest(rest.temperature);
+        snapshot.id.push(rest.id);
+        snapshot.body.push(rest.body);
+        snapshot.position.push(extended(&rest.position));
+        snapshot.velocity.push(extended(&rest.velocity));
+        snapshot.stress.push([0.0; 6]);
+        snapshot.von_mises_stress.push(0.0);
+        snapshot.pressure.push(0.0);
+        snapshot.density.push(data.density / point.volume_ratio);
+        snapshot.plastic_strain.push(0.0);
+        snapshot.plastic_strain_rate.push(0.0);
+        snapshot.temperature.push(rest.temperature);
+        snapshot.contact_force.push([0.0; 3]);
+        snapshot.friction_use.push(0.0);
+        snapshot.shear_friction_factor.push(0.0);
+        snapshot.neighbours.push(0);
     }
 
     fn tool_outline(&self, setup: &Setup) -> Vec<Vector3> {
@@ -291,6 +339,10 @@ impl<const D: usize> Engine<D> {
         for (name, values) in self.tool_heat.iter().flat_map(ToolHeat::checkpoint) {
             real(name, values);
         }
+        let window = self.window_state();
+        if let Some((books, _)) = &window {
+            real("window", books.clone());
+        }
         real("friction_use", touches.iter().map(|t| t.friction_use).collect());
         real("contact_area", touches.iter().map(|t| t.area).collect());
         let mut integer =
@@ -300,6 +352,9 @@ impl<const D: usize> Engine<D> {
         integer("material", self.material.iter().map(|&m| u64::from(m)).collect());
         integer("hold", self.hold.iter().map(|&h| u64::from(h)).collect());
         integer("touched", touches.iter().map(|t| u64::from(t.particle)).collect());
+        if let Some((_, waiting)) = window {
+            integer("waiting", waiting);
+        }
         integer("step", vec![self.step]);
         state
     }
@@ -307,10 +362,18 @@ impl<const D: usize> Engine<D> {
     /// The engine of `setup` in the state stored.
     pub(crate) fn restore(setup: &Setup, state: &CheckpointState) -> Result<Self, SetupError> {
         let fresh = Self::new(setup)?;
-        let count = fresh.id.len();
         let mut engine = fresh;
+        let mut count = engine.id.len();
+        if engine.window.is_some() {
+            let waiting = state.integer("waiting").ok_or_else(|| missing("waiting"))?;
+            let waiting = waiting.first().ok_or_else(|| missing("waiting"))?;
+            engine
+                .restore_window(state.real("window").ok_or_else(|| missing("window"))?, *waiting)?;
+            count = state.integer("id").ok_or_else(|| missing("id"))?.len();
+        }
         let reader = Reader { state, count };
         engine.position = reader.vectors("position")?;
+        engine.size_arrays();
         engine.origin = reader.vectors("origin")?;
         let velocities = reader.vectors("velocity")?;
         let references = reader.vectors("reference")?;
@@ -412,6 +475,14 @@ impl<const D: usize> Engine<D> {
             .collect::<Result<_, SetupError>>()?;
         Ok(())
     }
+}
+
+/// What a snapshot shows.
+enum Shown<'a, const D: usize> {
+    /// The particle at this place of the arrays.
+    Followed(usize),
+    /// One that the moving window has not reached.
+    Waiting(&'a Rest<D>),
 }
 
 /// Cauchy stress xx, yy, zz, xy, yz, xz; in the plane zz closes the deviator's trace.

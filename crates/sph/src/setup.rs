@@ -41,6 +41,8 @@ pub struct Setup {
     pub tool: Option<Tool>,
     /// What moves the tool off its prescribed path.
     pub machine: Machine,
+    /// What of the workpiece is followed; `None`: everything.
+    pub window: Option<MovingWindow>,
     /// Directions in which forces are reported.
     pub frame: CuttingFrame,
     /// Width of cut b in m; turns the forces per width of a plane run into forces.
@@ -84,6 +86,7 @@ impl Setup {
             heat_sources: Vec::new(),
             tool: None,
             machine: Machine::default(),
+            window: None,
             frame: CuttingFrame::default(),
             width_of_cut: 1.0,
             uncut_chip_thickness: None,
@@ -446,6 +449,15 @@ impl Default for Heat {
             values: Values::defaults(sphcut_physics::heat::PARAMETERS),
         }
     }
+}
+
+/// A window that moves along the cut with the tool (`window.rs`): for a plane cut into one block at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingWindow {
+    /// How far in front of the edge material is followed, in m.
+    pub ahead: f64,
+    /// Material that passed the edge this far back leaves, in m.
+    pub behind: f64,
 }
 
 /// Whether an optional mechanism acts.

@@ -21,7 +21,7 @@ pub struct StepReport {
 /// What a run will need, known before it starts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Number of particles.
+    /// Number of particles; with a moving window how many it holds once it is full.
     pub particles: usize,
     /// Mean number of neighbours at the start.
     pub mean_neighbours: f64,
@@ -125,7 +125,7 @@ impl Simulation {
         with_engine!(&self.engine, engine => engine.step)
     }
 
-    /// Number of particles.
+    /// Number of particles that are followed now.
     #[must_use]
     pub fn particle_count(&self) -> usize {
         with_engine!(&self.engine, engine => engine.id.len())
@@ -147,7 +147,7 @@ impl Simulation {
     #[must_use]
     pub fn estimate(&self) -> Estimate {
         with_engine!(&self.engine, engine => Estimate {
-            particles: engine.id.len(),
+            particles: engine.expected_count(),
             mean_neighbours: engine.list.pairs() as f64 / engine.id.len() as f64,
             time_step: engine.time_step,
             // Exact while the time step keeps its first value; crowding shortens it later.

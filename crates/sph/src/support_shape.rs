@@ -21,18 +21,9 @@
 //! (docs/numerics.md). Hence the default `a` = 1: no shapes at all.
 
 use crate::engine::Engine;
-use crate::tensor::{Matrix, clamped_spectrum, identity, inverse_nonsingular, product, transpose};
+use crate::tensor::{Matrix, clamped_spectrum, inverse_nonsingular, product, transpose};
 
 impl<const D: usize> Engine<D> {
-    /// One round shape per particle if supports stretch, none otherwise.
-    pub(crate) fn initial_shapes(&self) -> Vec<Matrix<D>> {
-        if self.numerics.support_stretch > 1.0 {
-            vec![identity(); self.position.len()]
-        } else {
-            Vec::new()
-        }
-    }
-
     /// Carries the shapes with the deformation since the last refresh.
     pub(crate) fn carry_shapes(&mut self) {
         let highest = self.numerics.support_stretch.powi(2);

@@ -2,7 +2,7 @@
 
 use crate::lattice;
 use crate::setup::{Setup, Shape, Vector as Vector3};
-use crate::tensor::{Matrix, Vector, apply, transpose};
+use crate::tensor::{Matrix, Vector, apply, identity, transpose};
 
 /// A resolved support.
 #[derive(Debug, Clone)]
@@ -43,6 +43,16 @@ impl<const D: usize> Hold<D> {
                 }
             })
             .collect()
+    }
+
+    /// The same region at rest.
+    pub(crate) fn at_rest(&self) -> Self {
+        Self { velocity: [Some(0.0); 3], ..self.clone() }
+    }
+
+    /// Rest without a temperature.
+    pub(crate) fn rest() -> Self {
+        Self { axes: identity(), velocity: [Some(0.0); 3], temperature: None }
     }
 
     /// Index of the last support whose region contains `position`.

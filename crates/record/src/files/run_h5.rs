@@ -185,7 +185,8 @@ pub(crate) fn is_ours(path: &Path) -> bool {
 
 /// Channels that records made before they existed do not hold: zero there, because what they tell of did
 /// not exist either, or nobody looked.
-const LATER_CHANNELS: [&str; 3] = ["tool_offset_cutting", "tool_offset_feed", "tool_outer_rise"];
+const LATER_CHANNELS: [&str; 5] =
+    ["tool_offset_cutting", "tool_offset_feed", "tool_outer_rise", "retired_energy", "particles"];
 
 fn read_channels(reader: &HdfReader) -> Result<Samples, RunError> {
     let there = reader.arrays("channels")?;

@@ -51,6 +51,13 @@ impl View {
         }
     }
 
+    /// The same window elsewhere.
+    #[must_use]
+    pub fn moved(self, by: [f64; 2]) -> Self {
+        let moved = |corner: [f64; 2]| [corner[0] + by[0], corner[1] + by[1]];
+        Self { min: moved(self.min), max: moved(self.max) }
+    }
+
     /// Width in m.
     #[must_use]
     pub fn width(&self) -> f64 {

@@ -274,6 +274,30 @@ pub(crate) fn boundaries() -> Section {
     )
 }
 
+/// `[window]`.
+pub(crate) fn window() -> Section {
+    Section::new(
+        "window",
+        "A window that moves along a plane cut with the tool: only the material in it is followed. In front of it the workpiece is untouched; what is behind it, the far part of the chip and of the machined surface, leaves for good. For long cuts; `sphcut springback` sees only the surface that is still in the window.",
+        vec![
+            Field::new(
+                "ahead",
+                positive(Quantity::Length, LONGEST),
+                Presence::Derived("the height of the workpiece, three uncut chip thicknesses at least"),
+                "how far in front of the edge material is followed; the end of the window is fixed like a back",
+            )
+            .example("\"1 mm\""),
+            Field::new(
+                "behind",
+                positive(Quantity::Length, LONGEST),
+                Presence::Derived("1.5 times the height of the workpiece, six uncut chip thicknesses at least"),
+                "material that passed the edge this far back, and is a third as far from it now, leaves",
+            )
+            .example("\"1 mm\""),
+        ],
+    )
+}
+
 /// `[passes]`.
 pub(crate) fn passes() -> Section {
     Section::new(

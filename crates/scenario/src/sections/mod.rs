@@ -12,7 +12,7 @@ pub(crate) use bodies::{
     SHAPE_KEYS, VELOCITY_FIELDS, body, support, velocity, velocity_change, wall,
 };
 pub(crate) use cut::{
-    boundaries, compliance, compliance_of, passes, process, run_out, tool, workpiece,
+    boundaries, compliance, compliance_of, passes, process, run_out, tool, window, workpiece,
 };
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use identification::{
@@ -128,6 +128,7 @@ pub(crate) fn root() -> Section {
             table("process", Presence::Optional, "what the tool does in a cut")
                 .example("[process] with cutting_speed, uncut_chip_thickness and width_of_cut"),
             table("passes", Presence::Optional, "several passes of a cut"),
+            table("window", Presence::Optional, "what of a long cut is followed"),
             table("boundaries", Presence::Optional, "how the workpiece of a cut is held"),
             Field::new("body", Kind::Tables, Presence::Optional, "a body made of particles")
                 .example("[[body]] with name, material and shape"),
@@ -363,6 +364,7 @@ mod tests {
             tool(),
             process(),
             passes(),
+            window(),
             boundaries(),
             resolution(),
             heat(),

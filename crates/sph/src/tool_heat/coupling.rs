@@ -63,6 +63,11 @@ impl ToolHeat {
         self.exposures.sort_unstable_by_key(|(particle, _)| *particle);
     }
 
+    /// Particles that rub on the tool or touched it since its last step.
+    pub(crate) fn exposed(&self) -> impl Iterator<Item = u32> + '_ {
+        self.exposures.iter().map(|(particle, _)| *particle)
+    }
+
     /// Named arrays with the whole state.
     pub(crate) fn checkpoint(&self) -> [(&'static str, Vec<f64>); 3] {
         let books = &self.books;

@@ -1,0 +1,69 @@
+//! `[window]`: what of the workpiece is followed while the tool moves on.
+
+use crate::findings::Findings;
+use crate::problem::Mistake;
+use crate::record::Record;
+use crate::units::significant;
+use crate::{reader, sections};
+use sphcut_physics::Quantity;
+use sphcut_sph::setup::MovingWindow;
+
+/// Defaults in heights of the workpiece: twice and four times as much changes no force by 1 %
+/// (docs/numerics.md).
+const AHEAD: f64 = 1.0;
+const BEHIND: f64 = 1.5;
+/// Least lengths in uncut chip thicknesses: the shear zone and the contact of a thick chip lie within.
+const LEAST_AHEAD: f64 = 3.0;
+const LEAST_BEHIND: f64 = 6.0;
+
+/// `[window]` of a cut; everything is followed without it. `None` after a mistake.
+pub(crate) fn window(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    dimension: usize,
+    (height, thickness): (f64, f64),
+) -> Option<Option<MovingWindow>> {
+    let Some(table) = root.table("window") else { return Some(None) };
+    let record = reader::read(findings, &root.source, table, &sections::window(), 2);
+    let mut refuse = |message: &str, help: &str| {
+        let mistake = Mistake::Contradiction { message: message.to_owned(), help: help.to_owned() };
+        findings.problem(&record.source, record.heading.clone(), mistake);
+    };
+    if dimension == 3 {
+        refuse("a moving window belongs to a plane cut, this is turning", "remove [window]");
+        return None;
+    }
+    if root.is_written("passes") {
+        refuse(
+            "a moving window leaves behind what a second pass would cut",
+            "remove [window], or [passes]",
+        );
+        return None;
+    }
+    let mut length = |key, heights: f64, least: f64| {
+        if !record.is_written(key) {
+            let length = (heights * height).max(least);
+            findings.derived("window", key, Quantity::Length, length);
+            return Some(length);
+        }
+        let length = record.number(key)?;
+        if length < least * (1.0 - 1e-9) {
+            let mistake = Mistake::Contradiction {
+                message: format!(
+                    "{key} = {} mm cuts into what makes the forces",
+                    significant(length * 1e3)
+                ),
+                help: format!(
+                    "at this uncut chip thickness it must be {} mm at least",
+                    significant(least * 1e3)
+                ),
+            };
+            findings.problem(&record.source, record.span(key), mistake);
+            return None;
+        }
+        Some(length)
+    };
+    let ahead = length("ahead", AHEAD, LEAST_AHEAD * thickness);
+    let behind = length("behind", BEHIND, LEAST_BEHIND * thickness);
+    Some(Some(MovingWindow { ahead: ahead?, behind: behind? }))
+}

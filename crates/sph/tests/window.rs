@@ -1,0 +1,128 @@
+//! The moving window: same bits at any thread count and after a restart, closed books, and the forces of the
+//! cut that is followed whole.
+
+mod support;
+
+use sphcut_physics::Values;
+use sphcut_sph::setup::{Lattice, MovingWindow, Setup, Shape};
+use sphcut_sph::{ChannelId, Sample, SetupError, Simulation, options};
+use support::{SPEED, bits, cut, run};
+
+/// Long enough for material to come and to go.
+fn long_cut(rotation: f64) -> Setup {
+    let mut setup = cut(rotation, Lattice::Square);
+    if let Shape::Box { max, .. } = &mut setup.bodies[0].shape {
+        max[0] = 1.4e-3;
+    }
+    setup.end_time = 0.8e-3 / SPEED;
+    setup.sampling_interval = 10e-6 / SPEED;
+    setup.uncut_chip_thickness = Some(0.1e-3);
+    setup.numerics = Values::resolve(options::NUMERICS, &[("mass_scaling", 2500.0)]).unwrap();
+    setup
+}
+
+fn windowed(rotation: f64) -> Setup {
+    let window = Some(MovingWindow { ahead: 0.51e-3, behind: 0.3e-3 });
+    Setup { window, ..long_cut(rotation) }
+}
+
+fn mean(samples: &[Sample], id: ChannelId) -> f64 {
+    let late = &samples[3 * samples.len() / 10..];
+    late.iter().map(|sample| sample.get(id)).sum::<f64>() / late.len() as f64
+}
+
+#[test]
+fn material_comes_and_goes_with_closed_books() {
+    let start = Simulation::new(windowed(0.0)).unwrap();
+    // Columns of 14 particles, 25 um apart, 0.51 mm in front and 0.3 mm behind.
+    assert_eq!(start.particle_count(), 21 * 14);
+    assert_eq!(start.estimate().particles, 33 * 14);
+    // The start shows all material, later snapshots what is there.
+    assert_eq!(start.snapshot().id, (0..56 * 14).collect::<Vec<_>>());
+    let (simulation, samples) = run(windowed(0.0));
+    let counts = samples.iter().map(|sample| sample.get(ChannelId::Particles) as usize);
+    let most = counts.max().unwrap();
+    assert!(most > 33 * 14 && most < 40 * 14, "{most}");
+    let shown = simulation.snapshot();
+    assert_eq!(shown.id.len(), simulation.particle_count());
+    assert!(shown.id.is_sorted());
+
+    let last = samples.last().unwrap();
+    let work = last.get(ChannelId::ToolWork);
+    assert!(last.get(ChannelId::RetiredEnergy) > 0.0);
+    assert!(last.get(ChannelId::EnergyError).abs() < 1e-3 * work);
+    let (content, supplied) = (last.get(ChannelId::HeatContent), last.get(ChannelId::HeatSupplied));
+    assert!((content - supplied).abs() < 1e-6 * supplied, "{content} {supplied}");
+    let mut before = 0.0;
+    let mut impulse = 0.0;
+    for sample in &samples {
+        let interval = sample.get(ChannelId::Time) - before;
+        before = sample.get(ChannelId::Time);
+        impulse += interval
+            * (sample.get(ChannelId::CuttingForce) + sample.get(ChannelId::ReactionCutting));
+    }
+    let momentum = last.get(ChannelId::MomentumCutting);
+    assert!((impulse - momentum).abs() < 1e-9 * momentum.abs().max(impulse.abs()));
+}
+
+#[test]
+fn a_window_does_not_change_the_forces() {
+    let (_, whole) = run(long_cut(0.0));
+    let (_, window) = run(windowed(0.0));
+    let ratio = |id| mean(&window, id) / mean(&whole, id);
+    let (cutting, feed) = (ratio(ChannelId::CuttingForce), ratio(ChannelId::FeedForce));
+    assert!((cutting - 1.0).abs() < 0.03, "F_c changes by a factor of {cutting}");
+    assert!((feed - 1.0).abs() < 0.15, "F_f changes by a factor of {feed}");
+}
+
+#[test]
+fn a_window_over_everything_is_no_window() {
+    let setup = long_cut(0.0);
+    let wide = Setup { window: Some(MovingWindow { ahead: 5e-3, behind: 5e-3 }), ..setup.clone() };
+    let (whole, all) = (run(setup).0.checkpoint(), run(wide).0.checkpoint());
+    for (name, values) in &whole.reals {
+        assert!(all.real(name) == Some(values), "{name}");
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let with_threads = |count: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        pool.install(|| bits(&run(windowed(0.0)).0.checkpoint()))
+    };
+    assert!(with_threads(1) == with_threads(3));
+}
+
+#[test]
+fn a_restored_window_goes_on_with_the_same_bits() {
+    let setup = windowed(0.0);
+    let whole = run(setup.clone()).0.checkpoint();
+    let mut interrupted = Simulation::new(setup.clone()).unwrap();
+    while interrupted.time() < 0.8 * setup.end_time {
+        interrupted.step().unwrap();
+    }
+    let state = interrupted.checkpoint();
+    let mut resumed = Simulation::restore(setup.clone(), &state).unwrap();
+    while !resumed.is_finished() {
+        resumed.step().unwrap();
+    }
+    assert!(bits(&whole) == bits(&resumed.checkpoint()));
+    assert!(whole.integers == resumed.checkpoint().integers);
+
+    // A state without a window is another one's.
+    let refused = Simulation::restore(Setup { window: None, ..setup }, &state);
+    assert!(matches!(refused, Err(SetupError::Checkpoint { .. })));
+}
+
+#[test]
+fn a_rotated_window_is_the_same_window() {
+    let (straight, turned) = (run(windowed(0.0)).1, run(windowed(37_f64.to_radians())).1);
+    let count = |samples: &[Sample]| samples[20].get(ChannelId::Particles);
+    assert_eq!(count(&straight), count(&turned));
+    let early = |samples: &[Sample]| {
+        samples[..20].iter().map(|s| s.get(ChannelId::CuttingForce)).sum::<f64>()
+    };
+    let (straight, turned) = (early(&straight), early(&turned));
+    assert!((straight - turned).abs() < 0.01 * straight, "{straight} {turned}");
+}
