@@ -64,6 +64,8 @@ pub enum Command {
     /// Find the friction coefficient that fits measured forces best, and test it at other speeds.
     #[command(after_help = CALIBRATE_HELP)]
     CalibrateFriction(CalibrateArguments),
+    /// Run a scenario with many combinations of values, and keep every result.
+    Sweep(crate::sweep::SweepArguments),
     /// Turn recordings of a dynamometer into a table of mean forces with intervals.
     #[command(after_help = RECORDINGS_HELP)]
     Recordings(RecordingsArguments),

@@ -7,19 +7,16 @@ use crate::{loading, terminal, text};
 use sphcut_scenario::{Origin, ResolvedEntry, Scenario};
 use sphcut_sph::setup::{Dimension, Setup};
 use sphcut_sph::{Estimate, Simulation, ToolMeshFacts};
+use sphcut_sweep::CROWDING;
 use std::fmt::Write as _;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Wall-clock time of the measurement.
 const MEASUREMENT: Duration = Duration::from_millis(1500);
-/// Steps that are not counted: the first ones warm caches and threads up.
-const WARM_UP: u32 = 3;
 /// Bytes of the program and of the record's buffers beside the solver's arrays, measured on an
 /// empty run.
 const BASE_BYTES: u64 = 20_000_000;
 
-/// Most steps of a cut over those that the first step predicts: 1.1 to 2.2 in the cuts measured.
-const CROWDING: f64 = 2.2;
 /// Texts longer than this are prose, not values.
 const PROSE: usize = 60;
 /// Width of the text.
@@ -48,31 +45,14 @@ fn cost(setup: &Setup, measured: bool) -> Result<(Estimate, Option<f64>), Failur
     let mut simulation =
         Simulation::new(setup.clone()).map_err(|error| Failure::input(error.to_string()))?;
     let estimate = simulation.estimate();
-    let speed = if measured { Some(measure(&mut simulation)?) } else { None };
+    let speed = if measured { Some(speed(&mut simulation)?) } else { None };
     Ok((estimate, speed))
 }
 
 /// Particle updates per second in the first steps.
-fn measure(simulation: &mut Simulation) -> Result<f64, Failure> {
-    let mut step = || {
-        simulation
-            .step()
-            .map(|_| simulation.is_finished())
-            .map_err(|diverged| Failure::diverged(format!("within the first steps: {diverged}")))
-    };
-    for _ in 0..WARM_UP {
-        step()?;
-    }
-    let (start, mut steps) = (Instant::now(), 0_u32);
-    loop {
-        let finished = step()?;
-        steps += 1;
-        if finished || start.elapsed() >= MEASUREMENT {
-            break;
-        }
-    }
-    let updates = f64::from(steps) * simulation.particle_count() as f64;
-    Ok(updates / start.elapsed().as_secs_f64())
+pub fn speed(simulation: &mut Simulation) -> Result<f64, Failure> {
+    sphcut_sweep::measure(simulation, MEASUREMENT)
+        .map_err(|diverged| Failure::diverged(format!("within the first steps: {diverged}")))
 }
 
 fn heading(scenario: &Scenario) -> String {

@@ -5,6 +5,7 @@ use crate::failure::{ExitCode, Failure};
 use sphcut_record::{Provenance, Setting};
 use sphcut_scenario::{
     Colours, Identification, LoadOptions, Mistake, OutsideFiles, Problem, Recordings, Scenario,
+    Sweep,
 };
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
@@ -25,6 +26,12 @@ pub fn recordings(arguments: &ScenarioArguments) -> Result<Recordings, Failure> 
 /// Reads and checks a file of material tests.
 pub fn identification(arguments: &ScenarioArguments) -> Result<Identification, Failure> {
     sphcut_scenario::load_identification(&arguments.scenario, &options(arguments))
+        .map_err(|problems| refused(arguments, &problems))
+}
+
+/// Reads and checks a file of a sweep.
+pub fn sweep(arguments: &ScenarioArguments) -> Result<Sweep, Failure> {
+    sphcut_scenario::load_sweep(&arguments.scenario, &options(arguments))
         .map_err(|problems| refused(arguments, &problems))
 }
 

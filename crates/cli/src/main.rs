@@ -19,6 +19,7 @@ mod results;
 mod run;
 mod schema;
 mod springback;
+mod sweep;
 mod terminal;
 mod text;
 mod validate;
@@ -48,6 +49,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Report { run } => report::report(&run),
         Command::Springback(arguments) => springback::springback(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Recordings(arguments) => recordings::recordings(&arguments),
         Command::CalibrateFriction(arguments) => calibrate_friction::calibrate(&arguments),
         Command::Greybox(arguments) => greybox::greybox(&arguments),

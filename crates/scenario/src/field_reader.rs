@@ -52,6 +52,7 @@ impl FieldReader<'_> {
             Kind::Table if value.is_table() => None,
             Kind::Table => self.wrong_type(&span, "a table", value),
             Kind::Tables => self.tables(value, &span),
+            Kind::Literal(_) => None,
             Kind::Material if value.is_table() => None,
             Kind::Material => match value.as_str() {
                 Some(name) => Some((Value::Text(name.to_owned()), name.to_owned())),

@@ -28,6 +28,8 @@ pub struct ResolvedEntry {
     pub text: String,
     /// The value in SI, or the word.
     pub value: String,
+    /// The same as a number, not rounded; `None` for words, lists and tables.
+    pub number: Option<f64>,
     /// SI unit; empty for words and pure numbers.
     pub unit: &'static str,
     /// Where the value comes from.
@@ -74,6 +76,7 @@ impl Findings {
             key: key.to_owned(),
             text: units::readable(quantity, si),
             value,
+            number: Some(si),
             unit: quantity.si_unit(),
             origin: Origin::Derived,
         });

@@ -40,6 +40,7 @@ mod sections;
 mod shared;
 mod silhouette;
 mod spelling;
+mod sweep;
 mod tool;
 mod tool_geometry;
 mod tool_heat;
@@ -67,9 +68,10 @@ pub use identification::{Identification, StatedMaterial, TestCurve, load_identif
 pub use recordings::{
     RecordingChannel, RecordingCut, RecordingFile, Recordings, ResponseLine, load_recordings,
 };
-pub use reference::{identification_reference, recordings_reference, reference};
+pub use reference::{identification_reference, recordings_reference, reference, sweep_reference};
 pub use scenario::{Scenario, load, parse};
 pub use schema::{schema, taplo};
+pub use sweep::{Axis, Design, Held, KeyPath, Levels, Sweep, Unfit, load_sweep};
 pub use units::UnitError;
 
 use findings::Findings;

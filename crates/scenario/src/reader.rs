@@ -176,6 +176,11 @@ fn describe(
         | Kind::PartialVector(quantity) => quantity.si_unit(),
         _ => "",
     };
+    let number = match value {
+        Value::Number(number) => Some(*number),
+        Value::Count(count) => Some(*count as f64),
+        _ => None,
+    };
     let value = match value {
         Value::Number(number) => units::significant(*number),
         Value::Count(count) => count.to_string(),
@@ -196,5 +201,5 @@ fn describe(
     };
     let section = section.name.clone();
     let key = field.key.to_owned();
-    findings.description.push(ResolvedEntry { section, key, text, value, unit, origin });
+    findings.description.push(ResolvedEntry { section, key, text, value, number, unit, origin });
 }

@@ -55,6 +55,15 @@ What `sphcut identify` reads; [identification.md](identification.md) says what i
 
 ";
 
+const SWEEP_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
+
+# Files of sweeps: all keys
+
+What `sphcut sweep` reads; [sweeps.md](sweeps.md) says what it does. Values are written as in [scenarios](scenario.md): a
+number and a unit in quotes.
+
+";
+
 /// The reference of all keys as Markdown.
 #[must_use]
 pub fn reference() -> String {
@@ -114,6 +123,12 @@ pub fn recordings_reference() -> String {
 pub fn identification_reference() -> String {
     let lists = ["curves", "compression", "bar_test"];
     beside(IDENTIFICATION_HEAD, &sections::identification_sections(), &lists)
+}
+
+/// The reference of the keys of a file of a sweep as Markdown.
+#[must_use]
+pub fn sweep_reference() -> String {
+    beside(SWEEP_HEAD, &sections::sweep_sections(), &["vary"])
 }
 
 /// The page of a file that is no scenario; `lists` are the sections that may be there several times.
@@ -205,6 +220,7 @@ fn value(kind: &Kind) -> String {
         Kind::PartialVector(quantity) => format!("list, each a {} or `\"free\"`", quantity.name()),
         Kind::Table => "table".to_owned(),
         Kind::Tables => "list of tables".to_owned(),
+        Kind::Literal(what) => (*what).to_owned(),
         Kind::Material => "name of a material, `\"FILE.toml\"`, or a table".to_owned(),
     }
 }

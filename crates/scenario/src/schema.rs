@@ -31,6 +31,7 @@ pub fn taplo(schema_path: &str) -> String {
         "# Completion and checks for scenarios in editors with taplo (Even Better TOML).\n\
          [[rule]]\n\
          include = [\"scenarios/*.toml\", \"validation/*/scenario*.toml\"]\n\
+         exclude = [\"scenarios/*_sweep.toml\"]\n\
          \n\
          [rule.schema]\n\
          enabled = true\n\
@@ -253,6 +254,7 @@ fn kind(kind: &Kind) -> Value {
         }
         Kind::Count { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
         Kind::Choice(words) => json!({ "enum": words }),
+        Kind::Literal(_) => json!({}),
         Kind::Text | Kind::Path => json!({ "type": "string" }),
         Kind::Switch => json!({ "type": "boolean" }),
         Kind::Vector(of) => vector(&quantity(*of, None)),

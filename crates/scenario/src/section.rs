@@ -32,6 +32,8 @@ pub(crate) enum Kind {
     Tables,
     /// The name of a material or a table.
     Material,
+    /// A value of whatever key it is for, or a list of them; the words say which.
+    Literal(&'static str),
 }
 
 /// Whether a key must be there, and what holds without it.
@@ -149,6 +151,7 @@ impl Field {
             Kind::Switch => format!("{} = true", self.key),
             Kind::Table => format!("[{}]", self.key),
             Kind::Tables => format!("[[{}]]", self.key),
+            Kind::Literal(_) => format!("{} = 1", self.key),
         }
     }
 }

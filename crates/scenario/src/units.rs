@@ -263,6 +263,22 @@ pub(crate) fn parse(text: &str, quantity: Quantity) -> Result<Measured, UnitErro
     if si.is_finite() { Ok(Measured { si, unit }) } else { Err(UnitError::NotFinite) }
 }
 
+/// Reads `text` as a quantity of any kind: its SI value and its unit.
+pub(crate) fn any(text: &str) -> Result<(f64, String), UnitError> {
+    if text.len() > LONGEST_QUANTITY {
+        return Err(UnitError::TooLong);
+    }
+    let (number, rest) = split_number(text.trim())?;
+    let unit = parse_unit(rest)?;
+    Ok((unit.size.apply(number) + unit.offset, unit.text))
+}
+
+/// Whether two units measure the same; a unit that cannot be read measures nothing.
+pub(crate) fn same_dimensions(one: &str, other: &str) -> bool {
+    let dimensions = |text: &str| parse_unit(text).ok().map(|unit| unit.dimensions);
+    dimensions(one).is_some() && dimensions(one) == dimensions(other)
+}
+
 /// The nearest unit for an unknown symbol: those of the quantity come first.
 fn propose(error: UnitError, quantity: Quantity) -> UnitError {
     let UnitError::UnknownUnit { symbol, .. } = error else { return error };
@@ -283,7 +299,7 @@ fn name_of(dimensions: Dimensions) -> Option<&'static str> {
 }
 
 /// The longest prefix that is a number, and what follows without leading blanks.
-fn split_number(text: &str) -> Result<(f64, &str), UnitError> {
+pub(crate) fn split_number(text: &str) -> Result<(f64, &str), UnitError> {
     let bytes = text.as_bytes();
     let digits = |mut at: usize| {
         while bytes.get(at).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'_') {

@@ -1,7 +1,9 @@
 //! What is generated from the tables: the reference page and the JSON schema.
 
 use serde_json::{Value, json};
-use sphcut_scenario::{identification_reference, recordings_reference, reference, schema, taplo};
+use sphcut_scenario::{
+    identification_reference, recordings_reference, reference, schema, sweep_reference, taplo,
+};
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
@@ -28,6 +30,7 @@ fn the_reference_page_is_current() {
     is_current("../../docs/scenario.md", &reference());
     is_current("../../docs/recordings_keys.md", &recordings_reference());
     is_current("../../docs/identification_keys.md", &identification_reference());
+    is_current("../../docs/sweep_keys.md", &sweep_reference());
 }
 
 #[test]
@@ -134,6 +137,7 @@ fn toml_files(folder: &str) -> Vec<PathBuf> {
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
         .filter(|path| path.file_name().is_some_and(|name| name != "beside.toml"))
+        .filter(|path| !path.to_string_lossy().ends_with("_sweep.toml"))
         .collect()
 }
 

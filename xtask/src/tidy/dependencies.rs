@@ -23,13 +23,14 @@ const NOT_IN_THE_CORE: [&str; 12] = [
 const CORE: [&str; 2] = ["sphcut-physics", "sphcut-sph"];
 
 /// The arrows that exist: a crate and the crates of the workspace it may build on.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 11] = [
     ("physics", &[]),
     ("sph", &["physics"]),
     ("identify", &["physics"]),
     ("scenario", &["sph", "physics"]),
     ("record", &["sph", "physics"]),
     ("postprocess", &["record", "sph", "physics"]),
+    ("sweep", &["scenario", "record", "sph", "physics"]),
     ("greybox", &["record", "physics"]),
     ("report", &["greybox", "postprocess", "record", "identify", "sph", "physics"]),
     ("verification", &["scenario", "postprocess", "record", "sph", "physics"]),
@@ -40,6 +41,7 @@ const ARROWS: [(&str, &[&str]); 10] = [
             "report",
             "greybox",
             "postprocess",
+            "sweep",
             "record",
             "scenario",
             "identify",

@@ -8,3 +8,4 @@ mod identify;
 mod recordings;
 mod run;
 mod springback;
+mod sweep;

@@ -6,6 +6,7 @@ mod heat_source;
 mod identification;
 mod material;
 mod recordings;
+mod sweep;
 mod tool_heat;
 
 pub(crate) use bodies::{
@@ -26,6 +27,7 @@ pub(crate) use recordings::{
     recordings_force, recordings_low_pass, recordings_root, recordings_sections, recordings_steady,
     recordings_trigger,
 };
+pub(crate) use sweep::{sweep_design, sweep_root, sweep_sections, sweep_vary};
 pub(crate) use tool_heat::{coating, tool_heat};
 
 use crate::section::{Field, Kind, Presence, Section};

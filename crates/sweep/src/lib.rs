@@ -1,0 +1,15 @@
+//! Many runs of one scenario: which ones ([`Plan`]), where their results are kept ([`Store`]), how they are
+//! computed.
+//!
+//! A run is known by its [`Address`]: the same resolved scenario and the same solver have the same address,
+//! however the scenario is written.
+
+mod address;
+mod cost;
+mod design;
+mod plan;
+mod random;
+
+pub use address::{Address, address};
+pub use cost::{CROWDING, Cost, measure};
+pub use plan::{LeftOut, Plan, PlanError, PlannedRun, plan};
