@@ -18,6 +18,7 @@ pub mod parameter;
 pub mod process;
 pub mod quantity;
 pub mod radial_return;
+pub mod shear_plane;
 pub mod temperature_table;
 
 pub use parameter::{Parameter, ParameterError, Range, Values};
