@@ -1,6 +1,8 @@
 //! Johnson-Cook one parameter after the other, as it is done by hand.
 
-use crate::{Point, References};
+use crate::law::stress_at;
+use crate::{LawChoice, Point, References};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// The parameters found by the sequence, SI, and what they were found from.
@@ -12,6 +14,11 @@ pub struct Sequence {
     pub points: [usize; 3],
     /// Points left out because a logarithm does not exist.
     pub left_out: usize,
+    /// Mean plastic strain at which A was read: 0.2 %, or where the curves begin.
+    pub yield_strain: f64,
+    /// Root mean square of ln(model / measured), every curve with the same weight; `None` for parameters that the law
+    /// does not take.
+    pub deviation: Option<f64>,
 }
 
 /// Why the sequence cannot be gone.
@@ -51,7 +58,9 @@ const OFFSET: f64 = 0.002;
 /// ln(eps_p); C from sigma / (A + B eps_p^n) - 1 over ln(rate / reference) through the origin; m likewise
 /// from ln(1 - sigma / (A + B eps_p^n)) over ln(T*) (grey-box paper, Eqs. 17 to 23).
 ///
-/// Each step takes the errors of those before it as none: the later parameters carry them on.
+/// Each step takes the errors of those before it as none: the later parameters carry them on. A is the stress at a plastic
+/// strain eps_A > 0, so it holds the hardening B eps_A^n of the law that made the curves, and n comes out too large
+/// for what is left.
 ///
 /// # Errors
 /// A step for which there is no curve.
@@ -62,7 +71,7 @@ pub fn sequence(points: &[Point], references: References) -> Result<Sequence, Se
         (1.0 / SAME_RATE..=SAME_RATE).contains(&ratio)
     };
     let reference: Vec<&Point> = points.iter().filter(|p| cold(p) && slow(p)).collect();
-    let yield_stress = yield_stress(&reference).ok_or(SequenceError::NoReference)?;
+    let [yield_strain, yield_stress] = yield_point(&reference).ok_or(SequenceError::NoReference)?;
     let mut left_out = 0;
     let line: Vec<(f64, f64)> = reference
         .iter()
@@ -97,31 +106,48 @@ pub fn sequence(points: &[Point], references: References) -> Result<Sequence, Se
         })
         .collect();
     let softening = through_origin(&warm).ok_or(SequenceError::NoTemperatures)?;
+    let parameters = [yield_stress, modulus, exponent, rate, softening];
     Ok(Sequence {
-        parameters: [yield_stress, modulus, exponent, rate, softening],
+        yield_strain,
+        deviation: deviation(&parameters, points, references),
+        parameters,
         points: [line.len(), fast.len(), warm.len()],
         left_out,
     })
 }
 
-/// The mean stress at 0.2 % plastic strain: of the curves that reach below it by interpolation, of others
-/// their first point.
-fn yield_stress(points: &[&Point]) -> Option<f64> {
+/// Root mean square of ln(model / measured), every curve with the same weight.
+fn deviation(parameters: &[f64; 5], points: &[Point], references: References) -> Option<f64> {
+    let law = LawChoice::JohnsonCook.build(parameters, references)?;
+    let mut curves: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+    for point in points {
+        let sum = curves.entry(point.curve).or_default();
+        sum.0 += (stress_at(law.as_ref(), point) / point.stress).ln().powi(2);
+        sum.1 += 1.0;
+    }
+    let mean = curves.values().map(|(sum, count)| sum / count).sum::<f64>() / curves.len() as f64;
+    mean.is_finite().then(|| mean.sqrt())
+}
+
+/// Mean plastic strain and stress at 0.2 % plastic strain: of the curves that reach below it by interpolation, of
+/// others their first point.
+fn yield_point(points: &[&Point]) -> Option<[f64; 2]> {
     let mut curves: Vec<usize> = points.iter().map(|p| p.curve).collect();
     curves.sort_unstable();
     curves.dedup();
-    let of = |curve: usize| -> Option<f64> {
+    let of = |curve: usize| -> Option<[f64; 2]> {
         let own: Vec<&&Point> = points.iter().filter(|p| p.curve == curve).collect();
         let after = own.iter().position(|p| p.plastic_strain >= OFFSET)?;
         let (b, a) = (own[after], own[after.saturating_sub(1)]);
         if after == 0 || b.plastic_strain <= a.plastic_strain {
-            return Some(b.stress);
+            return Some([b.plastic_strain, b.stress]);
         }
         let share = (OFFSET - a.plastic_strain) / (b.plastic_strain - a.plastic_strain);
-        Some(a.stress + share * (b.stress - a.stress))
+        Some([OFFSET, a.stress + share * (b.stress - a.stress)])
     };
-    let found: Vec<f64> = curves.into_iter().filter_map(of).collect();
-    (!found.is_empty()).then(|| found.iter().sum::<f64>() / found.len() as f64)
+    let found: Vec<[f64; 2]> = curves.into_iter().filter_map(of).collect();
+    let mean = |k: usize| found.iter().map(|pair| pair[k]).sum::<f64>() / found.len() as f64;
+    (!found.is_empty()).then(|| [0, 1].map(mean))
 }
 
 /// Slope and intercept by least squares; `None` for less than three points.
