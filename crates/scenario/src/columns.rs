@@ -60,7 +60,7 @@ struct Column {
 pub(crate) type Line = (usize, Vec<Option<f64>>);
 
 /// Reads a table with the columns of `rules` in any order. Empty lines and lines that begin with `#`
-/// are skipped; cells of columns that are not required may be empty. `nothing` says what is missing if no line follows the header.
+/// are skipped; cells of columns that are not required may be empty or say that there is no number ([`UNKNOWN`]). `nothing` says what is missing if no line follows the header.
 ///
 /// # Errors
 /// The first mistake with its line and column.
@@ -130,6 +130,13 @@ fn header(line: usize, text: &str, rules: &[ColumnRule]) -> Result<Vec<Column>, 
     }
 }
 
+/// What programs write where there is no number, such as for the deviation of a single measurement; in any case.
+const UNKNOWN: [&str; 3] = ["", "nan", "na"];
+
+fn is_unknown(cell: &str) -> bool {
+    UNKNOWN.iter().any(|unknown| cell.eq_ignore_ascii_case(unknown))
+}
+
 fn row(
     line: usize,
     text: &str,
@@ -149,7 +156,7 @@ fn row(
             column: Some((index + 1, rule.name.to_owned())),
             message: format!("`{}`: {message}", crate::reader::shortened(cell)),
         };
-        if cell.is_empty() && !rule.required {
+        if !rule.required && is_unknown(cell) {
             continue;
         }
         // The unit stands in the header; a bare number is what is wanted.

@@ -113,6 +113,22 @@ mod tests {
     }
 
     #[test]
+    fn the_deviation_of_a_single_measurement_may_be_nan_and_is_then_unknown() {
+        let head = "v_c [m/min],h [mm],F_c [N],F_f [N],F_c_sd [N],F_f_sd [N],n\n";
+        for unknown in ["", "nan", "NaN", "NA"] {
+            let rows = read_force_table(&format!("{head}150,0.1,600,200,{unknown},3,1\n")).unwrap();
+            assert_eq!(rows[0].cutting_force_deviation, None, "{unknown}");
+            assert_eq!(rows[0].feed_force_deviation, Some(3.0));
+        }
+        for (cell, expected) in [("inf", "`inf`"), ("-", "not a number"), ("none", "not a number")]
+        {
+            let error =
+                read_force_table(&format!("{head}150,0.1,600,200,{cell},3,1\n")).unwrap_err();
+            assert!(error.to_string().contains(expected), "{error}");
+        }
+    }
+
+    #[test]
     fn mistakes_are_told_with_line_and_column() {
         let good = "v_c [m/min],h [mm],F_c [N],F_f [N]\n";
         for (text, expected) in [
