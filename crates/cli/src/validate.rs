@@ -5,7 +5,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::{loading, terminal, text};
 use indicatif::{ProgressBar, ProgressStyle};
 use sphcut_verification::{
-    Case, Finding, Outcome, Progress, RunOptions, Tier, Verdict, cases, run_case,
+    AnyCase, Finding, Outcome, Progress, RunOptions, Tier, Verdict, all_cases,
 };
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -29,16 +29,17 @@ pub fn validate(arguments: &ValidateArguments) -> Result<ExitCode, Failure> {
 }
 
 /// The cases of the tier and below, or those named.
-fn chosen(arguments: &ValidateArguments) -> Result<Vec<Case>, Failure> {
+fn chosen(arguments: &ValidateArguments) -> Result<Vec<AnyCase>, Failure> {
     let folder = arguments.folder.display();
     if !arguments.folder.is_dir() {
         return Err(Failure::new(ExitCode::InputOutput, format!("there is no folder `{folder}`"))
             .advise("run this at the top of the repository, or say --folder DIR"));
     }
-    let all = cases(&arguments.folder).map_err(|error| Failure::input(error.to_string()))?;
-    if let Some(unknown) = arguments.cases.iter().find(|name| !all.iter().any(|c| c.name == **name))
+    let all = all_cases(&arguments.folder).map_err(|error| Failure::input(error.to_string()))?;
+    if let Some(unknown) =
+        arguments.cases.iter().find(|name| !all.iter().any(|c| c.name() == *name))
     {
-        let names: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
+        let names: Vec<&str> = all.iter().map(AnyCase::name).collect();
         return Err(Failure::input(format!("there is no case `{unknown}` in `{folder}`"))
             .advise(format!("there are {}", names.join(", "))));
     }
@@ -47,33 +48,33 @@ fn chosen(arguments: &ValidateArguments) -> Result<Vec<Case>, Failure> {
         TierChoice::Standard => Tier::Standard,
         TierChoice::Long => Tier::Long,
     };
-    let wanted = |case: &Case| match arguments.cases.as_slice() {
-        [] => case.tier <= largest,
-        names => names.contains(&case.name),
+    let wanted = |case: &AnyCase| match arguments.cases.as_slice() {
+        [] => case.tier() <= largest,
+        names => names.iter().any(|name| name == case.name()),
     };
     Ok(all.into_iter().filter(wanted).collect())
 }
 
-fn list(cases: &[Case]) -> String {
+fn list(cases: &[AnyCase]) -> String {
     let mut page = String::new();
     for case in cases {
-        let tier = match case.tier {
+        let tier = match case.tier() {
             Tier::Quick => "quick",
             Tier::Standard => "standard",
             Tier::Long => "long",
         };
-        let _ = writeln!(page, "{:<28} {tier:<9} {}", case.name, case.title);
+        let _ = writeln!(page, "{:<28} {tier:<9} {}", case.name(), case.title());
     }
     page
 }
 
 /// Runs one case behind a bar that only a terminal sees.
-fn timed(case: &Case) -> (Verdict, Duration) {
+fn timed(case: &AnyCase) -> (Verdict, Duration) {
     let bar = ProgressBar::new(1000);
     let style = ProgressStyle::with_template("{bar:24} {percent:>3} %  {msg}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
     let start = Instant::now();
-    let verdict = run_case(case, &RunOptions::default(), &mut |progress: &Progress| {
+    let verdict = case.run(&RunOptions::default(), &|progress: &Progress| {
         bar.set_position((1000.0 * progress.fraction) as u64);
         bar.set_message(format!("{} {}", progress.case, progress.run));
     });

@@ -2,7 +2,7 @@
 
 use crate::error::GreyBoxError;
 use crate::fit::Table;
-use crate::metrics::{Outcomes, Scores, scores};
+use crate::metrics::{Estimate, Outcomes, Scores, bias, scores};
 use crate::model_file::{GreyBox, Prediction};
 use crate::pairing::{ForceKind, Pairs, pair_at_least};
 use crate::regressor::Method;
@@ -35,6 +35,10 @@ pub struct ForceComparison {
     pub grey_box: Scores,
     /// Corrected, rows inside the hull; `None` if there are none.
     pub grey_box_inside: Option<Scores>,
+    /// Mean of measured minus corrected in N, all rows: how far they differ in one direction.
+    pub bias: Estimate,
+    /// The same of the rows inside the hull; `None` if there are none.
+    pub bias_inside: Option<Estimate>,
     /// Share of the measurements inside the 95 % interval.
     pub coverage: f64,
 }
@@ -76,24 +80,24 @@ fn one(
         .zip(&simulated)
         .map(|(&input, &simulated)| model.predict(force, method, input, simulated))
         .collect::<Result<_, _>>()?;
-    let judge = |white: bool, keep: &dyn Fn(usize) -> bool| {
-        let rows: Vec<usize> = (0..samples.len()).filter(|&row| keep(row)).collect();
-        let of =
-            |pick: &dyn Fn(usize) -> f64| rows.iter().map(|&row| pick(row)).collect::<Vec<_>>();
-        let correction = |row: usize| predictions[row].corrected - predictions[row].simulated;
+    let none = vec![0.0; samples.len()];
+    let corrections: Vec<f64> = predictions.iter().map(|p| p.corrected - p.simulated).collect();
+    let rows: Vec<usize> = (0..samples.len()).filter(|&row| predictions[row].inside).collect();
+    let all: Vec<usize> = (0..samples.len()).collect();
+    let judge = |predicted: &[f64], rows: &[usize]| {
+        let of = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<_>>();
         let groups: Vec<usize> = rows.iter().map(|&row| samples.groups[row]).collect();
-        scores(
-            &Outcomes {
-                measured: &of(&|row| measured[row]),
-                residuals: &of(&|row| samples.targets[row]),
-                predicted: &of(&|row| if white { 0.0 } else { correction(row) }),
-                groups: &groups,
-            },
-            resamples,
-            model.seed,
-        )
+        let (measured, residuals) = (of(&measured), of(&samples.targets));
+        let outcomes = Outcomes {
+            measured: &measured,
+            residuals: &residuals,
+            predicted: &of(predicted),
+            groups: &groups,
+        };
+        (scores(&outcomes, resamples, model.seed), bias(&outcomes, resamples, model.seed))
     };
-    let inside = |row: usize| predictions[row].inside;
+    let (grey_box, bias) = judge(&corrections, &all);
+    let inside = (!rows.is_empty()).then(|| judge(&corrections, &rows));
     let covered = (0..samples.len())
         .filter(|&row| {
             let [low, high] = predictions[row].interval;
@@ -103,9 +107,11 @@ fn one(
     Ok(ForceComparison {
         force,
         method: method.unwrap_or(model.corrections[force.index()].chosen),
-        white_box: judge(true, &|_| true),
-        grey_box: judge(false, &|_| true),
-        grey_box_inside: (0..samples.len()).any(inside).then(|| judge(false, &inside)),
+        white_box: judge(&none, &all).0,
+        grey_box,
+        bias,
+        grey_box_inside: inside.as_ref().map(|(scores, _)| scores.clone()),
+        bias_inside: inside.map(|(_, bias)| bias),
         coverage: covered as f64 / samples.len() as f64,
         predictions,
     })

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Version of the schema of `greybox.json`.
-const SCHEMA_VERSION: &str = "1.0";
+const SCHEMA_VERSION: &str = "1.1";
 const M_PER_MIN: f64 = 60.0;
 const MM: f64 = 1e3;
 
@@ -57,9 +57,14 @@ fn force_json(force: &ForceFit) -> Value {
 
 fn method_json(fit: &MethodFit) -> Value {
     let extrapolated = |axis: usize| {
-        fit.extrapolation[axis]
-            .as_ref()
-            .map(|part| json!({ "parts": part.parts, "all": part.all.scores, "ends": part.ends }))
+        fit.extrapolation[axis].as_ref().map(|part| {
+            json!({
+                "parts": part.parts,
+                "all": part.all.scores,
+                "ends": part.ends,
+                "white_box_at_ends": part.white_box_at_ends,
+            })
+        })
     };
     json!({
         "method": fit.method,
@@ -146,6 +151,8 @@ pub fn comparison_json(comparison: &Comparison) -> String {
             "white_box": force.white_box,
             "grey_box": force.grey_box,
             "grey_box_inside_hull": force.grey_box_inside,
+            "bias": force.bias,
+            "bias_inside_hull": force.bias_inside,
             "coverage": force.coverage,
         })).collect::<Vec<_>>(),
     });

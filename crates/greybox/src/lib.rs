@@ -43,7 +43,7 @@ pub use fit::{
 pub use folds::grouped_folds;
 pub use hull::Hull;
 pub use importance::{Permutation, Sobol};
-pub use metrics::{Estimate, Outcomes, Scores, difference, scores};
+pub use metrics::{Estimate, Outcomes, Scores, bias, difference, scores};
 pub use model_file::{Correction, GreyBox, Prediction, Taught};
 pub use noise::{NoiseFloor, NoiseSource, noise_floor};
 pub use pairing::{Condition, ForceKind, ForceRow, PairedRow, Pairs, pair};

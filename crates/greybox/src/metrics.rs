@@ -163,6 +163,28 @@ pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
+/// Mean of measured minus corrected force in N, by draws of the conditions: what the predictions miss by in one
+/// direction.
+#[must_use]
+pub fn bias(outcomes: &Outcomes<'_>, resamples: usize, seed: u64) -> Estimate {
+    let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+    for (row, &group) in outcomes.groups.iter().enumerate() {
+        let sum = sums.entry(group).or_default();
+        sum.0 += outcomes.residuals[row] - outcomes.predicted[row];
+        sum.1 += 1.0;
+    }
+    let conditions: Vec<(f64, f64)> = sums.into_values().collect();
+    let mean = |drawn: &mut dyn Iterator<Item = usize>| {
+        let (sum, count) = drawn
+            .fold((0.0, 0.0), |(sum, count), k| (sum + conditions[k].0, count + conditions[k].1));
+        sum / count
+    };
+    let value = mean(&mut (0..conditions.len()));
+    let all = draws(conditions.len(), resamples, seed).map(|drawn| mean(&mut drawn.into_iter()));
+    let (low, high) = interval(all.collect());
+    Estimate { value, low, high }
+}
+
 /// Mean absolute error of `first` minus that of `second`, by the same draws of conditions.
 #[must_use]
 pub fn difference(
@@ -252,6 +274,23 @@ mod tests {
             groups: &[0, 1, 2],
         };
         assert_eq!(scores(&outcomes, 100, 1).r_squared, None);
+    }
+
+    #[test]
+    fn a_bias_keeps_its_sign_and_repeats_do_not_narrow_it() {
+        // Measured minus corrected: -2, -4, -6 (twice): mean -4.5.
+        let outcomes = Outcomes {
+            measured: &[100.0; 4],
+            residuals: &[8.0, 6.0, 4.0, 4.0],
+            predicted: &[10.0; 4],
+            groups: &[0, 1, 2, 2],
+        };
+        let found = bias(&outcomes, 1000, 1);
+        assert!((found.value + 4.5).abs() < 1e-12, "{found:?}");
+        assert!(found.low >= -6.0 && found.high <= -2.0 && found.low < found.high, "{found:?}");
+        // All draws of one condition give its own mean: nothing scatters.
+        let same = bias(&Outcomes { groups: &[0; 4], ..outcomes }, 100, 1);
+        assert_eq!((same.low, same.high), (-4.5, -4.5));
     }
 
     #[test]

@@ -7,12 +7,16 @@
 //! not repeated unless `--again` asks for it. `docs/validation.md` is written from all values that
 //! are there.
 
+use sphcut_verification::grey_box::grey_box_cases;
 use sphcut_verification::ledger::{self, Entry};
 use sphcut_verification::store::Store;
-use sphcut_verification::{Case, Outcome, RunOptions, Tier, adopt, cases, judge_stored, run_case};
+use sphcut_verification::{
+    Case, Outcome, Progress, RunOptions, Tier, Verdict, adopt, cases, judge_stored, run_case,
+};
 use std::error::Error;
 use std::fs;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut tier = None;
@@ -39,16 +43,31 @@ fn main() -> Result<(), Box<dyn Error>> {
         let case = case.ok_or("--adopt: no such case")?;
         adopt(case, run, Path::new(folder), &RunOptions::default(), &store)?;
     }
-    for case in cases.iter().filter(|case| is_wanted(case, tier, &names)) {
+    for case in cases.iter().filter(|case| is_wanted(&case.name, case.tier, tier, &names)) {
         if again {
             store.forget(&case.name)?;
         }
         run(case, &store);
     }
-    let entries = cases
-        .into_iter()
-        .map(|case| Ok(Entry { verdict: judge_stored(&case, &store)?, case }))
+    let grey_boxes = grey_box_cases(&folder)?;
+    for case in grey_boxes.iter().filter(|case| is_wanted(&case.name, case.tier, tier, &names)) {
+        if again {
+            store.forget(&case.name)?;
+        }
+        let told = Mutex::new(String::new());
+        let verdict = case.run(&kept_in(&store), &|progress| {
+            tell(progress, &mut told.lock().unwrap_or_else(PoisonError::into_inner));
+        });
+        say(&verdict);
+    }
+    let mut entries = cases
+        .iter()
+        .map(|case| Ok(Entry::of_case(case, judge_stored(case, &store)?)))
         .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+    for case in &grey_boxes {
+        entries.push(Entry::of_grey_box(case, &case.stored(&store)?));
+    }
+    entries.sort_by(|a, b| a.name().cmp(b.name()));
     fs::write(root.join("docs/validation.md"), ledger::markdown(&entries))?;
     Ok(())
 }
@@ -63,30 +82,31 @@ fn tier_of(name: &str) -> Result<Tier, String> {
 }
 
 /// Cases of the tier and below, or those named.
-fn is_wanted(case: &Case, tier: Option<Tier>, names: &[String]) -> bool {
-    if names.is_empty() {
-        tier.is_some_and(|tier| case.tier <= tier)
-    } else {
-        names.contains(&case.name)
-    }
+fn is_wanted(name: &String, of: Tier, tier: Option<Tier>, names: &[String]) -> bool {
+    if names.is_empty() { tier.is_some_and(|tier| of <= tier) } else { names.contains(name) }
 }
 
 fn run(case: &Case, store: &Store) {
-    let options = RunOptions { store: Some(store.clone()), ..RunOptions::default() };
     let mut told = String::new();
-    let verdict = run_case(case, &options, &mut |progress| {
-        let line = format!(
-            "{} / {}: {:.0} %",
-            progress.case,
-            progress.run,
-            (10.0 * progress.fraction).floor() * 10.0
-        );
-        if line != told {
-            eprintln!("{line}");
-            told = line;
-        }
-    });
-    println!("{}: {}", case.name, verdict.outcome.word());
+    say(&run_case(case, &kept_in(store), &mut |progress| tell(progress, &mut told)));
+}
+
+fn kept_in(store: &Store) -> RunOptions {
+    RunOptions { store: Some(store.clone()), ..RunOptions::default() }
+}
+
+/// Says what is run in steps of ten per cent.
+fn tell(progress: &Progress<'_>, told: &mut String) {
+    let share = (10.0 * progress.fraction).floor() * 10.0;
+    let line = format!("{} / {}: {share:.0} %", progress.case, progress.run);
+    if line != *told {
+        eprintln!("{line}");
+        *told = line;
+    }
+}
+
+fn say(verdict: &Verdict) {
+    println!("{}: {}", verdict.case, verdict.outcome.word());
     if let Outcome::Broken { reason } = &verdict.outcome {
         println!("  {reason}");
     }

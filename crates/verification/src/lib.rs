@@ -8,9 +8,11 @@
 //! To add a case: one folder. To add an observable: one file in `observable/`
 //! and its line in [`observable::ALL`].
 
+mod any_case;
 mod case;
 mod error;
 mod evidence;
+pub mod grey_box;
 mod judge;
 pub mod ledger;
 pub mod observable;
@@ -22,6 +24,7 @@ mod table;
 mod variants;
 mod verdict;
 
+pub use any_case::{AnyCase, all_cases};
 pub use case::{Case, Expectation, Kind, Metric, Mode, Reference, RunSpecification, Tier, cases};
 pub use error::CaseError;
 pub use evidence::Evidence;

@@ -3,6 +3,7 @@
 //! gave them; no case is ever judged against them.
 
 use crate::error::CaseError;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -42,6 +43,15 @@ impl Store {
     /// # Errors
     /// A file that cannot be read or understood.
     pub fn read(&self, case: &str, run: &str) -> Result<Option<StoredRun>, CaseError> {
+        self.read_as(case, run)
+    }
+
+    /// What is kept under the name of a run, if anything is.
+    pub(crate) fn read_as<T: DeserializeOwned>(
+        &self,
+        case: &str,
+        run: &str,
+    ) -> Result<Option<T>, CaseError> {
         let path = self.path(case, run);
         if !path.is_file() {
             return Ok(None);
@@ -58,10 +68,20 @@ impl Store {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, case: &str, stored: &StoredRun) -> Result<(), CaseError> {
-        let path = self.path(case, &stored.run);
+        self.write_as(case, &stored.run, stored)
+    }
+
+    /// Keeps something under the name of a run.
+    pub(crate) fn write_as<T: Serialize>(
+        &self,
+        case: &str,
+        run: &str,
+        kept: &T,
+    ) -> Result<(), CaseError> {
+        let path = self.path(case, run);
         let failed = |error: std::io::Error| CaseError::unreadable(&path, &error);
-        let text = toml::to_string(stored)
-            .map_err(|error| CaseError::invalid(&path, error.to_string()))?;
+        let text =
+            toml::to_string(kept).map_err(|error| CaseError::invalid(&path, error.to_string()))?;
         fs::create_dir_all(self.results(case)).map_err(failed)?;
         let partial = path.with_extension("partial");
         fs::write(&partial, text).map_err(failed)?;

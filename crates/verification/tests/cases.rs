@@ -2,6 +2,8 @@
 //! ignored tests: `cargo test -p sphcut-verification --test cases -- --ignored taylor`.
 
 use libtest_mimic::{Arguments, Failed, Trial};
+use sphcut_verification::grey_box::{GreyBoxCase, grey_box_cases};
+use sphcut_verification::store::Store;
 use sphcut_verification::{
     Case, Outcome, RunOptions, Tier, Verdict, cases, check_scenarios, run_case,
 };
@@ -12,10 +14,14 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation");
-    let trials = match cases(&root) {
-        Ok(cases) => {
+    let both = cases(&root).and_then(|cases| Ok((cases, grey_box_cases(&root)?)));
+    let trials = match both {
+        Ok((cases, grey_boxes)) => {
             let folders = cases.iter().map(folder_trial).collect::<Vec<_>>();
-            cases.into_iter().map(trial).chain(folders).collect()
+            let grey_folders = grey_boxes.iter().map(grey_folder_trial).collect::<Vec<_>>();
+            let grey_trials = grey_boxes.into_iter().map(grey_trial);
+            let trials = cases.into_iter().map(trial).chain(grey_trials);
+            trials.chain(folders).chain(grey_folders).collect()
         }
         Err(error) => {
             let reason = error.to_string();
@@ -37,20 +43,54 @@ fn folder_trial(case: &Case) -> Trial {
     let case = case.clone();
     Trial::test(format!("folder::{}", case.name), move || {
         check_scenarios(&case, &RunOptions::default())?;
-        if !case.folder.join("README.md").is_file() {
-            return Err(Failed::from("README.md is missing"));
+        has_readme_and_row(&case.folder, &case.name)
+    })
+}
+
+fn has_readme_and_row(folder: &Path, name: &str) -> Result<(), Failed> {
+    if !folder.join("README.md").is_file() {
+        return Err(Failed::from("README.md is missing"));
+    }
+    let ledger = folder.join("../../docs/validation.md");
+    if !fs::read_to_string(ledger)?.contains(&format!("(#{name})")) {
+        return Err(Failed::from("docs/validation.md has no row: run the example `ledger`"));
+    }
+    Ok(())
+}
+
+fn grey_trial(case: GreyBoxCase) -> Trial {
+    let (name, tier) = (case.name.clone(), case.tier);
+    let ignored = tier != Tier::Quick;
+    let run = move || as_stated(&case.run(&RunOptions::default(), &|_| ()));
+    Trial::test(name, run).with_ignored_flag(ignored)
+}
+
+/// Fits take minutes; what is kept of them has to belong to the tables, to be as stated, and to stand in the ledger.
+fn grey_folder_trial(case: &GreyBoxCase) -> Trial {
+    let case = case.clone();
+    Trial::test(format!("folder::{}", case.name), move || {
+        has_readme_and_row(&case.folder, &case.name)?;
+        let store = Store::new(&case.folder.join(".."));
+        let figures = case.stored(&store)?;
+        let Some(verdict) = case.judge_stored(&figures) else {
+            return Err(Failed::from("results belong to other tables: run the example `ledger`"));
+        };
+        as_stated(&verdict)?;
+        let ledger = fs::read_to_string(case.folder.join("../../docs/validation.md"))?;
+        if ledger.contains(&case.tables(&figures)) {
+            Ok(())
+        } else {
+            Err(Failed::from("docs/validation.md has other figures: run the example `ledger`"))
         }
-        let ledger = case.folder.join("../../docs/validation.md");
-        if !fs::read_to_string(ledger)?.contains(&format!("(#{})", case.name)) {
-            return Err(Failed::from("docs/validation.md has no row: run the example `ledger`"));
-        }
-        Ok(())
     })
 }
 
 fn judge(case: &Case) -> Result<(), Failed> {
-    let verdict = run_case(case, &RunOptions::default(), &mut |_| ());
-    if verdict.outcome.is_as_stated() { Ok(()) } else { Err(Failed::from(report(&verdict))) }
+    as_stated(&run_case(case, &RunOptions::default(), &mut |_| ()))
+}
+
+fn as_stated(verdict: &Verdict) -> Result<(), Failed> {
+    if verdict.outcome.is_as_stated() { Ok(()) } else { Err(Failed::from(report(verdict))) }
 }
 
 fn report(verdict: &Verdict) -> String {

@@ -33,7 +33,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
     ("sweep", &["scenario", "record", "sph", "physics"]),
     ("greybox", &["record", "physics"]),
     ("report", &["greybox", "postprocess", "record", "identify", "sph", "physics"]),
-    ("verification", &["scenario", "postprocess", "record", "sph", "physics"]),
+    ("verification", &["scenario", "greybox", "postprocess", "record", "sph", "physics"]),
     (
         "cli",
         &[

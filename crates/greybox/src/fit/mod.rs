@@ -162,6 +162,8 @@ pub struct Extrapolated {
     pub all: Validated,
     /// The lowest and the highest level alone: between them lies interpolation.
     pub ends: Scores,
+    /// The simulation alone at these two.
+    pub white_box_at_ends: Scores,
     /// Number of parts.
     pub parts: usize,
 }
@@ -291,8 +293,10 @@ impl Context<'_> {
             let (folds, parts) = trials.extrapolation[axis].as_ref()?;
             let all = self.validated(parts);
             let last = folds.iter().copied().max().unwrap_or(0);
-            let ends = self.scores(&all.predicted, |row| folds[row] == 0 || folds[row] == last);
-            Some(Extrapolated { all, ends, parts: parts.len() })
+            let is_end = |row: usize| folds[row] == 0 || folds[row] == last;
+            let ends = self.scores(&all.predicted, is_end);
+            let white_box_at_ends = self.scores(&vec![0.0; all.predicted.len()], is_end);
+            Some(Extrapolated { all, ends, white_box_at_ends, parts: parts.len() })
         });
         let inside = self.half_width(&interpolation);
         let outside = extrapolation.iter().flatten().map(|part| self.half_width(&part.all));

@@ -1,0 +1,66 @@
+//! Cases of scenarios and of the grey box under one name.
+
+use crate::case::{Case, Tier, cases};
+use crate::error::CaseError;
+use crate::grey_box::{GreyBoxCase, Watch, grey_box_cases};
+use crate::runner::{RunOptions, run_case};
+use crate::verdict::Verdict;
+use std::path::Path;
+
+/// A case of either kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AnyCase {
+    /// Scenarios are run.
+    Scenarios(Case),
+    /// Corrections are fitted.
+    GreyBox(GreyBoxCase),
+}
+
+/// All cases below `root`, by name.
+///
+/// # Errors
+/// A folder that cannot be read, the first case that is not well formed.
+pub fn all_cases(root: &Path) -> Result<Vec<AnyCase>, CaseError> {
+    let scenarios = cases(root)?.into_iter().map(AnyCase::Scenarios);
+    let grey_boxes = grey_box_cases(root)?.into_iter().map(AnyCase::GreyBox);
+    let mut all: Vec<AnyCase> = scenarios.chain(grey_boxes).collect();
+    all.sort_by(|a, b| a.name().cmp(b.name()));
+    Ok(all)
+}
+
+impl AnyCase {
+    /// Name of the folder.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Scenarios(case) => &case.name,
+            Self::GreyBox(case) => &case.name,
+        }
+    }
+
+    /// Title.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        match self {
+            Self::Scenarios(case) => &case.title,
+            Self::GreyBox(case) => &case.title,
+        }
+    }
+
+    /// How long it takes.
+    #[must_use]
+    pub fn tier(&self) -> Tier {
+        match self {
+            Self::Scenarios(case) => case.tier,
+            Self::GreyBox(case) => case.tier,
+        }
+    }
+
+    /// Runs and judges it.
+    pub fn run(&self, options: &RunOptions, progress: &Watch<'_>) -> Verdict {
+        match self {
+            Self::Scenarios(case) => run_case(case, options, &mut |told| progress(told)),
+            Self::GreyBox(case) => case.run(options, progress),
+        }
+    }
+}

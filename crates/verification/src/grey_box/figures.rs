@@ -1,0 +1,252 @@
+//! What the fits of a case give, computed or kept.
+
+use super::{ComparisonSpecification, FitSpecification, GreyBoxCase, Watch};
+use crate::Progress;
+use crate::error::CaseError;
+use crate::store::Store;
+use serde::{Deserialize, Serialize};
+use sphcut_greybox::regressor::Method;
+use sphcut_greybox::{
+    Comparison, Estimate, Extrapolated, FitOptions, ForceFit, ForceKind, ForceRow, GreyBox,
+    NoiseFloor, Scores, Table, compare, fit,
+};
+use std::path::Path;
+
+/// What is kept of one fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitFigures {
+    /// Name of the fit.
+    pub fit: String,
+    /// Version of the program.
+    pub version: String,
+    /// Seed of the fit.
+    pub seed: u64,
+    /// SHA-256 of the simulated table.
+    pub simulated_table: String,
+    /// SHA-256 of the measured table.
+    pub measured_table: String,
+    /// Measured rows.
+    pub rows: usize,
+    /// Measured conditions.
+    pub conditions: usize,
+    /// F_c and F_f.
+    pub forces: Vec<ForceFigures>,
+    /// Against other measurements.
+    pub comparisons: Vec<ComparisonFigures>,
+}
+
+/// One force of a fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceFigures {
+    /// Which.
+    pub force: ForceKind,
+    /// The regressor to use.
+    pub chosen: Method,
+    /// The simulation alone.
+    pub simulated: Scores,
+    /// Corrected, conditions left out, the regressor chosen anew in every fold.
+    pub corrected: Scores,
+    /// What the scatter of repeats leaves to a perfect model.
+    pub floor: Option<NoiseFloor>,
+    /// Without the simulation, conditions left out.
+    pub without_simulation: Scores,
+    /// Whole speeds left out.
+    pub speeds: Option<LevelsLeftOut>,
+    /// Whole thicknesses left out.
+    pub thicknesses: Option<LevelsLeftOut>,
+}
+
+/// Errors of the regressor to use where whole levels were left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LevelsLeftOut {
+    /// One level at a time.
+    pub all: Scores,
+    /// The lowest and the highest alone: extrapolation.
+    pub ends: Scores,
+    /// The simulation alone at these two.
+    pub simulated_at_ends: Scores,
+}
+
+/// A fit against other measurements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComparisonFigures {
+    /// Name of the comparison.
+    pub comparison: String,
+    /// SHA-256 of the simulated table.
+    pub simulated_table: String,
+    /// SHA-256 of the measured table.
+    pub measured_table: String,
+    /// Measured rows.
+    pub rows: usize,
+    /// Rows inside the hull of the conditions of the fit.
+    pub inside: usize,
+    /// F_c and F_f.
+    pub forces: Vec<ForceCompared>,
+}
+
+/// One force of a comparison.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceCompared {
+    /// Which.
+    pub force: ForceKind,
+    /// The regressor.
+    pub method: Method,
+    /// Share of the measurements inside the predicted 95 % intervals.
+    pub coverage: f64,
+    /// The simulation alone.
+    pub simulated: Scores,
+    /// Corrected.
+    pub corrected: Scores,
+    /// Corrected, inside the hull.
+    pub corrected_inside: Option<Scores>,
+    /// Measured minus corrected in N, inside the hull.
+    pub bias_inside: Option<Estimate>,
+}
+
+/// The kept figures of a fit if they belong to its tables, or if the tables are not there to be compared.
+pub(super) fn kept(
+    case: &GreyBoxCase,
+    specification: &FitSpecification,
+    store: &Store,
+) -> Result<Option<FitFigures>, CaseError> {
+    let Some(kept) = store.read_as::<FitFigures>(&case.name, &specification.name)? else {
+        return Ok(None);
+    };
+    let same = |path: &Path, hash: &str| {
+        let path = case.folder.join(path);
+        let absent = specification.made_by.is_some() && !path.is_file();
+        Ok::<bool, CaseError>(absent || table(&path)?.origin.sha256 == hash)
+    };
+    let mut belongs = same(&specification.simulated, &kept.simulated_table)?
+        && same(&specification.measured, &kept.measured_table)?;
+    let asked: Vec<_> = case.comparisons.iter().filter(|c| c.fit == specification.name).collect();
+    belongs &= asked.len() == kept.comparisons.len();
+    for (asked, found) in asked.iter().zip(&kept.comparisons) {
+        belongs = belongs
+            && asked.name == found.comparison
+            && same(&asked.simulated, &found.simulated_table)?
+            && same(&asked.measured, &found.measured_table)?;
+    }
+    Ok(belongs.then_some(kept))
+}
+
+/// Kept figures, or those of a new fit; `None` if its tables are not in the repository and not there.
+pub(super) fn obtain(
+    case: &GreyBoxCase,
+    specification: &FitSpecification,
+    store: Option<&Store>,
+    progress: &Watch<'_>,
+) -> Result<Option<FitFigures>, CaseError> {
+    if let Some(store) = store
+        && let Some(kept) = kept(case, specification, store)?
+    {
+        return Ok(Some(kept));
+    }
+    let measured = case.folder.join(&specification.measured);
+    if specification.made_by.is_some() && !measured.is_file() {
+        return Ok(None);
+    }
+    let (simulated, measured) =
+        (table(&case.folder.join(&specification.simulated))?, table(&measured)?);
+    let mut options = FitOptions::default();
+    if let Some(methods) = &specification.regressors {
+        options.methods.clone_from(methods);
+    }
+    let failed = |reason: String| CaseError::RunFailed { run: specification.name.clone(), reason };
+    let tell = |fraction: f64, _: &str| {
+        progress(&Progress { case: &case.name, run: &specification.name, fraction });
+    };
+    let found =
+        fit(&simulated, &measured, &options, &tell).map_err(|error| failed(error.to_string()))?;
+    let model = GreyBox::of(&found);
+    let asked = case.comparisons.iter().filter(|c| c.fit == specification.name);
+    let comparisons = asked.map(|asked| compared(case, asked, &model, options.resamples));
+    let figures = FitFigures {
+        fit: specification.name.clone(),
+        version: found.version.to_owned(),
+        seed: options.seed,
+        simulated_table: simulated.origin.sha256,
+        measured_table: measured.origin.sha256,
+        rows: found.pairs.rows.len(),
+        conditions: found.pairs.conditions.len(),
+        forces: found.forces.iter().map(force_figures).collect(),
+        comparisons: comparisons.collect::<Result<_, _>>()?,
+    };
+    if let Some(store) = store {
+        store.write_as(&case.name, &specification.name, &figures)?;
+    }
+    Ok(Some(figures))
+}
+
+fn force_figures(force: &ForceFit) -> ForceFigures {
+    let left_out = |axis: usize| {
+        let found: Option<&Extrapolated> = force.chosen().extrapolation[axis].as_ref();
+        found.map(|found| LevelsLeftOut {
+            all: found.all.scores.clone(),
+            ends: found.ends.clone(),
+            simulated_at_ends: found.white_box_at_ends.clone(),
+        })
+    };
+    ForceFigures {
+        force: force.force,
+        chosen: force.choice.method,
+        simulated: force.white_box.clone(),
+        corrected: force.procedure.clone(),
+        floor: force.floor,
+        without_simulation: force.alone.interpolation.clone(),
+        speeds: left_out(0),
+        thicknesses: left_out(1),
+    }
+}
+
+fn compared(
+    case: &GreyBoxCase,
+    asked: &ComparisonSpecification,
+    model: &GreyBox,
+    resamples: usize,
+) -> Result<ComparisonFigures, CaseError> {
+    let simulated = table(&case.folder.join(&asked.simulated))?;
+    let measured = table(&case.folder.join(&asked.measured))?;
+    let found: Comparison =
+        compare(model, None, &simulated, &measured, resamples).map_err(|error| {
+            CaseError::RunFailed { run: asked.name.clone(), reason: error.to_string() }
+        })?;
+    let forces = found.forces.iter().map(|force| ForceCompared {
+        force: force.force,
+        method: force.method,
+        coverage: force.coverage,
+        simulated: force.white_box.clone(),
+        corrected: force.grey_box.clone(),
+        corrected_inside: force.grey_box_inside.clone(),
+        bias_inside: force.bias_inside,
+    });
+    Ok(ComparisonFigures {
+        comparison: asked.name.clone(),
+        simulated_table: simulated.origin.sha256,
+        measured_table: measured.origin.sha256,
+        rows: found.pairs.rows.len(),
+        inside: found.inside,
+        forces: forces.collect(),
+    })
+}
+
+fn table(path: &Path) -> Result<Table, CaseError> {
+    let text =
+        std::fs::read_to_string(path).map_err(|error| CaseError::unreadable(path, &error))?;
+    let rows = sphcut_scenario::read_force_table(&text)
+        .map_err(|problem| CaseError::invalid(path, problem.to_string()))?;
+    let rows = rows.into_iter().map(|row| ForceRow {
+        cutting_speed: row.cutting_speed,
+        uncut_chip_thickness: row.uncut_chip_thickness,
+        forces: [row.cutting_force, row.feed_force],
+        deviations: [row.cutting_force_deviation, row.feed_force_deviation],
+        count: row.count,
+    });
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    Ok(Table::new(&name.unwrap_or_default(), &text, rows.collect()))
+}
