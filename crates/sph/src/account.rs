@@ -82,6 +82,8 @@ pub(crate) struct Tally {
     pub(crate) thermoelastic: f64,
     /// Heat made from plastic work.
     pub(crate) heat: f64,
+    /// Stored energy released by the density diffusion.
+    pub(crate) diffused: f64,
     /// Largest component of the strain since the last refresh.
     pub(crate) strain: f64,
     /// Bounds of the displacements since the last refresh.

@@ -7,7 +7,7 @@
 //! ([`crate::contact_area`]): it sticks below and slides at it, whatever the time step or stiffness.
 //! The slip is the true projection `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
 
-use crate::contact_area::{Footing, SurfaceShares};
+use crate::contact_area::{Footing, SurfaceShares, make_room};
 use crate::error::SetupError;
 use crate::setup::{Tool, Vector as Vector3};
 use crate::tensor::Vector;
@@ -212,6 +212,12 @@ impl<const D: usize> ToolContact<D> {
                 self.candidates.push(Candidate { particle: particle as u32, first, last });
             }
         }
+        // Room for all of them to touch: a step then asks for none.
+        let most = self.candidates.len();
+        make_room(&mut self.footings, most);
+        make_room(&mut self.pressed, most);
+        make_room(&mut self.touches, most);
+        self.shares.make_room(most);
     }
 
     /// Computes the contact forces at `time`; `look` tells about a particle.

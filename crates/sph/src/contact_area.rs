@@ -26,6 +26,11 @@ const LEAST: f64 = 0.05;
 /// Corners that a particle's patch can have; further neighbours than that cut nothing.
 const MOST_CORNERS: usize = 48;
 
+/// Room for `most` values in all.
+pub(crate) fn make_room<T>(values: &mut Vec<T>, most: usize) {
+    values.reserve(most.saturating_sub(values.len()));
+}
+
 /// A particle that touches the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Footing {
@@ -118,6 +123,12 @@ impl Patch {
 }
 
 impl SurfaceShares {
+    /// Room for `most` particles.
+    pub(crate) fn make_room(&mut self, most: usize) {
+        make_room(&mut self.order, most);
+        make_room(&mut self.shares, most);
+    }
+
     /// Area in m^2 (length in m in 2D) of each particle of the last sharing, in their order.
     pub(crate) fn areas(&self) -> &[f64] {
         &self.shares

@@ -28,6 +28,7 @@
 use crate::contact::reduced;
 use crate::engine::Engine;
 use crate::neighbours::{CHUNK, TURN};
+use crate::sweeps::exchange_width;
 use crate::tensor::{Vector, apply, dot, minus, plus_scaled};
 use rayon::prelude::*;
 
@@ -39,13 +40,33 @@ const SAFETY: f64 = 0.25;
 /// tool where 0.1 leaves 55: docs/numerics.md.)
 const FLOWED: f64 = 0.1;
 
-/// What a pair needs to know of a particle.
+/// What a pair needs to know of a particle; it lies in the exchange of the force sweep, which is over.
 #[derive(Debug, Clone, Copy)]
 struct Smooth<const D: usize> {
     volume_ratio: f64,
     gradient: Vector<D>,
     /// nu times the pending time in m^2.
     reach: f64,
+}
+
+impl<const D: usize> Smooth<D> {
+    #[inline]
+    fn write(&self, place: &mut [f64]) {
+        place[..D].copy_from_slice(&self.gradient);
+        place[D] = self.volume_ratio;
+        place[D + 1] = self.reach;
+    }
+
+    #[inline]
+    fn read(exchange: &[f64], i: usize) -> Self {
+        let width = exchange_width::<D>();
+        let place = &exchange[i * width..(i + 1) * width];
+        Self {
+            volume_ratio: place[D],
+            gradient: std::array::from_fn(|k| place[k]),
+            reach: place[D + 1],
+        }
+    }
 }
 
 impl<const D: usize> Engine<D> {
@@ -72,46 +93,49 @@ impl<const D: usize> Engine<D> {
                 dot(&slip, &slip).sqrt()
             })
         };
-        let smooth: Vec<Smooth<D>> = (0..point.len())
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .with_max_len(TURN * CHUNK)
-            .map(|i| {
-                let (index, weight) = list.row(i);
-                let mut sum = [0.0; D];
-                for (&j, &w) in index.iter().zip(weight) {
-                    let j = j as usize;
-                    let change = point[j].volume_ratio - point[i].volume_ratio;
-                    sum = plus_scaled(
-                        &sum,
-                        w * change,
-                        &minus(motion[j].reference(), motion[i].reference()),
-                    );
+        let smooth = |i: usize| {
+            let (index, weight) = list.row(i);
+            let mut sum = [0.0; D];
+            for (&j, &w) in index.iter().zip(weight) {
+                let j = j as usize;
+                let change = point[j].volume_ratio - point[i].volume_ratio;
+                sum = plus_scaled(
+                    &sum,
+                    w * change,
+                    &minus(motion[j].reference(), motion[i].reference()),
+                );
+            }
+            let flowed = (point[i].plastic_strain / FLOWED).min(1.0);
+            Smooth {
+                volume_ratio: point[i].volume_ratio,
+                gradient: apply(&frame[i].correction, &sum),
+                reach: (flowing * point[i].plastic_strain_rate + left * passing(i) * flowed)
+                    .min(largest),
+            }
+        };
+        let width = exchange_width::<D>();
+        self.exchange.par_chunks_mut(CHUNK * width).enumerate().with_max_len(TURN).for_each(
+            |(chunk, places)| {
+                for (offset, place) in places.chunks_exact_mut(width).enumerate() {
+                    smooth(chunk * CHUNK + offset).write(place);
                 }
-                let flowed = (point[i].plastic_strain / FLOWED).min(1.0);
-                Smooth {
-                    volume_ratio: point[i].volume_ratio,
-                    gradient: apply(&frame[i].correction, &sum),
-                    reach: (flowing * point[i].plastic_strain_rate + left * passing(i) * flowed)
-                        .min(largest),
-                }
-            })
-            .collect();
-        let smooth = &smooth;
-        let released: Vec<f64> = self
-            .point
+            },
+        );
+        let exchange = &self.exchange;
+        self.point
             .par_chunks_mut(CHUNK)
+            .zip(self.tallies.par_iter_mut())
             .enumerate()
             .with_max_len(TURN)
-            .map(|(chunk, points)| {
+            .for_each(|(chunk, (points, tally))| {
                 let mut released = 0.0;
                 for (offset, point) in points.iter_mut().enumerate() {
                     let i = chunk * CHUNK + offset;
-                    let own = &smooth[i];
+                    let own = Smooth::<D>::read(exchange, i);
                     let (index, weight) = list.row(i);
                     let mut change = 0.0;
                     for (&j, &w) in index.iter().zip(weight) {
-                        let other = &smooth[j as usize];
+                        let other = Smooth::<D>::read(exchange, j as usize);
                         let separation =
                             minus(motion[j as usize].reference(), motion[i].reference());
                         let slope: Vector<D> =
@@ -127,10 +151,10 @@ impl<const D: usize> Engine<D> {
                     let after = point.volumetric_energy(elasticity);
                     released += volume[i] * (before - after);
                 }
-                released
-            })
-            .collect();
-        self.account.density_diffusion += released.iter().sum::<f64>();
+                tally.diffused = released;
+            });
+        self.account.density_diffusion +=
+            self.tallies.iter().map(|tally| tally.diffused).sum::<f64>();
     }
 }
 

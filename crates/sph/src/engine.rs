@@ -20,10 +20,9 @@ use crate::contact::{ContactInput, ToolContact, reduced};
 use crate::equation_of_state::Elasticity;
 use crate::error::{Diverged, SetupError};
 use crate::history::{History, Memory};
-use crate::lattice::Seed;
 use crate::material_point::MaterialPoint;
 use crate::motion::Motion;
-use crate::neighbours::{CHUNK, NeighbourList, Smoothing};
+use crate::neighbours::{CHUNK, Cells, NeighbourList, Smoothing};
 use crate::setup::{CuttingFrame, HeatSource, Setup};
 use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
@@ -122,6 +121,10 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) exchange: Vec<f64>,
     pub(crate) reference_volume: Vec<f64>,
     pub(crate) list: NeighbourList,
+    /// Room for renewals, kept from one to the next: the cells, marks and new places of the particles.
+    pub(crate) cells: Cells<D>,
+    pub(crate) marks: Vec<bool>,
+    pub(crate) new_place: Vec<u32>,
     pub(crate) tallies: Vec<Tally>,
     /// Pairs that may touch without belonging together.
     pub(crate) strangers: Vec<(u32, u32)>,
@@ -230,29 +233,6 @@ impl<const D: usize> Engine<D> {
         Ok(engine)
     }
 
-    /// A particle before anything happens to it.
-    fn rest(&self, setup: &Setup, id: usize, seed: &Seed) -> Rest<D> {
-        let hold = Hold::<D>::of(setup, &seed.position);
-        let mut velocity: Vector<D> = reduced(&seed.velocity);
-        let mut temperature = seed.temperature;
-        if hold != FREE {
-            let support = &self.holds[hold as usize];
-            velocity = support.constrained(&velocity);
-            temperature = support.temperature.unwrap_or(temperature);
-        }
-        let material = setup.bodies[seed.body as usize].material;
-        Rest {
-            id: id as u64,
-            body: seed.body,
-            material: u8::try_from(material).expect("fewer than 256 materials"),
-            hold,
-            position: reduced(&seed.position),
-            velocity,
-            volume: seed.volume,
-            temperature,
-        }
-    }
-
     fn without_particles(setup: &Setup) -> Result<Self, SetupError> {
         let numerics = Numerics {
             courant: setup.numerics.get("courant"),
@@ -300,6 +280,9 @@ impl<const D: usize> Engine<D> {
             exchange: Vec::new(),
             reference_volume: Vec::new(),
             list: NeighbourList::default(),
+            cells: Cells::default(),
+            marks: Vec::new(),
+            new_place: Vec::new(),
             tallies: Vec::new(),
             strangers: Vec::new(),
             crowded: Vec::new(),

@@ -16,6 +16,7 @@ use crate::engine::Engine;
 use crate::laplacian;
 use crate::neighbours::{CHUNK, TURN};
 use crate::supports::FREE;
+use crate::sweeps::exchange_width;
 use crate::tensor::minus;
 use rayon::prelude::*;
 
@@ -38,21 +39,20 @@ impl<const D: usize> Engine<D> {
 
     fn conduct(&mut self, duration: f64) {
         if self.conduction_tensor.is_empty() {
-            self.conduction_tensor = laplacian::tensors(&self.list, &self.motion);
+            laplacian::find_tensors(&mut self.conduction_tensor, &self.list, &self.motion);
         }
-        let temperature: Vec<f64> = self.point.iter().map(|point| point.temperature).collect();
-        let conductivity: Vec<f64> = self
-            .material
-            .iter()
-            .zip(&temperature)
-            .map(|(&material, temperature)| {
-                let data = &self.materials[material as usize];
-                let table = data.conductivity_table.as_ref();
-                table.map_or(data.conductivity, |table| table.value(*temperature))
-            })
-            .collect();
+        // The exchange of the force sweep, which is over, holds what conduction started from.
+        let width = exchange_width::<D>();
+        let places = self.exchange.chunks_exact_mut(width);
+        for ((place, point), material) in places.zip(&self.point).zip(&self.material) {
+            let data = &self.materials[*material as usize];
+            let table = data.conductivity_table.as_ref();
+            place[0] = point.temperature;
+            place[1] = table.map_or(data.conductivity, |table| table.value(point.temperature));
+        }
         let (list, frame, materials) = (&self.list, &self.frame, &self.materials);
-        let (material, temperature, conductivity) = (&self.material, &temperature, &conductivity);
+        let (material, exchange) = (&self.material, &self.exchange);
+        let before = |i: usize| (exchange[i * width], exchange[i * width + 1]);
         let (motion, tensor) = (&self.motion, &self.conduction_tensor);
         self.point.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
             |(chunk, points)| {
@@ -60,17 +60,19 @@ impl<const D: usize> Engine<D> {
                     let i = chunk * CHUNK + offset;
                     let (index, weight) = list.row(i);
                     let mut flux = 0.0;
+                    let (own_temperature, own_conductivity) = before(i);
                     for (&j, &w) in index.iter().zip(weight) {
                         let j = j as usize;
-                        let both = conductivity[i] + conductivity[j];
+                        let (temperature, conductivity) = before(j);
+                        let both = own_conductivity + conductivity;
                         let mean = if both > 0.0 {
-                            2.0 * conductivity[i] * conductivity[j] / both
+                            2.0 * own_conductivity * conductivity / both
                         } else {
                             0.0
                         };
                         let separation = minus(motion[j].reference(), motion[i].reference());
                         let factor = laplacian::pair(&separation, &tensor[i], &tensor[j]);
-                        flux += w * mean * factor * (temperature[j] - temperature[i]);
+                        flux += w * mean * factor * (temperature - own_temperature);
                     }
                     let data = &materials[material[i] as usize];
                     point.temperature = data.heated(

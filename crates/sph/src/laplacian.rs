@@ -36,17 +36,18 @@ const SMALLEST_PIVOT: f64 = 1e-6;
 /// D (D + 1)/2 in three dimensions.
 const MOST: usize = 6;
 
-/// S of all particles.
-pub(crate) fn tensors<const D: usize>(
+/// S of all particles, in the place of what `tensors` held.
+pub(crate) fn find_tensors<const D: usize>(
+    tensors: &mut Vec<Matrix<D>>,
     list: &NeighbourList,
     motion: &[Motion<D>],
-) -> Vec<Matrix<D>> {
-    (0..motion.len())
-        .into_par_iter()
-        .with_min_len(CHUNK)
-        .with_max_len(TURN * CHUNK)
-        .map(|i| tensor(list, motion, i))
-        .collect()
+) {
+    tensors.resize(motion.len(), zero());
+    tensors.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(|(chunk, tensors)| {
+        for (offset, place) in tensors.iter_mut().enumerate() {
+            *place = tensor(list, motion, chunk * CHUNK + offset);
+        }
+    });
 }
 
 /// The factor of a pair, `e.(S_i + S_j).e`, between 0 and 2 C.
@@ -157,22 +158,24 @@ mod tests {
     /// Particles with unit volume and their neighbours, h_s = 1.5.
     fn neighbours<const D: usize>(mut points: Vec<Vector<D>>) -> (NeighbourList, Vec<Vector<D>>) {
         let smoothing = Smoothing { kernel: KernelChoice::WendlandC2, length: 1.5 };
-        let mut cells = Cells::new(&points, 3.0);
-        let order = cells.sort(&points);
-        points = order.iter().map(|&old| points[old as usize]).collect();
+        let mut cells = Cells::default();
+        cells.lay(&points, 3.0);
+        points = cells.order.iter().map(|&old| points[old as usize]).collect();
         let count = points.len();
         let (body, volume) = (vec![0; count], vec![1.0; count]);
         let kinship =
             Kinship { body: &body, origin: &points, bonded: true, reach_square: f64::INFINITY };
         let mut list = NeighbourList::default();
         let cloud = Cloud { positions: &points, volumes: &volume, kinship, metrics: &[] };
-        build_list(&mut list, &cells, &cloud, smoothing, 0.0);
+        build_list(&mut list, &cells, &cloud, smoothing, (&mut Vec::new(), 0.0));
         (list, points)
     }
 
     fn tensors_at<const D: usize>(list: &NeighbourList, points: &[Vector<D>]) -> Vec<Matrix<D>> {
         let motion: Vec<Motion<D>> = points.iter().map(|x| Motion::new(*x, [0.0; D])).collect();
-        tensors(list, &motion)
+        let mut tensors = Vec::new();
+        find_tensors(&mut tensors, list, &motion);
+        tensors
     }
 
     /// A block of `count` particles a side, each displaced at random by up to `disorder`.

@@ -24,6 +24,8 @@ pub(crate) struct NeighbourList {
     index: Vec<u32>,
     /// `-W'(r)/r V_j` in 1/m^2.
     weight: Vec<f64>,
+    /// Rows on their way into the list, kept from one renewal to the next.
+    rows: Vec<Rows>,
 }
 
 impl NeighbourList {
@@ -46,7 +48,9 @@ impl NeighbourList {
 
     /// Memory in bytes.
     pub(crate) fn memory(&self) -> usize {
-        4 * (self.start.capacity() + self.index.capacity()) + 8 * self.weight.capacity()
+        4 * (self.start.capacity() + self.index.capacity())
+            + 8 * self.weight.capacity()
+            + self.rows.iter().map(Rows::memory).sum::<usize>()
     }
 }
 
@@ -58,14 +62,35 @@ pub(crate) struct Cells<const D: usize> {
     counts: [usize; 3],
     /// First particle of each cell, after sorting.
     start: Vec<u32>,
+    /// Cell of each particle.
+    cell_of: Vec<u32>,
+    /// Where the next particle of each cell comes; only while sorting.
+    next: Vec<u32>,
+    /// The particles in the order in which they are to be stored.
+    pub(crate) order: Vec<u32>,
+}
+
+impl<const D: usize> Default for Cells<D> {
+    fn default() -> Self {
+        Self {
+            origin: [0.0; D],
+            inverse_size: 1.0,
+            counts: [1; 3],
+            start: Vec::new(),
+            cell_of: Vec::new(),
+            next: Vec::new(),
+            order: Vec::new(),
+        }
+    }
 }
 
 /// Upper limit on the number of cells: a far-flung particle must not exhaust the memory.
 const MAX_CELLS_PER_PARTICLE: usize = 64;
 
 impl<const D: usize> Cells<D> {
-    /// Lays cells of at least `size` over `positions`.
-    pub(crate) fn new(positions: &[Vector<D>], size: f64) -> Self {
+    /// Lays cells of at least `size` over `positions` and sorts these by cell, stably: `order` is the order in
+    /// which the particles are to be stored.
+    pub(crate) fn lay(&mut self, positions: &[Vector<D>], size: f64) {
         let mut low = [f64::INFINITY; D];
         let mut high = [f64::NEG_INFINITY; D];
         for position in positions {
@@ -86,8 +111,10 @@ impl<const D: usize> Cells<D> {
                 counts[k] = extent.min(1e9) as usize;
             }
             if total <= limit as f64 {
-                let start = vec![0; counts[0] * counts[1] * counts[2] + 1];
-                return Self { origin: low, inverse_size: 1.0 / size, counts, start };
+                self.start.clear();
+                self.start.resize(counts[0] * counts[1] * counts[2] + 1, 0);
+                (self.origin, self.inverse_size, self.counts) = (low, 1.0 / size, counts);
+                return self.sort(positions);
             }
             size *= 1.5;
         }
@@ -108,25 +135,24 @@ impl<const D: usize> Cells<D> {
         (cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]
     }
 
-    /// Sorts by cell, stably: the order in which the particles are to be stored.
-    pub(crate) fn sort(&mut self, positions: &[Vector<D>]) -> Vec<u32> {
-        let cell_of: Vec<u32> =
-            positions.iter().map(|position| self.flat(self.coordinates(position)) as u32).collect();
-        self.start.fill(0);
+    fn sort(&mut self, positions: &[Vector<D>]) {
+        let mut cell_of = std::mem::take(&mut self.cell_of);
+        cell_of.clear();
+        cell_of.extend(positions.iter().map(|at| self.flat(self.coordinates(at)) as u32));
         for &cell in &cell_of {
             self.start[cell as usize + 1] += 1;
         }
         for cell in 1..self.start.len() {
             self.start[cell] += self.start[cell - 1];
         }
-        let mut next = self.start.clone();
-        let mut order = vec![0; positions.len()];
+        self.next.clone_from(&self.start);
+        self.order.resize(positions.len(), 0);
         for (particle, &cell) in cell_of.iter().enumerate() {
-            let place = &mut next[cell as usize];
-            order[*place as usize] = particle as u32;
+            let place = &mut self.next[cell as usize];
+            self.order[*place as usize] = particle as u32;
             *place += 1;
         }
-        order
+        self.cell_of = cell_of;
     }
 
     /// Calls `visit` with each range of particles in the cells around `position`.
@@ -173,8 +199,8 @@ pub(crate) struct Cloud<'a, const D: usize> {
     pub(crate) metrics: &'a [Matrix<D>],
 }
 
-/// Tasks whose rows wait to be joined to the list: enough for many threads, and few megabytes.
-const BATCH: usize = 64;
+/// Tasks per thread whose rows wait to be joined to the list.
+const BATCH: usize = 8;
 
 /// The rows of one chunk of particles.
 #[derive(Debug, Default)]
@@ -185,6 +211,20 @@ struct Rows {
     strangers: Vec<(u32, u32)>,
 }
 
+impl Rows {
+    fn clear(&mut self) {
+        self.counts.clear();
+        self.index.clear();
+        self.weight.clear();
+        self.strangers.clear();
+    }
+
+    fn memory(&self) -> usize {
+        4 * (self.counts.capacity() + self.index.capacity() + 2 * self.strangers.capacity())
+            + 8 * self.weight.capacity()
+    }
+}
+
 /// Builds the list, strangers left out, and finds the strangers: pairs closer than `reach` that do not belong
 /// together, each from both sides, in the order of the first. `reach` and every support must not exceed the cells.
 pub(crate) fn build_list<const D: usize>(
@@ -192,25 +232,24 @@ pub(crate) fn build_list<const D: usize>(
     cells: &Cells<D>,
     cloud: &Cloud<D>,
     smoothing: Smoothing,
-    reach: f64,
-) -> Vec<(u32, u32)> {
+    (strangers, reach): (&mut Vec<(u32, u32)>, f64),
+) {
     let count = cloud.positions.len();
-    let mut strangers = Vec::new();
+    let batch = BATCH * rayon::current_num_threads();
+    strangers.clear();
+    list.rows.resize_with(batch.min(count.div_ceil(CHUNK)), Rows::default);
     list.start.clear();
-    list.start.reserve_exact(count + 1);
+    make_room(&mut list.start, count + 1, count + 1);
     list.start.push(0);
     list.index.clear();
     list.weight.clear();
-    for first in (0..count).step_by(BATCH * CHUNK) {
-        let last = (first + BATCH * CHUNK).min(count);
-        let rows: Vec<Rows> = (0..(last - first).div_ceil(CHUNK))
-            .into_par_iter()
-            .with_max_len(TURN)
-            .map(|chunk| {
-                let own = first + chunk * CHUNK;
-                rows_of(own..(own + CHUNK).min(last), cells, cloud, smoothing, reach)
-            })
-            .collect();
+    for first in (0..count).step_by(batch * CHUNK) {
+        let last = (first + batch * CHUNK).min(count);
+        let rows = &mut list.rows[..(last - first).div_ceil(CHUNK)];
+        rows.par_iter_mut().enumerate().with_max_len(TURN).for_each(|(chunk, rows)| {
+            let own = first + chunk * CHUNK;
+            find_rows(rows, own..(own + CHUNK).min(last), cells, cloud, smoothing, reach);
+        });
         let pairs = list.index.len() + rows.iter().map(|rows| rows.index.len()).sum::<usize>();
         let all = (pairs as f64 * count as f64 / last as f64) as usize;
         make_room(&mut list.index, pairs, all);
@@ -226,19 +265,19 @@ pub(crate) fn build_list<const D: usize>(
             strangers.extend_from_slice(&rows.strangers);
         }
     }
-    strangers
 }
 
-fn rows_of<const D: usize>(
+fn find_rows<const D: usize>(
+    rows: &mut Rows,
     own: std::ops::Range<usize>,
     cells: &Cells<D>,
     cloud: &Cloud<D>,
     smoothing: Smoothing,
     reach: f64,
-) -> Rows {
+) {
+    rows.clear();
     let Cloud { positions, volumes, kinship, metrics } = *cloud;
     let support = smoothing.support();
-    let mut rows = Rows::default();
     for i in own {
         let before = rows.index.len();
         cells.around(&positions[i], |range| {
@@ -269,7 +308,6 @@ fn rows_of<const D: usize>(
         });
         rows.counts.push((rows.index.len() - before) as u32);
     }
-    rows
 }
 
 /// Room for `needed` values without the doubling of `Vec`: what all are expected to be, and a sixteenth.

@@ -430,9 +430,9 @@ impl<const D: usize> Engine<D> {
         }
         let reference: Vec<Vector<D>> =
             self.motion.iter().map(|motion| *motion.reference()).collect();
-        let mut cells = Cells::new(&reference, self.support_reach);
-        // The particles are stored in cell order already: sorting only fills the cells.
-        cells.sort(&reference);
+        let mut cells = Cells::default();
+        // The particles are stored in cell order already: their order stays.
+        cells.lay(&reference, self.support_reach);
         self.rebuild(&cells, &reference);
         if let Some(tool) = &mut self.tool {
             tool.holder.set(held);

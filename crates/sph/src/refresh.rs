@@ -59,9 +59,9 @@ impl<const D: usize> Engine<D> {
     /// Makes the present configuration the reference.
     pub(crate) fn refresh(&mut self) {
         self.carry_shapes();
-        let mut cells = Cells::new(&self.position, self.support_reach);
-        let order = cells.sort(&self.position);
-        self.reorder(&order);
+        let mut cells = std::mem::take(&mut self.cells);
+        cells.lay(&self.position, self.support_reach);
+        self.reorder(&cells.order);
         for (motion, position) in self.motion.iter_mut().zip(&self.position) {
             motion.set_reference(*position);
         }
@@ -72,6 +72,7 @@ impl<const D: usize> Engine<D> {
         }
         let reference = std::mem::take(&mut self.position);
         self.rebuild(&cells, &reference);
+        self.cells = cells;
         self.position = reference;
     }
 
@@ -94,7 +95,8 @@ impl<const D: usize> Engine<D> {
             metrics: &self.metrics(),
         };
         let reach = (1.0 + STRANGER_MARGIN) * self.spacing;
-        self.strangers = build_list(&mut list, cells, &cloud, self.smoothing, reach);
+        let strangers = (&mut self.strangers, reach);
+        build_list(&mut list, cells, &cloud, self.smoothing, strangers);
         self.list = list;
         self.find_crowded();
         let limits = self.correct_operators();
@@ -109,7 +111,9 @@ impl<const D: usize> Engine<D> {
 
     /// Stores the particles in `order`.
     fn reorder(&mut self, order: &[u32]) {
-        let done = &mut vec![false; order.len()];
+        let mut marks = std::mem::take(&mut self.marks);
+        marks.resize(order.len(), false);
+        let done = &mut marks;
         permute(&mut self.id, order, done);
         permute(&mut self.body, order, done);
         permute(&mut self.material, order, done);
@@ -126,14 +130,15 @@ impl<const D: usize> Engine<D> {
         permute(&mut self.volume, order, done);
         permute(&mut self.point, order, done);
         permute(&mut self.force, order, done);
+        self.marks = marks;
         if let Some(tool) = &mut self.tool {
-            let mut new_place = vec![0; order.len()];
+            self.new_place.resize(order.len(), 0);
             for (place, &old) in order.iter().enumerate() {
-                new_place[old as usize] = place as u32;
+                self.new_place[old as usize] = place as u32;
             }
-            tool.reorder(&new_place);
+            tool.reorder(&self.new_place);
             if let Some(heat) = &mut self.tool_heat {
-                heat.reorder(&new_place);
+                heat.reorder(&self.new_place);
             }
         }
     }
@@ -152,9 +157,8 @@ impl<const D: usize> Engine<D> {
                 }
                 limits
             })
-            .collect::<Vec<_>>()
-            .into_iter()
-            .fold(Limits::default(), |a, b| Limits {
+            // The largest is the largest in any order.
+            .reduce(Limits::default, |a, b| Limits {
                 gradient: a.gradient.max(b.gradient),
                 weight: a.weight.max(b.weight),
             })

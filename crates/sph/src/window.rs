@@ -22,6 +22,7 @@
 use crate::contact::reduced;
 use crate::engine::Engine;
 use crate::error::SetupError;
+use crate::lattice::Seed;
 use crate::material_point::MaterialPoint;
 use crate::motion::Motion;
 use crate::setup::Setup;
@@ -182,6 +183,29 @@ impl<const D: usize> Engine<D> {
             *hold = hold_in_window(*hold, supports, dot(origin, &window.cutting) >= from);
         }
         self.window = Some(window);
+    }
+
+    /// A particle before anything happens to it.
+    pub(crate) fn rest(&self, setup: &Setup, id: usize, seed: &Seed) -> Rest<D> {
+        let hold = Hold::<D>::of(setup, &seed.position);
+        let mut velocity: Vector<D> = reduced(&seed.velocity);
+        let mut temperature = seed.temperature;
+        if hold != FREE {
+            let support = &self.holds[hold as usize];
+            velocity = support.constrained(&velocity);
+            temperature = support.temperature.unwrap_or(temperature);
+        }
+        let material = setup.bodies[seed.body as usize].material;
+        Rest {
+            id: id as u64,
+            body: seed.body,
+            material: u8::try_from(material).expect("fewer than 256 materials"),
+            hold,
+            position: reduced(&seed.position),
+            velocity,
+            volume: seed.volume,
+            temperature,
+        }
     }
 
     /// Appends a particle in its undeformed state.
