@@ -19,8 +19,8 @@ Examples:
   sphcut catalogue friction                         the friction laws with equations and ranges
 
 Exit codes:
-  0 done   1 a validation case failed   2 mistakes in scenario or arguments   3 the run diverged
-  4 a file could not be read or written   130 interrupted, a checkpoint was written";
+  0 done   1 a validation case failed   2 mistakes in scenario or arguments
+  3 the run diverged, or runs of a sweep failed   4 a file could not be read or written   130 interrupted, a checkpoint was written";
 
 /// Metal cutting by particles: forces, temperatures and the chip from one scenario file.
 #[derive(Debug, Parser)]
@@ -66,6 +66,8 @@ pub enum Command {
     CalibrateFriction(CalibrateArguments),
     /// Run a scenario with many combinations of values, and keep every result.
     Sweep(crate::sweep::SweepArguments),
+    /// Look after a store of results: list it, check it, remove what no sweep needs.
+    Store(crate::store::StoreArguments),
     /// Turn recordings of a dynamometer into a table of mean forces with intervals.
     #[command(after_help = RECORDINGS_HELP)]
     Recordings(RecordingsArguments),

@@ -19,6 +19,7 @@ mod results;
 mod run;
 mod schema;
 mod springback;
+mod store;
 mod sweep;
 mod terminal;
 mod text;
@@ -50,6 +51,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Springback(arguments) => springback::springback(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
+        Command::Store(arguments) => store::store(&arguments),
         Command::Recordings(arguments) => recordings::recordings(&arguments),
         Command::CalibrateFriction(arguments) => calibrate_friction::calibrate(&arguments),
         Command::Greybox(arguments) => greybox::greybox(&arguments),

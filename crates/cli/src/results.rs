@@ -7,7 +7,7 @@ use sphcut_record::Run;
 use std::path::{Path, PathBuf};
 
 /// Name of the numbers for programs.
-const SUMMARY: &str = "summary.json";
+pub const SUMMARY: &str = "summary.json";
 
 /// What a run means, and the page that shows it.
 #[derive(Debug)]

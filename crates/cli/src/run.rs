@@ -5,7 +5,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::progress::{Display, Forces, Status, Style, Travel};
 use crate::{interrupt, loading, outcome, results};
 use sphcut_postprocess::steady::{Series, SteadyOptions, detect};
-use sphcut_record::driver::{self, Control, Moment, Progress, RunOptions, Start};
+use sphcut_record::driver::{self, Control, Export, Moment, Process, Progress, RunOptions, Start};
 use sphcut_record::{Outcome, Run};
 use sphcut_scenario::{Scenario, Steady};
 use sphcut_sph::ChannelId;
@@ -61,6 +61,8 @@ fn options(arguments: &RunArguments, scenario: &Scenario) -> RunOptions {
         snapshots: scenario.output.snapshots,
         checkpoint_interval: Duration::from_secs_f64(scenario.output.checkpoint_seconds),
         threads: loading::threads(arguments.threads),
+        process: Process::Own,
+        export: Export::Vtkhdf,
     }
 }
 
@@ -86,7 +88,7 @@ pub fn compute(scenario: &Scenario, options: &RunOptions, style: Style) -> Resul
 }
 
 /// Whether the run goes on.
-fn decide(progress: &Progress, steady: Option<Steady>) -> Control {
+pub fn decide(progress: &Progress, steady: Option<Steady>) -> Control {
     if interrupt::requested() {
         return Control::Interrupt;
     }

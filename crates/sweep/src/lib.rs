@@ -7,9 +7,15 @@
 mod address;
 mod cost;
 mod design;
+mod execute;
 mod plan;
 mod random;
+mod store;
 
 pub use address::{Address, address};
 pub use cost::{CROWDING, Cost, measure};
+pub use execute::{Computed, Execution, News, Retry, State, Trouble, Watch, Worker, execute};
 pub use plan::{LeftOut, Plan, PlanError, PlannedRun, plan};
+pub use store::{
+    Claim, Entry, Failure, Found, Leftover, Needs, Store, StoreError, StoredFile, Verdict, Work,
+};

@@ -7,7 +7,7 @@ use crate::terminal::note;
 use crate::{loading, outcome, results, run, text};
 use sphcut_postprocess::calibration::{MeasuredForces, Trial};
 use sphcut_postprocess::evaluate;
-use sphcut_record::driver::{RunOptions, Start};
+use sphcut_record::driver::{Export, Process, RunOptions, Start};
 use sphcut_record::{Outcome, Provenance, Run, RunFiles};
 use sphcut_scenario::{PatchError, Scenario};
 use std::path::Path;
@@ -74,6 +74,8 @@ impl Workbench<'_> {
             snapshots: scenario.output.snapshots,
             checkpoint_interval: Duration::from_secs_f64(scenario.output.checkpoint_seconds),
             threads: loading::threads(self.arguments.threads),
+            process: Process::Own,
+            export: Export::Vtkhdf,
         };
         let run = match run::compute(scenario, &options(Start::Resume), self.style) {
             Err(failure) if self.arguments.force && failure.exit_code() == ExitCode::BadInput => {

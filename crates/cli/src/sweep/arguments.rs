@@ -10,6 +10,10 @@ Examples:
   sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep --dry-run   the runs, their cost, the total
   sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep             run what is missing
 
+Ctrl-C writes checkpoints; the same command goes on, and so it does after a crash. Runs that are in the store
+already are not computed again. A run that fails is noted with its reason and does not stop the others; the exit
+code is 3 then.
+
 See docs/sweeps.md, and docs/sweep_keys.md for all keys.";
 
 /// Arguments of `sweep`.
@@ -22,6 +26,9 @@ pub struct SweepArguments {
     /// Output folder.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Store of results [default: DIR/store]; several sweeps can share one, at the same time too.
+    #[arg(long, value_name = "DIR")]
+    pub store: Option<PathBuf>,
     /// Threads, of all runs together [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -31,4 +38,13 @@ pub struct SweepArguments {
     /// Do not measure the speed; no expected durations then.
     #[arg(long, requires = "dry_run")]
     pub no_measure: bool,
+    /// Run again what failed in an earlier sweep.
+    #[arg(long)]
+    pub retry_failed: bool,
+    /// Say nothing but warnings and errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Progress and result as one JSON object per line on standard output.
+    #[arg(long)]
+    pub json: bool,
 }

@@ -1,6 +1,10 @@
 //! `sphcut sweep` from the outside.
 
 use crate::common::{TINY, Workshop};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 /// Two speeds by two thicknesses of a cut of a few steps.
 pub const SWEEP: &str = r#"title = "Speed and thickness"
@@ -46,4 +50,214 @@ fn a_dry_run_prints_runs_cost_and_total_and_writes_nothing() {
     shop.sphcut(&arguments).expect_code(2).expect_err("tiny.toml:15:1");
     std::fs::remove_file(shop.path("sweep.toml")).unwrap();
     shop.sphcut(&arguments).expect_code(4).expect_err("sweep.toml");
+}
+
+const OUT: [&str; 7] = ["sweep", "sweep.toml", "--out", "out", "--threads", "1", "--quiet"];
+
+/// The folders of all results with their `forces.csv`, by address.
+fn forces(shop: &Workshop, store: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for shard in std::fs::read_dir(shop.path(store).join("results")).unwrap().flatten() {
+        for result in std::fs::read_dir(shard.path()).unwrap().flatten() {
+            let csv = std::fs::read_to_string(result.path().join("forces.csv")).unwrap();
+            found.insert(result.file_name().to_string_lossy().into_owned(), csv);
+        }
+    }
+    found
+}
+
+#[test]
+fn a_sweep_computes_what_is_missing_and_gives_what_single_runs_give() {
+    let shop = shop("sweep_whole", SWEEP);
+    let ended = shop.sphcut(&["sweep", "sweep.toml", "--out", "out"]).expect_code(0);
+    assert!(
+        ended.out.contains("4 runs computed") && ended.err.contains("run 4 finished"),
+        "{ended:?}"
+    );
+    let results = forces(&shop, "out/store");
+    assert_eq!(results.len(), 4);
+    // The scenario that was run is in the store, and a single run of it has the same bits.
+    let found = shop.sphcut(&["store", "ls", "out/store", "--json"]).expect_code(0);
+    let found: Value = serde_json::from_str(&found.out).unwrap();
+    let first = &found["results"][0];
+    let folder = first["folder"].as_str().unwrap();
+    std::fs::copy(format!("{folder}/scenario.toml"), shop.path("one.toml")).unwrap();
+    shop.sphcut(&["run", "one.toml", "--out", "one", "--quiet"]).expect_code(0);
+    assert_eq!(shop.read("one/forces.csv"), results[first["address"].as_str().unwrap()]);
+    let summary =
+        |text: &str| -> Value { serde_json::from_str::<Value>(text).unwrap()["forces"].clone() };
+    let stored = std::fs::read_to_string(format!("{folder}/summary.json")).unwrap();
+    assert_eq!(summary(&stored), summary(&shop.read("one/summary.json")));
+    // The record is one that other commands read.
+    shop.sphcut(&["export", folder, "--to", "one.vtkhdf"]).expect_code(0);
+
+    let again = shop.sphcut(&["sweep", "sweep.toml", "--out", "out"]).expect_code(0);
+    assert!(
+        again.out.contains("0 runs computed") && again.out.contains("4 there already"),
+        "{}",
+        again.out
+    );
+    // Another spelling and one more value: one more column of runs.
+    let more = SWEEP.replace("\"300 m/min\"", "\"5 m/s\", \"250 m/min\"");
+    shop.write("sweep.toml", &format!("# with more\n{more}"));
+    let more = shop.sphcut(&["sweep", "sweep.toml", "--out", "out"]).expect_code(0);
+    assert!(
+        more.out.contains("2 runs computed") && more.out.contains("4 there already"),
+        "{}",
+        more.out
+    );
+}
+
+#[test]
+fn progress_as_json_tells_every_run() {
+    let shop = shop("sweep_json", SWEEP);
+    let ended = shop.sphcut(&["sweep", "sweep.toml", "--out", "out", "--json"]).expect_code(0);
+    let events: Vec<Value> =
+        ended.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((&events[0]["event"], &events[0]["runs"]), (&"start".into(), &4.into()));
+    let finished = events.iter().filter(|event| event["state"] == "finished").count();
+    assert_eq!(finished, 4);
+    assert_eq!(events.last().unwrap()["finished"], 4);
+    shop.write("sweep.toml", "nonsense");
+    let ended = shop.sphcut(&["sweep", "sweep.toml", "--out", "out", "--json"]).expect_code(2);
+    assert!(ended.out.contains("\"event\":\"error\""), "{}", ended.out);
+}
+
+/// A thousand metres per second and ten thousand times the inertia: far beyond the sound speed.
+#[test]
+fn a_run_that_diverges_is_told_and_the_others_finish() {
+    let sweep = "title = \"t\"\nbase = \"tiny.toml\"\n[[vary]]\nkey = \"process.cutting_speed\"\n\
+                 values = [\"150 m/min\", \"1000 m/s\"]\n";
+    let shop = shop("sweep_diverged", sweep);
+    shop.write("tiny.toml", &TINY.replace("mass_scaling = 1000", "mass_scaling = 1e4"));
+    let ended = shop.sphcut(&OUT).expect_code(3);
+    assert!(ended.err.contains("failed: process.cutting_speed = "), "{}", ended.err);
+    assert_eq!(forces(&shop, "out/store").len(), 1);
+    let listed = shop.sphcut(&["store", "ls", "out/store"]).expect_code(0);
+    assert!(listed.out.contains("failed: "), "{}", listed.out);
+    // It is known now: told again, not computed again.
+    shop.sphcut(&OUT).expect_code(3).expect_err("failed: ");
+}
+
+#[test]
+fn a_store_is_listed_checked_and_cleared() {
+    let shop = shop("sweep_store", SWEEP);
+    shop.sphcut(&OUT).expect_code(0);
+    let listed = shop.sphcut(&["store", "ls", "out/store"]).expect_code(0);
+    assert!(
+        listed.out.contains("4 results") && listed.out.contains("A tiny cut"),
+        "{}",
+        listed.out
+    );
+    let whole = shop.sphcut(&["store", "verify", "out/store"]).expect_code(0);
+    assert!(whole.out.contains("4 results, 0 damaged"), "{}", whole.out);
+    let address = forces(&shop, "out/store").into_keys().next().unwrap();
+    let csv = shop.path("out/store/results").join(&address[..2]).join(&address).join("forces.csv");
+    std::fs::write(csv, "changed").unwrap();
+    shop.sphcut(&["store", "verify", "out/store"]).expect_code(4).expect_err("damaged: ");
+    shop.sphcut(&["store", "verify", "out/store", "--remove"]).expect_code(0);
+    let again = shop.sphcut(&["sweep", "sweep.toml", "--out", "out"]).expect_code(0);
+    assert!(again.out.contains("1 runs computed"), "{}", again.out);
+
+    shop.write("sweep.toml", &SWEEP.replace("\"150 m/min\", ", ""));
+    shop.sphcut(&OUT).expect_code(0);
+    let shown = shop.sphcut(&["store", "gc", "out/store"]).expect_code(0);
+    assert!(shown.out.contains("2 not needed") && shown.out.contains("--remove"), "{}", shown.out);
+    assert_eq!(forces(&shop, "out/store").len(), 4);
+    shop.sphcut(&["store", "gc", "out/store", "--remove"]).expect_code(0);
+    assert_eq!(forces(&shop, "out/store").len(), 2);
+    shop.sphcut(&["store", "ls", "nowhere"]).expect_code(4).expect_err("nowhere");
+}
+
+/// Twenty runs of which most time is spent in files: kills hit the steps, the record, and the store's writer.
+const MANY: &str = "title = \"t\"\nbase = \"tiny.toml\"\n[[vary]]\nkey = \"tool.friction.friction_coefficient\"\n\
+                    from = 0.01\nto = 0.20\nstep = 0.01\n";
+
+#[cfg(unix)]
+#[test]
+fn a_sweep_that_is_killed_again_and_again_loses_nothing() {
+    let shop = shop("sweep_killed", MANY);
+    shop.sphcut(&OUT).expect_code(0);
+    let undisturbed = forces(&shop, "out/store");
+    assert_eq!(undisturbed.len(), 20);
+    let arguments = ["sweep", "sweep.toml", "--out", "killed", "--threads", "2", "--quiet"];
+    let mut kills = 0;
+    loop {
+        let mut child = shop.command(&arguments).spawn().unwrap();
+        // Other moments every time.
+        let until = Instant::now() + Duration::from_millis(60 + 37 * (kills % 9));
+        let ended = loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                break Some(status);
+            }
+            if Instant::now() >= until && kills < 8 {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                break None;
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        match ended {
+            Some(status) => break assert_eq!(status.code(), Some(0)),
+            None => kills += 1,
+        }
+    }
+    assert!(kills > 3, "the sweep was over before it could be killed");
+    shop.sphcut(&["store", "verify", "killed/store"]).expect_code(0);
+    assert!(
+        forces(&shop, "killed/store") == undisturbed,
+        "the bits of a sweep that nobody disturbed"
+    );
+    assert_eq!(std::fs::read_dir(shop.path("killed/store/work")).unwrap().count(), 0);
+}
+
+/// Three sweeps on one store, one of them killed: what it had begun is finished by the others.
+#[cfg(unix)]
+#[test]
+fn sweeps_share_a_store_and_one_may_die() {
+    let shop = shop("sweep_shared", MANY);
+    let start = |out: &str| {
+        let arguments =
+            ["sweep", "sweep.toml", "--out", out, "--store", "shared", "--threads", "1", "--json"];
+        shop.command(&arguments).stdout(Stdio::piped()).spawn().unwrap()
+    };
+    let mut dies = start("dies");
+    let living = [start("one"), start("two")];
+    std::thread::sleep(Duration::from_millis(150));
+    dies.kill().unwrap();
+    dies.wait().unwrap();
+    let mut finished = 0;
+    for child in living {
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        let out = String::from_utf8_lossy(&output.stdout);
+        let last: Value = serde_json::from_str(out.lines().last().unwrap()).unwrap();
+        let sum = last["finished"].as_u64().unwrap() + last["reused"].as_u64().unwrap();
+        assert_eq!(sum, 20, "{last}");
+        finished += last["finished"].as_u64().unwrap();
+    }
+    assert!(finished <= 20, "no run was computed twice: {finished}");
+    assert_eq!(forces(&shop, "shared").len(), 20);
+    shop.sphcut(&["store", "verify", "shared"]).expect_code(0);
+    let gc = shop.sphcut(&["store", "gc", "shared"]).expect_code(0);
+    assert!(gc.out.contains("0 not needed"), "{}", gc.out);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_goes_on() {
+    let shop = Workshop::new("sweep_interrupted");
+    shop.write("tiny.toml", TINY);
+    shop.write("sweep.toml", SWEEP);
+    let child = shop.command(&OUT).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(400));
+    let id = child.id().to_string();
+    let sent = std::process::Command::new("kill").args(["-INT", &id]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("the same command goes on"), "{said}");
+    shop.sphcut(&OUT).expect_code(0);
+    assert_eq!(forces(&shop, "out/store").len(), 4);
 }

@@ -25,6 +25,29 @@ pub struct RunOptions {
     pub checkpoint_interval: Duration,
     /// Threads the solver may use, for the record; the caller sets up the pool.
     pub threads: usize,
+    /// Whether other runs are computed in this process.
+    pub process: Process,
+    /// What is written beside the record.
+    pub export: Export,
+}
+
+/// What is written beside `run.h5` and `forces.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Export {
+    /// `snapshots.vtkhdf` for ParaView.
+    Vtkhdf,
+    /// Nothing: [`crate::export_vtkhdf`] writes it from the record when it is wanted.
+    Nothing,
+}
+
+/// Whether what the process uses is what the run uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Process {
+    /// This run is alone in the process.
+    Own,
+    /// Several runs at once: processor time and memory of the process are not those of one run, and are not
+    /// recorded.
+    Shared,
 }
 
 /// What to do with what is already in the result's folder.

@@ -1,6 +1,6 @@
 //! One call of [`super::run`]: the loop over the steps and what is saved when.
 
-use super::{Control, Moment, Progress, RunOptions, Source, Stepper};
+use super::{Control, Moment, Process, Progress, RunOptions, Source, Stepper};
 use crate::files::partial::{CheckpointView, Partial};
 use crate::files::{self, Body, RunFiles};
 use crate::{
@@ -202,13 +202,14 @@ impl<S: Source> Session<'_, S> {
     }
 
     fn performance(&self) -> Performance {
+        let alone = self.options.process == Process::Own;
         let peaks = [resources::peak_memory_bytes(), self.meter.earlier.peak_memory_bytes];
         Performance {
             particles: self.stepper.particle_count(),
             steps: self.stepper.steps(),
             wall_seconds: self.meter.wall_seconds(),
-            cpu_seconds: self.meter.cpu_seconds(),
-            peak_memory_bytes: peaks.into_iter().flatten().max(),
+            cpu_seconds: self.meter.cpu_seconds().filter(|_| alone),
+            peak_memory_bytes: peaks.into_iter().flatten().max().filter(|_| alone),
             threads: self.options.threads,
         }
     }
@@ -237,7 +238,7 @@ impl<S: Source> Session<'_, S> {
             outcome: &outcome,
             state: Some(&state),
         };
-        files::assemble(&self.files, &self.partial, &body, &self.snapshots)?;
+        files::assemble(&self.files, &self.partial, &body, &self.snapshots, self.options.export)?;
         Ok((outcome, performance))
     }
 

@@ -219,6 +219,9 @@ pub(crate) fn looks_like_hdf5(path: &Path) -> bool {
     is_hdf5(path).unwrap_or(false)
 }
 
+/// Largest file in bytes that is read at once.
+const SMALL: u64 = 8 << 20;
+
 /// An HDF5 file to be read.
 #[derive(Debug)]
 pub(crate) struct HdfReader {
@@ -236,8 +239,16 @@ impl HdfReader {
                 reason: "it is not an HDF5 file".to_owned(),
             });
         }
-        let file = File::open_streaming(path).map_err(|error| read_error(path, "/", error))?;
         let length = std::fs::metadata(path).map_err(|error| RunError::io(path, "read", error))?;
+        // The library reads a few bytes at a time: of a small file that is most of the time.
+        let file = if length.len() <= SMALL {
+            File::from_bytes(
+                std::fs::read(path).map_err(|error| RunError::io(path, "read", error))?,
+            )
+        } else {
+            File::open_streaming(path)
+        }
+        .map_err(|error| read_error(path, "/", error))?;
         if length.len() < file.superblock().eof_address {
             let reason = format!(
                 "it is cut short: {} bytes of {}",

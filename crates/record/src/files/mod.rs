@@ -18,6 +18,7 @@ mod run_h5_attributes;
 mod segment;
 mod vtkhdf;
 
+use crate::driver::Export;
 use crate::{Outcome, Run, RunError, SnapshotInfo};
 pub use columns_h5::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
 use fields::Field;
@@ -82,21 +83,24 @@ impl RunFiles {
     }
 }
 
-/// Puts `run.h5`, `snapshots.vtkhdf` and `forces.csv` together from what `partial` has saved.
+/// Puts `run.h5`, `forces.csv` and, if wanted, `snapshots.vtkhdf` together from what `partial` has saved.
 /// `run.h5` comes last: where it is, the others are too.
 pub(crate) fn assemble(
     files: &RunFiles,
     partial: &Partial,
     body: &Body,
     index: &[SnapshotInfo],
+    export: Export,
 ) -> Result<(), RunError> {
     forces_csv::write(&files.forces(), body.facts, body.samples)?;
-    vtkhdf::write(&files.vtkhdf(), index, &|number, field: &Field| {
-        let segment = Segment::open(&partial.snapshot_path(number))?;
-        let mut snapshot = segment.head()?;
-        segment.fill(field, &mut snapshot)?;
-        Ok(snapshot)
-    })?;
+    if export == Export::Vtkhdf {
+        vtkhdf::write(&files.vtkhdf(), index, &|number, field: &Field| {
+            let segment = Segment::open(&partial.snapshot_path(number))?;
+            let mut snapshot = segment.head()?;
+            segment.fill(field, &mut snapshot)?;
+            Ok(snapshot)
+        })?;
+    }
     let snapshots = (0..index.len()).map(|number| -> Result<Snapshot, RunError> {
         Segment::open(&partial.snapshot_path(number))?.read()
     });
@@ -125,7 +129,7 @@ pub fn recover(dir: &Path) -> Result<Run, RunError> {
         outcome: &Outcome::Interrupted,
         state: checkpoint.as_ref().map(|saved| &saved.state),
     };
-    assemble(&files, &partial, &body, &index)?;
+    assemble(&files, &partial, &body, &index, Export::Vtkhdf)?;
     load_run(&files.record())
 }
 

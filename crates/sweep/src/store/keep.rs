@@ -1,0 +1,230 @@
+//! Looking after a store: what is in it, whether it is whole, what nobody needs.
+
+use super::entry::StoredFile;
+use super::{Durability, Entry, Failure, Store, StoreError, at, read_json, write_json};
+use crate::Address;
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What a store holds.
+#[derive(Debug, Default)]
+pub struct Found {
+    /// Finished runs, by address; those whose record cannot be read have their reason.
+    pub results: Vec<Result<Entry, StoreError>>,
+    /// Runs that cannot finish.
+    pub failures: Vec<Result<Failure, StoreError>>,
+    /// Unfinished runs, and whether a process computes them now.
+    pub unfinished: Vec<(PathBuf, bool)>,
+}
+
+/// Whether a result is whole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdict {
+    /// All files are as they were written.
+    Whole,
+    /// What is wrong.
+    Damaged(String),
+}
+
+/// What a sweep needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Needs {
+    /// Output folder of the sweep.
+    pub folder: PathBuf,
+    /// Its addresses.
+    pub addresses: BTreeSet<Address>,
+}
+
+/// What nobody needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leftover {
+    /// The folder or file.
+    pub path: PathBuf,
+    /// Why it is not needed.
+    pub reason: &'static str,
+    /// Its size in bytes.
+    pub bytes: u64,
+}
+
+impl Store {
+    /// Everything in the store.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    pub fn list(&self) -> Result<Found, StoreError> {
+        Ok(Found {
+            results: self.folders("results")?.iter().map(|folder| Entry::read(folder)).collect(),
+            failures: self.folders("failed")?.iter().map(|folder| Failure::read(folder)).collect(),
+            unfinished: self.unfinished()?,
+        })
+    }
+
+    /// Reads every file of a result and compares it with its record.
+    ///
+    /// # Errors
+    /// None so far: what cannot be read is damaged.
+    pub fn verify(&self, entry: &Entry) -> Verdict {
+        let folder = self.result(&entry.address);
+        for file in &entry.files {
+            match StoredFile::of(&folder, &file.name) {
+                Err(error) => return Verdict::Damaged(error.to_string()),
+                Ok(found) if found.bytes != file.bytes => {
+                    let message =
+                        format!("`{}` has {} bytes, not {}", file.name, found.bytes, file.bytes);
+                    return Verdict::Damaged(message);
+                }
+                Ok(found) if found.sha256 != file.sha256 => {
+                    return Verdict::Damaged(format!("the content of `{}` has changed", file.name));
+                }
+                Ok(_) => {}
+            }
+        }
+        Verdict::Whole
+    }
+
+    /// Folders of all results, those with an unreadable record included.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    pub fn result_folders(&self) -> Result<Vec<PathBuf>, StoreError> {
+        self.folders("results")
+    }
+
+    /// Takes a result out of the store.
+    ///
+    /// # Errors
+    /// A folder that cannot be removed.
+    pub fn remove(&self, folder: &Path) -> Result<(), StoreError> {
+        if folder.is_dir() {
+            at(folder, "remove", fs::remove_dir_all(folder))
+        } else {
+            at(folder, "remove", fs::remove_file(folder))
+        }
+    }
+
+    /// Notes what the sweep in `folder` needs.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn note_needs(&self, needs: &Needs) -> Result<(), StoreError> {
+        let addresses: Vec<String> = needs.addresses.iter().map(ToString::to_string).collect();
+        let shown = needs.folder.display().to_string();
+        let name: String = Sha256::digest(shown.as_bytes())
+            .iter()
+            .take(8)
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        let path = self.root.join("sweeps").join(format!("{name}.json"));
+        write_json(&path, &json!({ "folder": shown, "addresses": addresses }), Durability::Synced)
+    }
+
+    /// What all sweeps need whose folders are still there.
+    ///
+    /// # Errors
+    /// A record that cannot be read: then nothing may be thrown away.
+    pub fn needs(&self) -> Result<Vec<Needs>, StoreError> {
+        let folder = self.root.join("sweeps");
+        let mut all = Vec::new();
+        for entry in at(&folder, "read", fs::read_dir(&folder))?.flatten() {
+            let path = entry.path();
+            if path.extension().is_none_or(|ending| ending != "json") {
+                continue;
+            }
+            let value = read_json(&path)?;
+            let needs = || {
+                let addresses = value["addresses"].as_array()?.iter();
+                Some(Needs {
+                    folder: PathBuf::from(value["folder"].as_str()?),
+                    addresses: addresses
+                        .map(|a| Address::parse(a.as_str()?))
+                        .collect::<Option<_>>()?,
+                })
+            };
+            let needs =
+                needs().ok_or_else(|| StoreError::Damaged(path, "a key is missing".to_owned()))?;
+            if needs.folder.exists() {
+                all.push(needs);
+            }
+        }
+        Ok(all)
+    }
+
+    /// What no sweep needs: results and failures that none names, unfinished runs of the same kind that no
+    /// process computes, and halves of files.
+    ///
+    /// # Errors
+    /// A folder or record that cannot be read.
+    pub fn leftovers(&self) -> Result<Vec<Leftover>, StoreError> {
+        let needed: BTreeSet<String> = self
+            .needs()?
+            .iter()
+            .flat_map(|needs| needs.addresses.iter().map(ToString::to_string))
+            .collect();
+        let is_needed = |path: &Path| {
+            path.file_name().is_some_and(|name| needed.contains(name.to_string_lossy().as_ref()))
+        };
+        let mut found = Vec::new();
+        let mut add = |path: PathBuf, reason| {
+            let bytes = size(&path);
+            found.push(Leftover { path, reason, bytes });
+        };
+        for (kind, reason) in
+            [("results", "no sweep needs it"), ("failed", "no sweep has this failure")]
+        {
+            self.folders(kind)?
+                .into_iter()
+                .filter(|path| !is_needed(path))
+                .for_each(|path| add(path, reason));
+        }
+        for (path, busy) in self.unfinished()? {
+            if !busy && !is_needed(&path) {
+                add(path, "unfinished, and no sweep needs it");
+            }
+        }
+        for path in self.halves()? {
+            add(path, "half of a file that a crash left");
+        }
+        Ok(found)
+    }
+
+    /// Temporary files of writers that are gone. Those of living ones are younger than a minute.
+    fn halves(&self) -> Result<Vec<PathBuf>, StoreError> {
+        let mut found = Vec::new();
+        for folder in [self.root.clone(), self.root.join("sweeps")] {
+            for entry in at(&folder, "read", fs::read_dir(&folder))?.flatten() {
+                let old = entry
+                    .metadata()
+                    .and_then(|metadata| metadata.modified())
+                    .is_ok_and(|time| time.elapsed().is_ok_and(|age| age.as_secs() > 60));
+                if old && entry.path().extension().is_some_and(|ending| ending == "tmp") {
+                    found.push(entry.path());
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// Folders two levels below `kind`.
+    fn folders(&self, kind: &str) -> Result<Vec<PathBuf>, StoreError> {
+        let root = self.root.join(kind);
+        let mut found = Vec::new();
+        for shard in at(&root, "read", fs::read_dir(&root))?.flatten() {
+            let shard = shard.path();
+            let entries = at(&shard, "read", fs::read_dir(&shard))?;
+            found.extend(entries.flatten().map(|entry| entry.path()));
+        }
+        found.sort();
+        Ok(found)
+    }
+}
+
+fn size(path: &Path) -> u64 {
+    if !path.is_dir() {
+        return fs::metadata(path).map_or(0, |metadata| metadata.len());
+    }
+    let entries = fs::read_dir(path).into_iter().flatten().flatten();
+    entries.map(|entry| size(&entry.path())).sum()
+}
