@@ -12,6 +12,7 @@ use sphcut_postprocess::recordings::{
 use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
 use sphcut_report::{RecordingsPage, recordings_words, render_recordings};
 use sphcut_scenario::{RecordingCut, RecordingFile, Recordings};
+use std::io::Read;
 use std::path::Path;
 
 const FILES: [&str; 5] =
@@ -77,6 +78,9 @@ fn read(cut: &RecordingCut, file: &RecordingFile) -> Result<RawTable, Failure> {
     let shown = path.display();
     let unreadable =
         |error: &dyn std::fmt::Display| Failure::output(format!("cannot read `{shown}`"), error);
+    if is_tdms(path) {
+        return Err(tdms(path));
+    }
     if file.format == "hdf5" {
         let columns = read_columns_h5(path, &cut.group).map_err(|error| unreadable(&error))?;
         return Ok(settings::table(columns));
@@ -87,6 +91,21 @@ fn read(cut: &RecordingCut, file: &RecordingFile) -> Result<RawTable, Failure> {
     let text = String::from_utf8(bytes)
         .unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
     settings::read_text(&text, file).map_err(wrong)
+}
+
+/// Whether a file is one of LabVIEW's TDMS, by its first bytes or its name.
+fn is_tdms(path: &Path) -> bool {
+    let named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tdms"));
+    let mut head = [0; 4];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut head));
+    named || (read.is_ok() && &head == b"TDSm")
+}
+
+fn tdms(path: &Path) -> Failure {
+    Failure::input(format!("`{}` is a TDMS file, which is not read", path.display())).advise(
+        "write it as CSV or HDF5: in LabVIEW with the TDMS viewer or `Export to spreadsheet`, in Python with npTDMS: \
+         `from nptdms import TdmsFile; TdmsFile.read(\"cut.tdms\").as_dataframe().to_csv(\"cut.csv\", index=False)`",
+    )
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {

@@ -56,6 +56,9 @@ impl fmt::Display for GreyBoxError {
                 if *count > first.len() {
                     write!(f, " and {} more;", count - first.len())?;
                 }
+                if count == of {
+                    return write!(f, " not one has: are the units of both tables right?");
+                }
                 write!(f, " simulate them, or take them out of the measured table")
             }
             Self::Model(reason) => write!(f, "{reason}"),

@@ -312,6 +312,12 @@ mod tests {
         let error = pair(&plan(1.0)[..10], &plan(2.0)).unwrap_err().to_string();
         assert!(error.starts_with("2 of 12 measured conditions have no simulation"), "{error}");
         assert!(error.contains("v_c 180.0000 m/min, h 0.3000 mm"), "{error}");
+        let metres: Vec<ForceRow> = plan(2.0)
+            .into_iter()
+            .map(|row| ForceRow { uncut_chip_thickness: 1e3 * row.uncut_chip_thickness, ..row })
+            .collect();
+        let error = pair(&plan(1.0), &metres).unwrap_err().to_string();
+        assert!(error.ends_with("not one has: are the units of both tables right?"), "{error}");
         let error = pair(&plan(1.0), &plan(2.0)[..3]).unwrap_err();
         assert_eq!(error, GreyBoxError::TooFewConditions { found: 3, needed: 10 });
         let many: Vec<ForceRow> =

@@ -130,6 +130,9 @@ pub fn identification_json(
         "schema_version": "1.0",
         "sequence": sequence.map(|s| NAMES.iter().zip(s.parameters)
             .map(|(key, value)| ((*key).to_owned(), json!(value))).collect::<serde_json::Map<String, Value>>()),
+        "sequence_evidence": sequence.map(|s| json!({
+            "yield_strain": s.yield_strain, "rms_ln_ratio": s.deviation.and_then(finite),
+        })),
         "fits": fits.map(one),
         "comparison": {
             "conditions": comparison.conditions,

@@ -19,6 +19,16 @@ pub(crate) fn three_digits(value: f64) -> String {
     minus(&format!("{value:.decimals$}"))
 }
 
+/// A number that somebody chose, such as a cutting condition: up to four significant digits, none more than it needs.
+pub(crate) fn plain(value: f64) -> String {
+    if !value.is_finite() {
+        return "\u{2013}".to_owned();
+    }
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    let short = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
+    minus(&if short { rounded.to_string() } else { format!("{rounded:e}") })
+}
+
 /// A mean with the half width of its interval: both to the second digit of the half width.
 pub(crate) fn with_interval(mean: f64, half_width: f64) -> String {
     if !half_width.is_finite() || !mean.is_finite() {
@@ -72,6 +82,10 @@ mod tests {
         assert_eq!(with_interval(203.456, 41.2), "203 \u{b1} 41");
         assert_eq!(with_interval(0.22031, 0.0012), "0.2203 \u{b1} 0.0012");
         assert_eq!(with_interval(5.0, f64::INFINITY), "5.00 (no interval)");
+        assert_eq!(
+            [0.06, 0.1000001, 150.0, 0.004, 2151.3, 0.0, 1e-6].map(plain),
+            ["0.06", "0.1", "150", "0.004", "2151", "0", "1e\u{2212}6"]
+        );
         assert_eq!(percent(0.0691), "6.91 %");
         assert_eq!(percent(-3e-7), "< 0.01 %");
         assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");

@@ -84,12 +84,16 @@ fn line(force: &ForceFit) -> String {
     let floor = force
         .floor
         .map_or_else(String::new, |floor| format!(", noise floor {} N", newton(floor.mae)));
+    let change = if before > 0.0 {
+        format!(" ({:+.1} %)", 100.0 * (after / before - 1.0))
+    } else {
+        String::new()
+    };
     format!(
-        "{}: mean absolute error of the simulation {} N, corrected {} N ({:+.1} %){floor}; use {}",
+        "{}: mean absolute error of the simulation {} N, corrected {} N{change}{floor}; use {}",
         force.force.symbol(),
         newton(before),
         newton(after),
-        100.0 * (after / before.max(f64::MIN_POSITIVE) - 1.0),
         force.choice.method.key()
     )
 }

@@ -103,6 +103,8 @@ fn a_fit_predicts_new_conditions_and_stands_a_comparison() {
     ];
     let ended = shop.sphcut(&compare).expect_code(0);
     assert!(ended.out.contains("100 % inside the 95 % intervals"), "{}", ended.out);
+    let bias = &json(&shop, "check/comparison.json")["forces"][0]["bias_inside_hull"];
+    assert!(bias["value"].as_f64().unwrap().abs() < 1.0, "{bias}");
     let numbers = json(&shop, "check/comparison.json");
     assert!(mae(&numbers["forces"][0]["grey_box"]) < 1.0, "{numbers}");
     assert!(shop.read("check/comparison.html").contains("the correction removes"));
@@ -195,6 +197,55 @@ fn a_simulation_without_error_of_shape_needs_only_an_offset() {
     assert!(scores["r_squared"].is_null(), "a constant has no R^2");
     let page = shop.read("grey/greybox.html");
     assert!(page.contains("neither repeats nor standard deviations") && !page.contains("NaN"));
+}
+
+/// Twelve conditions as lines of both tables: v_c, h, simulated and measured F_c; F_f is half of it.
+fn twelve(shop: &Workshop, times: usize, line: impl Fn(u32) -> [f64; 4]) {
+    let header = "v_c [m/min],h [mm],F_c [N],F_f [N]\n";
+    let (mut simulated, mut measured) = (header.to_owned(), header.to_owned());
+    for k in 0..12 {
+        let [speed, thickness, before, after] = line(k);
+        for _ in 0..times {
+            simulated += &format!("{speed},{thickness},{before},{}\n", before / 2.0);
+            measured += &format!("{speed},{thickness},{after},{}\n", after / 2.0);
+        }
+    }
+    shop.write("sim.csv", &simulated);
+    shop.write("meas.csv", &measured);
+}
+
+#[test]
+fn identical_lines_one_speed_and_constant_forces_work() {
+    let shop = Workshop::new("greybox_odd");
+    let thickness = |k: u32| 0.05 + 0.01 * f64::from(k);
+    let page = |times: usize, line: &dyn Fn(u32) -> [f64; 4]| {
+        twelve(&shop, times, line);
+        shop.sphcut(&[FIT.as_slice(), &["--force"]].concat()).expect_code(0);
+        let page = shop.read("grey/greybox.html");
+        assert!(!page.contains("NaN") && !page.contains("inf "));
+        json(&shop, "grey/greybox.json")
+    };
+    // Every line twice in both tables: repeats without scatter.
+    let numbers = page(2, &|k| {
+        let h = 0.05 + 0.03 * f64::from(k / 4);
+        [f64::from(100 + 10 * (k % 4)), h, 3000.0 * h, 3500.0 * h + 20.0]
+    });
+    assert_eq!((numbers["rows"].as_u64(), numbers["conditions"].as_u64()), (Some(24), Some(12)));
+    assert_eq!(numbers["forces"][0]["noise_floor"]["mae"], 0.0);
+    // One speed: a hull without area, and nothing to leave out of it.
+    let numbers = page(1, &|k| [100.0, thickness(k), 3000.0 * thickness(k), 3500.0 * thickness(k)]);
+    assert!(numbers["forces"][0]["methods"][0]["speed_left_out"].is_null());
+    assert!(numbers["forces"][0]["procedure"]["mae"]["value"].as_f64().unwrap() < 1.0);
+    // The same force everywhere, and simulated without error.
+    let numbers = page(1, &|k| [f64::from(100 + 10 * (k % 4)), thickness(k / 4), 500.0, 500.0]);
+    assert!(numbers["forces"][0]["procedure"]["mae"]["value"].as_f64().unwrap() < 1e-6);
+    // Micrometres under a header of millimetres.
+    let wrong = shop.read("meas.csv").replace(",0.0", ",5");
+    shop.write("meas.csv", &wrong);
+    shop.sphcut(&[FIT.as_slice(), &["--force"]].concat())
+        .expect_code(2)
+        .expect_err("12 of 12 measured conditions have no simulation")
+        .expect_err("are the units of both tables right?");
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod commands;
 mod common;
 mod greybox;
 mod identify;
+mod measuring;
 mod recordings;
 mod run;
 mod springback;

@@ -3,7 +3,7 @@
 mod figures;
 
 use super::STYLE;
-use crate::text::{minus, percent, three_digits, with_interval};
+use crate::text::{minus, percent, plain, three_digits, with_interval};
 use figures::{curves, residuals};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sphcut_identify::{Comparison, Curve, Fit, Fitted, Point, Sequence, SequenceError};
@@ -197,8 +197,34 @@ fn parameters(page: &IdentificationPage<'_>) -> Markup {
                     td.n { (shown(p)) }
                 } } }
             } }
+            @if let Ok(found) = page.sequence { p { (why_they_differ(found, page.johnson_cook)) } }
         }
     }
+}
+
+/// Why the constants of the sequence are not those of the joint fit, in the figures of these curves.
+fn why_they_differ(found: &Sequence, fit: &Fit) -> String {
+    let strain = found.yield_strain;
+    let references = fit.references;
+    let there = fit.stress(strain, references.rate, references.temperature) * 1e-6;
+    let own = fit.value("initial_yield").map_or(f64::NAN, |value| value * 1e-6);
+    let mut text = format!(
+        "Why they differ: by sequence, A is the stress read at a plastic strain of {}, and that holds hardening already: \
+         the joint law has {} MPa there, {} of them its own A. With A too large, n comes out too large for the hardening that is left, and B, \
+         C and m make up for it.",
+        three_digits(strain),
+        three_digits(there),
+        three_digits(own)
+    );
+    if let Some(deviation) = found.deviation {
+        text += &format!(
+            " Over the strains that were tested the constants of the sequence miss by {} (root mean square), those of the joint fit by {}.",
+            percent(deviation),
+            percent(fit.deviation)
+        );
+    }
+    text + " Below the smallest strain the two laws go apart: use the constants of one column together, never mixed. Both columns use the same \
+            curves and references; neither the reference rate nor the heating of fast tests is what sets them apart."
 }
 
 fn laws(comparison: &Comparison) -> Markup {
@@ -245,7 +271,7 @@ fn definitions(page: &IdentificationPage<'_>) -> Markup {
     html! {
         section {
             h2 { "Definitions and limits" }
-            p { "Stated, not fitted: reference rate " (three_digits(references.rate)) " 1/s, reference temperature "
+            p { "Stated, not fitted: reference rate " (plain(references.rate)) " 1/s, reference temperature "
                 (three_digits(references.temperature)) " K, melting temperature " (three_digits(references.melting)) " K. \
                 A, C and m mean nothing without them." }
             p { "Every curve has the same weight, however densely it was sampled. Temperatures are those at the start of a \

@@ -4,7 +4,7 @@ mod details;
 
 use super::STYLE;
 use crate::chart::{Band, Chart, Line};
-use crate::text::{percent, three_digits, with_interval};
+use crate::text::{percent, plain, with_interval};
 use details::details;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sphcut_postprocess::recordings::{Component, Condition, CutResult, Pooled, PooledForce};
@@ -69,7 +69,7 @@ pub fn render_recordings(page: &RecordingsPage<'_>) -> String {
                     }
                     section.warnings role="note" {
                         h2 { "What these figures say" }
-                        ul { @for sentence in recordings_words(page) { li { (sentence) } } }
+                        ul { @for sentence in recordings_words(page) { li { (with_symbols(&sentence)) } } }
                     }
                     (conditions(page))
                     (overview(page))
@@ -86,6 +86,20 @@ pub fn render_recordings(page: &RecordingsPage<'_>) -> String {
         }
     };
     markup.into_string()
+}
+
+/// A sentence in which the names of the forces have their index; names of files keep their underscores.
+fn with_symbols(sentence: &str) -> Markup {
+    let mut parts = vec![PreEscaped(String::new())];
+    for (index, word) in sentence.split(' ').enumerate() {
+        let space = if index > 0 { " " } else { "" };
+        let found = Component::ALL.into_iter().find(|c| c.symbol() == word);
+        parts.push(match found {
+            Some(component) => html! { (space) (symbol(component)) },
+            None => html! { (space) (word) },
+        });
+    }
+    html! { @for part in parts { (part) } }
 }
 
 /// The cuts that are drawn: refused ones, then the others, in the order of the file.
@@ -169,9 +183,9 @@ fn conditions(page: &RecordingsPage<'_>) -> Markup {
                     th.n scope="col" { "cuts" }
                 } }
                 tbody { @for condition in &page.pooled.conditions { tr {
-                    td.n { (three_digits(condition.cutting_speed * M_PER_MIN)) }
-                    td.n { (three_digits(condition.uncut_chip_thickness * MM)) }
-                    td.n { (condition.width_of_cut.map_or_else(|| "\u{2013}".to_owned(), |b| three_digits(b * MM))) }
+                    td.n { (plain(condition.cutting_speed * M_PER_MIN)) }
+                    td.n { (plain(condition.uncut_chip_thickness * MM)) }
+                    td.n { (condition.width_of_cut.map_or_else(|| "\u{2013}".to_owned(), |b| plain(b * MM))) }
                     @for component in &found { td.n {
                         (force(condition, *component).map_or_else(|| "\u{2013}".to_owned(), |f| with_interval(f.mean, f.ci95)))
                     } }
@@ -185,31 +199,34 @@ fn conditions(page: &RecordingsPage<'_>) -> Markup {
 /// Forces over what was varied most: the chip thickness, else the cutting speed.
 fn overview(page: &RecordingsPage<'_>) -> Markup {
     let conditions = &page.pooled.conditions;
-    let distinct = |value: fn(&Condition) -> f64| {
-        let mut all: Vec<f64> = conditions.iter().map(value).collect();
-        all.sort_by(f64::total_cmp);
-        all.dedup_by(|a, b| (*a - *b).abs() <= 1e-3 * a.abs());
-        all.len()
-    };
     let thickness = |c: &Condition| c.uncut_chip_thickness * MM;
     let speed = |c: &Condition| c.cutting_speed * M_PER_MIN;
-    let (value, title): (fn(&Condition) -> f64, &str) = if distinct(thickness) > 1 {
+    let (value, title): (fn(&Condition) -> f64, &str) = if levels(conditions, thickness).len() > 1 {
         (thickness, "Uncut chip thickness in mm")
     } else {
         (speed, "Cutting speed in m/min")
     };
-    if distinct(value) < 2 {
+    let places = levels(conditions, value);
+    if places.len() < 2 {
         return html! {};
     }
+    // Cuts of one thickness stand side by side, the slowest to the left.
+    let speeds = if title.starts_with('U') { levels(conditions, speed) } else { vec![0.0] };
     let highest = conditions.iter().map(value).fold(0.0, f64::max);
-    let half = 0.006 * highest;
+    let gap = places.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let half = (0.006 * highest).min(0.3 * gap / speeds.len() as f64);
+    let place = |condition: &Condition| {
+        let rank = speeds.partition_point(|level| *level < speed(condition) * (1.0 - SAME_LEVEL));
+        let rank = rank.min(speeds.len() - 1) as f64 - 0.5 * (speeds.len() - 1) as f64;
+        value(condition) + 2.4 * half * rank
+    };
     let found = components(page);
     let bands = conditions.iter().flat_map(|condition| {
         found.iter().filter_map(move |component| {
             let force = force(condition, *component)?;
             Some(Band {
-                from: value(condition) - half,
-                to: value(condition) + half,
+                from: place(condition) - half,
+                to: place(condition) + half,
                 mean: force.mean,
                 half_width: force.ci95,
                 colour: colour(*component),
@@ -243,10 +260,25 @@ fn overview(page: &RecordingsPage<'_>) -> Markup {
             .collect(),
         ..Chart::default()
     };
-    super::charts::figure(
-        chart.svg(),
-        "Each mark is a mean (line) with its 95 % interval (box) at one set of conditions.",
-    )
+    let mut caption =
+        "Each mark is a mean (line) with its 95 % interval (box) at one set of conditions."
+            .to_owned();
+    if speeds.len() > 1 {
+        let list: Vec<String> = speeds.iter().map(|speed| plain(*speed)).collect();
+        caption += &format!(" Side by side, from left to right: {} m/min.", list.join(", "));
+    }
+    super::charts::figure(chart.svg(), &caption)
+}
+
+/// Values that differ by less, as a share, are one level.
+const SAME_LEVEL: f64 = 1e-3;
+
+/// The different values, ascending.
+fn levels(conditions: &[Condition], value: fn(&Condition) -> f64) -> Vec<f64> {
+    let mut all: Vec<f64> = conditions.iter().map(value).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| (*a - *b).abs() <= SAME_LEVEL * a.abs());
+    all
 }
 
 fn cuts(page: &RecordingsPage<'_>) -> Markup {

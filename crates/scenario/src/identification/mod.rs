@@ -233,7 +233,7 @@ fn flow_curves(
         if let Some(TestCurve::Flow { rate, temperature, points, .. }) = curves.last_mut()
             && *rate == line_rate
             && *temperature == line_temperature
-            && points.last().is_none_or(|last| last[0] <= strain)
+            && !falls_back(points, strain)
         {
             points.push([strain, stress]);
             continue;
@@ -246,6 +246,14 @@ fn flow_curves(
         });
     }
     Some(curves)
+}
+
+/// Strain that falls below this share of what was reached before belongs to another curve; less is noise of the gauge.
+const FALLS_BACK: f64 = 0.5;
+
+fn falls_back(points: &[[f64; 2]], strain: f64) -> bool {
+    let reached = points.iter().map(|point| point[0]).fold(0.0, f64::max);
+    strain < FALLS_BACK * reached
 }
 
 fn specimen(record: &Record<'_>) -> Option<[f64; 2]> {

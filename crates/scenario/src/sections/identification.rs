@@ -53,9 +53,9 @@ pub(crate) fn identification_root() -> Section {
                 "where the tests come from; goes into the material files",
             )
             .example("\"own tests\""),
-            table("references", Presence::Required, "what is stated, not fitted")
+            table("references", Presence::Required, "reference rate, reference and melting temperature, which are stated and not fitted")
                 .example("[references] with strain_rate, temperature and melting_temperature"),
-            table("material", Presence::Required, "properties that the material files need beside")
+            table("material", Presence::Required, "density, elasticity and heat, which the material files need beside the flow stress")
                 .example("[material] with density, young_modulus and others"),
             tables("curves", "a table of flow curves"),
             tables("compression", "a compression test: load and displacement"),
@@ -128,7 +128,7 @@ pub(crate) fn identification_curves() -> Section {
         "Flow curves in one table.",
         vec![file(
             "plastic_strain,strain_rate [1/s],temperature [degC],stress [MPa] in any order and units; a new \
-             curve begins where rate or temperature change or the strain falls",
+             curve begins where rate or temperature change or the strain falls to less than half",
             "\"curves.csv\"",
         )],
     )

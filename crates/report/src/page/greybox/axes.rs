@@ -77,7 +77,7 @@ impl Axis {
             .flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * 10_f64.powi(power)))
             .filter(|value| (self.low..=self.high).contains(value))
             .map(|value| {
-                let decimals = (-value.log10() + 1e-9).ceil().max(0.0) as usize;
+                let decimals = (-value.log10() - 1e-9).ceil().max(0.0) as usize;
                 (value, format!("{value:.decimals$}"))
             })
             .collect()
@@ -240,6 +240,9 @@ mod tests {
         assert!(axis.logarithmic && (axis.value(axis.share(70.0)) - 70.0).abs() < 1e-9);
         let labels: Vec<String> = axis.ticks(5).into_iter().map(|(_, label)| label).collect();
         assert_eq!(labels, ["10", "20", "50", "100", "200", "500"]);
+        let axis = Axis::of_conditions("h", [0.01, 2.0].into_iter());
+        let labels: Vec<String> = axis.ticks(5).into_iter().map(|(_, label)| label).collect();
+        assert_eq!(labels, ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"]);
         let axis = Axis::of_conditions("h", [0.06, 0.15].into_iter());
         assert!(!axis.logarithmic && (axis.share(0.105) - 0.5).abs() < 1e-12);
     }

@@ -4,19 +4,18 @@ use super::axes::{Axis, Frame, extremes};
 use super::words::{estimate, percent};
 use crate::text::three_digits;
 use maud::{Markup, PreEscaped, html};
-use sphcut_greybox::{Comparison, ForceComparison, GreyBox, Scores};
+use sphcut_greybox::{Comparison, Estimate, ForceComparison, GreyBox, Scores};
+
+const GREY: &str = "#8b949e";
+const BLUE: &str = "#0072b2";
 
 /// The text of `comparison.html`; nothing is loaded.
 #[must_use]
 pub fn render_comparison(model: &GreyBox, comparison: &Comparison) -> String {
-    let lead = format!(
-        "{} measured values under {} conditions, {} of them inside the hull of the conditions the correction was \
-         fitted to ({}).",
-        comparison.pairs.rows.len(),
-        comparison.pairs.conditions.len(),
-        comparison.inside,
-        model.tables[1].name
-    );
+    let lead = html! {
+        (comparison.pairs.rows.len()) " measured values under " (comparison.pairs.conditions.len()) " conditions, "
+        (comparison.inside) " of them inside the hull of the conditions the correction was fitted to (" (model.tables[1].name) ")."
+    };
     let body = html! {
         section.warnings role="note" {
             h2 { "What these figures say" }
@@ -36,6 +35,7 @@ fn words(comparison: &Comparison) -> Vec<String> {
                 .to_owned(),
         );
     }
+    let measured = comparison.pairs.rows.len();
     for force in &comparison.forces {
         let (before, after) = (&force.white_box.mae, &force.grey_box.mae);
         let verdict = if after.high < before.low {
@@ -52,11 +52,8 @@ fn words(comparison: &Comparison) -> Vec<String> {
             estimate(before),
             estimate(after)
         ));
-        words.push(format!(
-            "{}: {} of the measurements lie inside the 95 % intervals that were predicted.",
-            force.force.symbol(),
-            percent(force.coverage)
-        ));
+        words.push(coverage(force, measured));
+        words.extend(force.bias_inside.and_then(|found| bias(force, &found)));
     }
     let outside = comparison.pairs.rows.len() - comparison.inside;
     if outside > 0 {
@@ -68,6 +65,44 @@ fn words(comparison: &Comparison) -> Vec<String> {
     words
 }
 
+/// How many measurements the predicted intervals hold; whether so few are chance.
+fn coverage(force: &ForceComparison, measured: usize) -> String {
+    let found = format!(
+        "{}: {} of the measurements lie inside the 95 % intervals that were predicted",
+        force.force.symbol(),
+        percent(force.coverage)
+    );
+    // Two standard deviations of a share of 95 % of so many.
+    let least = 0.95 - 2.0 * (0.95 * 0.05 / measured as f64).sqrt();
+    if force.coverage < least {
+        return format!(
+            "{found}: fewer than chance explains. The intervals do not hold for these cuts."
+        );
+    }
+    format!("{found}.")
+}
+
+/// A difference in one direction: something that v_c and h do not say has changed.
+fn bias(force: &ForceComparison, found: &Estimate) -> Option<String> {
+    let direction = if found.low > 0.0 {
+        "above"
+    } else if found.high < 0.0 {
+        "below"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "{}: inside the hull the measured forces lie {direction} the corrected ones, by {} N on average: a step that cutting speed \
+         and thickness do not explain, such as another tool, another batch, another zero of the dynamometer.",
+        force.force.symbol(),
+        estimate(&Estimate {
+            value: found.value.abs(),
+            low: found.low.abs().min(found.high.abs()),
+            high: found.low.abs().max(found.high.abs()),
+        })
+    ))
+}
+
 fn section(comparison: &Comparison, force: &ForceComparison) -> Markup {
     let row = |name: &str, scores: &Scores| {
         html! { tr { th { (name) } td.n { (estimate(&scores.mae)) } td.n { (estimate(&scores.mse)) }
@@ -76,20 +111,38 @@ fn section(comparison: &Comparison, force: &ForceComparison) -> Markup {
     html! {
         section {
             h2 { (super::indexed(force.force.symbol())) ", " (force.method.name()) }
-            figure { (PreEscaped(plot(comparison, force))) figcaption { "Predicted against measured; bars: predicted 95 % intervals; \
-                hollow: outside the hull; grey: the simulation alone." } }
-            div.scroll { table {
-                caption { "95 % intervals in brackets." }
-                thead { tr { th { "" } th.n { "MAE in N" } th.n { "MSE in N\u{b2}" } th.n { "MAPE" } } }
-                tbody {
-                    (row("Simulation alone", &force.white_box))
-                    (row("Corrected", &force.grey_box))
-                    @if let Some(scores) = &force.grey_box_inside { (row("Corrected, inside the hull", scores)) }
+            div.pair {
+                figure { (PreEscaped(plot(comparison, force))) figcaption { "Predicted against measured; line: equal; bars: predicted 95 % \
+                    intervals; hollow blue: outside the hull." } }
+                div {
+                    div.scroll { table {
+                        caption { "Errors of the force with 95 % intervals." }
+                        thead { tr { th { "" } th.n { "MAE in N" } th.n { "MSE in N\u{b2}" } th.n { "MAPE" } } }
+                        tbody {
+                            (row("Simulation alone", &force.white_box))
+                            (row("Corrected", &force.grey_box))
+                            @if let Some(scores) = &force.grey_box_inside { (row("Corrected, inside", scores)) }
+                        }
+                    } }
+                    div.scroll { table {
+                        tbody {
+                            tr { th scope="row" { "Measured minus corrected in N" } td.n { (signed(&force.bias)) } }
+                            @if let Some(found) = &force.bias_inside {
+                                tr { th scope="row" { "The same inside the hull" } td.n { (signed(found)) } }
+                            }
+                            tr { th scope="row" { "Inside the predicted 95 % intervals" } td.n { (percent(force.coverage)) } }
+                        }
+                    } }
                 }
-            } }
-            p { "Inside the predicted intervals: " (three_digits(100.0 * force.coverage)) " % of the measurements." }
+            }
         }
     }
+}
+
+/// An estimate that may be below 0.
+fn signed(found: &Estimate) -> String {
+    let [value, low, high] = [found.value, found.low, found.high].map(three_digits);
+    format!("{value} ({low} to {high})")
 }
 
 fn plot(comparison: &Comparison, force: &ForceComparison) -> String {
@@ -102,11 +155,16 @@ fn plot(comparison: &Comparison, force: &ForceComparison) -> String {
     let symbol = force.force.symbol();
     let mut frame = Frame::new(
         Axis::linear(&format!("Measured {symbol} in N"), all(), 0.04),
-        Axis::linear(&format!("Predicted {symbol} in N"), all(), 0.04),
+        Axis::linear(
+            &format!("Predicted {symbol} in N"),
+            all().chain(found.iter().flat_map(|p| p.interval)),
+            0.04,
+        ),
         14.0,
         "Predicted against measured forces.",
     );
     frame.axes("", true);
+    frame.legend(&[(GREY, "simulation alone"), (BLUE, "corrected")]);
     let (low, high) = extremes(all());
     frame.line(&[[low, low], [high, high]], r##"stroke="#22262b" stroke-width="1.2""##);
     for (&x, prediction) in measured.iter().zip(found) {

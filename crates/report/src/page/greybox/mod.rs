@@ -19,13 +19,10 @@ use sphcut_greybox::{ForceFit, GreyBoxFit, Input};
 #[must_use]
 pub fn render_greybox(fit: &GreyBoxFit) -> String {
     let [simulated, measured] = &fit.origins;
-    let lead = format!(
-        "{} measured rows under {} conditions ({}), simulated in {}: the simulated force plus a correction learnt from its error, f_T + f_D.",
-        fit.pairs.rows.len(),
-        fit.pairs.conditions.len(),
-        measured.name,
-        simulated.name
-    );
+    let lead = html! {
+    (fit.pairs.rows.len()) " measured rows under " (fit.pairs.conditions.len()) " conditions (" (measured.name)
+    "), simulated in " (simulated.name) ": the simulated force plus a correction learnt from its error, "
+    (indexed("f_T + f_D.")) };
     let body = html! {
         section.warnings role="note" {
             h2 { "What these figures say" }
@@ -39,7 +36,7 @@ pub fn render_greybox(fit: &GreyBoxFit) -> String {
 }
 
 /// A page with this title and content.
-fn page(title: &str, lead: &str, version: &str, body: &Markup) -> String {
+fn page(title: &str, lead: &Markup, version: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -53,7 +50,7 @@ fn page(title: &str, lead: &str, version: &str, body: &Markup) -> String {
             }
             body {
                 main {
-                    header { h1 { (title) } p.lead { (indexed(lead)) } }
+                    header { h1 { (title) } p.lead { (lead) } }
                     (body)
                     footer { "Written by sphcut " (version) "." }
                 }

@@ -2,7 +2,7 @@
 
 use super::IdentificationPage;
 use crate::chart::{Chart, Line};
-use crate::text::{minus, three_digits};
+use crate::text::{minus, plain};
 use maud::{Markup, html};
 use sphcut_identify::{Bin, Curve, Fit, residual_map};
 
@@ -22,10 +22,20 @@ fn tint(mean: f64) -> String {
 /// A range of the map in words.
 fn range([from, to]: [f64; 2]) -> String {
     match (from > 0.0, to.is_finite()) {
-        (true, true) => format!("{} to {}", three_digits(from), three_digits(to)),
-        (false, _) => format!("below {}", three_digits(to)),
-        (true, false) => format!("above {}", three_digits(from)),
+        (true, true) => format!("{} to {}", plain(from), plain(to)),
+        (false, _) => format!("below {}", plain(to)),
+        (true, false) => format!("above {}", plain(from)),
     }
+}
+
+/// `+3 %`, `\u{2212}0.4 %`, `0 %`: a tenth of a per cent below two.
+fn deviation(mean: f64) -> String {
+    let per_cent = mean.exp_m1() * 100.0;
+    if per_cent.abs() < 0.05 {
+        return "0 %".to_owned();
+    }
+    let decimals = usize::from(per_cent.abs() < 1.95);
+    minus(&format!("{per_cent:+.decimals$} %"))
 }
 
 /// The residuals of Johnson-Cook over strain, rate and temperature.
@@ -55,7 +65,7 @@ pub(super) fn residuals(page: &IdentificationPage<'_>) -> Markup {
                         th scope="row" { (range(*temperature)) }
                         @for rate in &rates {
                             @if let Some(bin) = find(*strain, *rate, *temperature) {
-                                td.n style=(tint(bin.mean)) { (minus(&format!("{:+.0} %", bin.mean.exp_m1() * 100.0)))
+                                td.n style=(tint(bin.mean)) { (deviation(bin.mean))
                                     " (" (bin.curves) ")" }
                             } @else { td.n { } }
                         }
@@ -82,8 +92,7 @@ pub(super) fn curves(page: &IdentificationPage<'_>) -> Markup {
     let names: Vec<String> = chosen
         .iter()
         .map(|c| {
-            let (rate, temperature) =
-                (three_digits(c.plastic_strain_rate), three_digits(c.temperature));
+            let (rate, temperature) = (plain(c.plastic_strain_rate), plain(c.temperature.round()));
             format!("{rate} 1/s, {temperature} K")
         })
         .collect();
@@ -104,10 +113,11 @@ pub(super) fn curves(page: &IdentificationPage<'_>) -> Markup {
         y_includes: vec![0.0],
         ..Chart::default()
     };
-    super::super::charts::figure(
+    let figure = super::super::charts::figure(
         chart.svg(),
         "Some of the curves (thick) and Johnson-Cook, jointly fitted (thin).",
-    )
+    );
+    html! { section { h2 { "Flow curves" } (figure) } }
 }
 
 /// Stress of a curve at a strain; not a number beyond it.

@@ -2,7 +2,7 @@
 
 use super::{colour, symbol};
 use crate::chart::{Band, Chart, Line, Mark};
-use crate::text::{percent, three_digits, with_interval};
+use crate::text::{percent, plain, three_digits, with_interval};
 use maud::{Markup, html};
 use sphcut_postprocess::recordings::{Component, ComponentResult, CutResult};
 
@@ -22,8 +22,8 @@ pub(super) fn details(cut: &CutResult) -> Markup {
     }
     html! {
         section {
-            h2 { (cut.conditions.name) ", " (three_digits(cut.conditions.cutting_speed * 60.0)) " m/min, h = "
-                (three_digits(cut.conditions.uncut_chip_thickness * 1e3)) " mm" }
+            h2 { (cut.conditions.name) ", " (plain(cut.conditions.cutting_speed * 60.0)) " m/min, h = "
+                (plain(cut.conditions.uncut_chip_thickness * 1e3)) " mm" }
             @if !cut.faults.is_empty() { ul { @for fault in &cut.faults { li { (fault) "." } } } }
             (super::super::charts::figure(forces(cut).svg(), "Force over time with the zero taken out and \
                 after the low-pass: smallest and largest value of each column. Shaded: steady window; bands: mean and its \

@@ -1,0 +1,79 @@
+//! Every file in `tests/bad_identification` says in its leading comments which problems it has, all of them:
+//! `# error: LINE:COLUMN message`. `UPDATE_GENERATED=1` writes the comments of files that have none.
+
+use sphcut_scenario::{Colours, LoadOptions, TestCurve, load_identification};
+use std::path::{Path, PathBuf};
+
+fn files() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_identification");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .collect();
+    files.sort();
+    files
+}
+
+fn found(path: &Path) -> Vec<String> {
+    let problems = load_identification(path, &LoadOptions::default()).expect_err("a bad file");
+    for problem in &problems {
+        let shown = problem.render(Colours::Plain);
+        assert!(shown.contains('^'), "nothing underlined in\n{shown}");
+    }
+    problems.iter().map(|p| format!("{}:{} {}", p.line, p.column, p.mistake.message())).collect()
+}
+
+#[test]
+fn every_bad_file_is_refused_with_the_messages_it_names() {
+    assert!(files().len() >= 12);
+    for path in files() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let expected: Vec<&str> =
+            text.lines().filter_map(|line| line.strip_prefix("# error: ")).collect();
+        if expected.is_empty() && std::env::var_os("UPDATE_GENERATED").is_some() {
+            let count = found(&path).len();
+            let blank = "# error: \n".repeat(count);
+            std::fs::write(&path, format!("{blank}{text}")).unwrap();
+            let lines: String =
+                found(&path).iter().map(|line| format!("# error: {line}\n")).collect();
+            std::fs::write(&path, format!("{lines}{text}")).unwrap();
+            continue;
+        }
+        assert_eq!(found(&path), expected, "{}", path.display());
+    }
+}
+
+#[test]
+fn the_shipped_example_is_good() {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/identification/example.toml");
+    let plan = load_identification(&path, &LoadOptions::default()).unwrap();
+    assert_eq!(plan.tests.len(), 16);
+    assert_eq!((plan.reference_rate, plan.melting_temperature), (4e-3, 1733.0));
+    assert_eq!(plan.bar, Some([0.02, 210e9, 5231.0]));
+    let TestCurve::Compression { specimen, temperature, points, .. } = &plan.tests[0] else {
+        panic!("{:?}", plan.tests[0]);
+    };
+    assert!((specimen[1] - 10.0156e-3).abs() < 1e-12 && (temperature - 298.15).abs() < 1e-9);
+    assert!((points[1][0] - 33_736.70).abs() < 1e-9 && (points[1][1] - 0.046_165e-3).abs() < 1e-15);
+}
+
+/// Beside the bad files lies one that has nothing but flow curves, split where rate or temperature change.
+#[test]
+fn flow_curves_alone_are_enough() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good_identification/curves.toml");
+    let plan = load_identification(&path, &LoadOptions::default()).unwrap();
+    let curves: Vec<(f64, f64, usize)> = plan
+        .tests
+        .iter()
+        .map(|test| match test {
+            TestCurve::Flow { rate, temperature, points, .. } => {
+                (*rate, *temperature, points.len())
+            }
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(curves, [(1e-3, 298.15, 4), (1e-3, 573.15, 2), (1000.0, 298.15, 2)]);
+    assert_eq!((plan.bar, plan.smallest_strain), (None, 0.005));
+}
