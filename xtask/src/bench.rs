@@ -7,6 +7,7 @@
 
 mod cases;
 mod machine;
+pub mod peers;
 
 use cases::Case;
 use sphcut_sph::{Simulation, Stage};
@@ -42,10 +43,13 @@ struct Track {
     bursts: Vec<Vec<Burst>>,
 }
 
-/// Measures, prints and appends the result.
-pub fn run(root: &Path) -> Result<(), String> {
+/// Measures, prints and appends the result; beside other codes if `peers` tells where they are.
+pub fn run(root: &Path, peers: Option<&Path>) -> Result<(), String> {
     if cfg!(debug_assertions) {
-        return in_release(root);
+        return in_release(root, peers);
+    }
+    if let Some(environment) = peers {
+        return peers::run(root, environment);
     }
     let load = machine::load();
     let mut tracks = Vec::new();
@@ -68,10 +72,14 @@ pub fn run(root: &Path) -> Result<(), String> {
 }
 
 /// The development profile checks every addition: its speed says nothing.
-fn in_release(root: &Path) -> Result<(), String> {
+fn in_release(root: &Path, peers: Option<&Path>) -> Result<(), String> {
+    let peers = peers.map(std::path::absolute).transpose().map_err(|error| error.to_string())?;
+    let peers = peers.iter().flat_map(|folder| ["--peers".into(), folder.into()]);
+    let peers: Vec<std::ffi::OsString> = peers.collect();
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let status = std::process::Command::new(cargo)
         .args(["run", "--release", "--quiet", "--package", "xtask", "--", "bench"])
+        .args(peers)
         .current_dir(root)
         .status()
         .map_err(|error| format!("cannot run cargo: {error}"))?;

