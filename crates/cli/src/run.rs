@@ -98,22 +98,21 @@ pub fn decide(progress: &Progress, steady: Option<Steady>) -> Control {
     }
 }
 
-/// Whether the mean cutting force is known well enough. Only asked at samples, so that the answer
+/// Whether the mean forces are known well enough. Only asked at samples, so that the answer
 /// does not depend on the clock.
 fn is_steady(progress: &Progress, steady: Steady) -> bool {
     let samples = progress.samples;
     let due = progress.moment == Moment::Sample
         && samples.len().is_multiple_of(SAMPLES_BETWEEN_STEADY_TESTS)
         && progress.travel >= steady.minimum_travel;
-    let options = SteadyOptions {
-        relative_half_width: steady.relative_half_width,
-        minimum_travel: steady.minimum_travel,
+    let known = |force: ChannelId, relative_half_width: f64| {
+        let options = SteadyOptions { relative_half_width, minimum_travel: steady.minimum_travel };
+        let series =
+            Series { travel: samples.channel(ChannelId::Travel), force: samples.channel(force) };
+        detect(series, &options).reached
     };
-    let series = || Series {
-        travel: samples.channel(ChannelId::Travel),
-        force: samples.channel(ChannelId::CuttingForce),
-    };
-    due && detect(series(), &options).reached
+    due && known(ChannelId::CuttingForce, steady.relative_half_width)
+        && steady.feed_relative_half_width.is_none_or(|wanted| known(ChannelId::FeedForce, wanted))
 }
 
 /// The progress as it is shown.

@@ -21,7 +21,7 @@ pub struct ProcessResult {
     pub criterion: SteadyOptions,
     /// Verdict on the cutting force.
     pub steady: SteadyState,
-    /// Verdict on the feed force, by the same criterion.
+    /// Verdict on the feed force, by the criterion that the scenario has for it or by the same.
     pub feed_steady: SteadyState,
     /// Over which part of the run means are taken.
     pub window: Window,
@@ -151,7 +151,13 @@ pub struct Resolution {
 /// # Errors
 /// A snapshot of the record that cannot be read.
 pub fn evaluate(run: &Run) -> Result<ProcessResult, RunError> {
-    evaluate_with(run, &criterion_of(run))
+    let criterion = criterion_of(run);
+    let wanted = stated(run, "feed_relative_half_width");
+    let feed = SteadyOptions {
+        relative_half_width: wanted.unwrap_or(criterion.relative_half_width),
+        ..criterion
+    };
+    evaluate_by(run, &criterion, &feed)
 }
 
 /// Evaluates a run by a criterion of one's own.
@@ -159,8 +165,16 @@ pub fn evaluate(run: &Run) -> Result<ProcessResult, RunError> {
 /// # Errors
 /// As [`evaluate`].
 pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResult, RunError> {
+    evaluate_by(run, criterion, criterion)
+}
+
+fn evaluate_by(
+    run: &Run,
+    criterion: &SteadyOptions,
+    feed_criterion: &SteadyOptions,
+) -> Result<ProcessResult, RunError> {
     let samples = &run.samples;
-    let verdict = |id: ChannelId, range: &Range<usize>| {
+    let verdict = |id: ChannelId, range: &Range<usize>, criterion: &SteadyOptions| {
         let travel = &samples.channel(ChannelId::Travel)[range.clone()];
         let mut state =
             detect(Series { travel, force: &samples.channel(id)[range.clone()] }, criterion);
@@ -168,7 +182,7 @@ pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResu
         state
     };
     let of_pass = |(index, range): (usize, Range<usize>)| {
-        let steady = verdict(ChannelId::CuttingForce, &range);
+        let steady = verdict(ChannelId::CuttingForce, &range, criterion);
         let window = window(samples, &steady, &range, &run.facts);
         let forces = forces(samples, &window, &range, &run.facts);
         PassResult { number: index + 1, steady, window, forces }
@@ -179,7 +193,7 @@ pub fn evaluate_with(run: &Run, criterion: &SteadyOptions) -> Result<ProcessResu
     let mut result = ProcessResult {
         laws: run.provenance.effects.clone(),
         criterion: *criterion,
-        feed_steady: verdict(ChannelId::FeedForce, &last),
+        feed_steady: verdict(ChannelId::FeedForce, &last, feed_criterion),
         forces,
         passes: ranges.into_iter().enumerate().map(of_pass).collect(),
         geometry: geometry::measure(run, &window)?,
@@ -234,19 +248,22 @@ impl ProcessResult {
 
 /// The criterion the scenario states, or the default.
 fn criterion_of(run: &Run) -> SteadyOptions {
-    let stated = |key: &str| {
-        run.provenance
-            .settings
-            .iter()
-            .find(|setting| setting.section == "stop.steady" && setting.key == key)
-            .and_then(|setting| setting.value.parse::<f64>().ok())
-    };
     // Without a chip there is no length to compare with: the whole travel then has to be steady.
     let default = SteadyOptions::for_chip_thickness(run.facts.uncut_chip_thickness.unwrap_or(0.0));
     SteadyOptions {
-        relative_half_width: stated("relative_half_width").unwrap_or(default.relative_half_width),
-        minimum_travel: stated("minimum_travel").unwrap_or(default.minimum_travel),
+        relative_half_width: stated(run, "relative_half_width")
+            .unwrap_or(default.relative_half_width),
+        minimum_travel: stated(run, "minimum_travel").unwrap_or(default.minimum_travel),
     }
+}
+
+/// What the scenario states under `key` of its section `stop.steady`.
+fn stated(run: &Run, key: &str) -> Option<f64> {
+    run.provenance
+        .settings
+        .iter()
+        .find(|setting| setting.section == "stop.steady" && setting.key == key)
+        .and_then(|setting| setting.value.parse::<f64>().ok())
 }
 
 /// The samples of each pass that the run has come to, where there are several: those whose interval

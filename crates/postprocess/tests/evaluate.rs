@@ -196,6 +196,26 @@ fn the_criterion_of_the_scenario_counts() {
 }
 
 #[test]
+fn the_feed_force_may_have_its_own_criterion() {
+    let reached = |keys: &[(&str, &str)]| {
+        let mut run = run();
+        run.provenance.settings.extend(keys.iter().map(|(key, value)| Setting {
+            section: "stop.steady".to_owned(),
+            key: (*key).to_owned(),
+            value: (*value).to_owned(),
+            ..Setting::default()
+        }));
+        let result = evaluate(&run).unwrap();
+        (result.steady.reached, result.feed_steady.reached)
+    };
+    assert_eq!(reached(&[]), (true, true));
+    assert_eq!(reached(&[("feed_relative_half_width", "0.0001")]), (true, false));
+    let tight = ("relative_half_width", "0.0001");
+    assert_eq!(reached(&[tight]), (false, false));
+    assert_eq!(reached(&[tight, ("feed_relative_half_width", "0.1")]), (false, true));
+}
+
+#[test]
 fn a_run_without_samples_or_tool_is_evaluated_too() {
     let mut run = drawn().run(0.0, 0);
     run.facts.tool_velocity = None;

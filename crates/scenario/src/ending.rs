@@ -39,6 +39,8 @@ pub struct Stop {
 pub struct Steady {
     /// Half width of the 95 % interval of the mean cutting force over the mean.
     pub relative_half_width: f64,
+    /// The same of the mean feed force, if that is to be known too.
+    pub feed_relative_half_width: Option<f64>,
     /// Travel in m before which the run never ends.
     pub minimum_travel: f64,
 }
@@ -107,6 +109,7 @@ fn read_steady(
     }
     Some(Steady {
         relative_half_width: record.number("relative_half_width")?,
+        feed_relative_half_width: record.number("feed_relative_half_width"),
         minimum_travel: minimum_travel?,
     })
 }

@@ -333,7 +333,7 @@ pub(crate) fn stop() -> Section {
 pub(crate) fn steady() -> Section {
     Section::new(
         "stop.steady",
-        "Both conditions must hold.",
+        "All conditions must hold.",
         vec![
             Field::new(
                 "relative_half_width",
@@ -342,6 +342,13 @@ pub(crate) fn steady() -> Section {
                 "half width of the 95 % interval of the mean cutting force over the mean",
             )
             .example("0.02"),
+            Field::new(
+                "feed_relative_half_width",
+                Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 0.5)),
+                Presence::Optional,
+                "the same of the mean feed force; without it the feed force does not decide on the end",
+            )
+            .example("0.05"),
             Field::new(
                 "minimum_travel",
                 positive(Quantity::Length, LONGEST),
