@@ -76,7 +76,7 @@ fn turning_and_mirroring_move_every_part_alike() {
 
 #[test]
 fn presets_are_relative_to_the_uncut_chip_thickness() {
-    for (preset, across) in [("draft", 5.0), ("standard", 10.0), ("fine", 14.0)] {
+    for (preset, across) in [("draft", 7.0), ("standard", 10.0), ("fine", 14.0)] {
         let text = QUICK.replace("\"draft\"", &format!("\"{preset}\""));
         let setup = parse(&text, "cut.toml", None, &LoadOptions::default()).unwrap().setup;
         assert_relative_eq!(setup.particle_spacing, 1e-4 / across, max_relative = 1e-12);
@@ -105,7 +105,7 @@ fn the_description_has_text_and_si_value_of_every_key() {
     assert_eq!(speed.origin, Origin::Given);
     assert_eq!(entry("process", "orientation").origin, Origin::Default);
     let spacing = entry("resolution", "particle_spacing");
-    assert_eq!((spacing.value.as_str(), spacing.origin), ("2e-5", Origin::Derived));
+    assert_eq!((spacing.value.as_str(), spacing.origin), ("1.42857e-5", Origin::Derived));
     let yield_stress = entry("material aisi1045_table5.flow_stress", "initial_yield");
     assert_eq!((yield_stress.text.as_str(), yield_stress.value.as_str()), ("331 MPa", "3.31e8"));
     assert_eq!(entry("tool.friction", "shear_friction_factor").origin, Origin::Default);

@@ -27,7 +27,7 @@ uncut_chip_thickness = "0.1 mm"
 width_of_cut = "3 mm"
 
 [resolution]
-preset = "draft"
+particle_spacing = "20 um"
 
 [numerics]
 mass_scaling = 1000
@@ -161,8 +161,9 @@ fn force_ratio_of_other(entry: &EffectEntry, changes: &[(&str, &str)]) -> f64 {
 fn over_lattices(cut: &str, measure: impl Fn(&Outcome) -> f64) -> f64 {
     const SEEDS: u32 = 5;
     let of_seed = |seed: u32| {
-        let disordered = format!("preset = \"draft\"\nlattice = \"disordered\"\nseed = {seed}");
-        measure(&run(&cut.replace("preset = \"draft\"", &disordered)))
+        let disordered =
+            format!("particle_spacing = \"20 um\"\nlattice = \"disordered\"\nseed = {seed}");
+        measure(&run(&cut.replace("particle_spacing = \"20 um\"", &disordered)))
     };
     (1..=SEEDS).map(of_seed).sum::<f64>() / f64::from(SEEDS)
 }

@@ -46,7 +46,7 @@ pub(crate) const LATTICES: &[(&str, Lattice)] = &[
 ];
 
 /// Resolution presets: particle spacings across the uncut chip thickness.
-pub(crate) const PRESETS: &[(&str, f64)] = &[("draft", 5.0), ("standard", 10.0), ("fine", 14.0)];
+pub(crate) const PRESETS: &[(&str, f64)] = &[("draft", 7.0), ("standard", 10.0), ("fine", 14.0)];
 
 const LONGEST: f64 = 100.0;
 const HOTTEST: f64 = 10_000.0;
@@ -181,7 +181,7 @@ pub(crate) fn resolution() -> Section {
                 "preset",
                 choice(PRESETS.iter().map(|preset| preset.0)),
                 Presence::Optional,
-                "spacing relative to the uncut chip thickness: draft h/5, standard h/10, fine h/14",
+                "spacing relative to the uncut chip thickness: draft h/7, standard h/10, fine h/14",
             ),
             Field::new(
                 "kernel",
