@@ -144,6 +144,7 @@ fn write_series(
         path: "table".to_owned(),
         facts: vec![("meaning", FactH5::Text("one row per set of conditions".to_owned()))],
         columns: table.iter().map(|(name, unit, values)| ColumnH5 { name, unit, values }).collect(),
+        texts: Vec::new(),
     }];
     for (index, cut) in cuts.iter().enumerate() {
         groups.push(GroupH5 {
@@ -154,6 +155,7 @@ fn write_series(
                 .iter()
                 .map(|c| ColumnH5 { name: c.component.symbol(), unit: "N", values: &c.force })
                 .collect(),
+            texts: Vec::new(),
         });
     }
     write_columns_h5(path, &facts, &groups)

@@ -2,6 +2,8 @@
 
 use crate::animation::animate;
 use crate::picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use sphcut_record::{Run, RunError, Setting};
 use sphcut_sph::Snapshot;
 
@@ -15,6 +17,7 @@ const FIELDS: [Field; 6] = [
     Field::Speed,
 ];
 pub(crate) const PICTURE_WIDTH: u32 = 1000;
+const THUMBNAIL_WIDTH: u32 = 560;
 const ANIMATION_WIDTH: u32 = 960;
 /// Size of the window about the cutting edge in uncut chip thicknesses.
 const WINDOW: [f64; 2] = [11.5, 7.6];
@@ -114,6 +117,22 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
         bytes,
     });
     Ok(Pictures { animation, whole: Some(still), fields, layers })
+}
+
+/// A small picture of the end of a run, as a data URI; `None` for a run without snapshots or in space.
+pub(crate) fn thumbnail(run: &Run) -> Result<Option<String>, RunError> {
+    let Some(last) = run.snapshots.last()?.filter(|_| run.facts.dimension == 2) else {
+        return Ok(None);
+    };
+    let options = PictureOptions {
+        width: THUMBNAIL_WIDTH,
+        text_scale: 1.3,
+        view: about_edge(run, &last),
+        style: Style::Material,
+        ..PictureOptions::default()
+    };
+    let bytes = render_snapshot(&last, Field::Temperature, &options);
+    Ok(Some(format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes))))
 }
 
 /// Ends of a colour bar for the tool alone; `None` where it does not conduct heat.

@@ -11,11 +11,13 @@ mod execute;
 mod plan;
 mod random;
 mod store;
+mod table;
 
 pub use address::{Address, address};
 pub use cost::{CROWDING, Cost, measure};
 pub use execute::{Computed, Execution, News, Retry, State, Trouble, Watch, Worker, execute};
-pub use plan::{LeftOut, Plan, PlanError, PlannedRun, plan};
+pub use plan::{Condition, LeftOut, Plan, PlanError, PlannedRun, plan};
 pub use store::{
     Claim, Entry, Failure, Found, Leftover, Needs, Store, StoreError, StoredFile, Verdict, Work,
 };
+pub use table::{Row, Table};

@@ -5,7 +5,7 @@ use crate::cost::Cost;
 use crate::design::{MOST_RUNS, points};
 use rayon::prelude::*;
 use sphcut_scenario::{Held, Sweep, Unfit};
-use sphcut_sph::Simulation;
+use sphcut_sph::{Setup, Simulation};
 use std::fmt;
 
 /// The runs of a sweep.
@@ -37,10 +37,34 @@ pub struct PlannedRun {
     pub values: Vec<String>,
     /// Its numbers in SI, for those that are numbers.
     pub numbers: Vec<Option<f64>>,
+    /// Speed, thickness and width, of a cut.
+    pub condition: Option<Condition>,
     /// Where its result is kept.
     pub address: Address,
     /// What it will take.
     pub cost: Cost,
+}
+
+/// The conditions of a cut in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Condition {
+    /// v_c.
+    pub cutting_speed: f64,
+    /// h.
+    pub uncut_chip_thickness: f64,
+    /// b.
+    pub width_of_cut: f64,
+}
+
+impl Condition {
+    fn of(setup: &Setup) -> Option<Self> {
+        let velocity = setup.tool.as_ref()?.velocity;
+        Some(Self {
+            cutting_speed: velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
+            uncut_chip_thickness: setup.uncut_chip_thickness?,
+            width_of_cut: setup.width_of_cut,
+        })
+    }
 }
 
 /// A combination that is not run.
@@ -159,6 +183,7 @@ fn check(sweep: &Sweep, number: usize, values: Vec<String>) -> Checked {
     };
     let numbers = sweep.axes.iter().map(|axis| axis.number(&scenario)).collect();
     let cost = Cost::new(&scenario.setup, &estimate);
-    let run = PlannedRun { number, numbers, address: address(&scenario), cost, values };
+    let (condition, address) = (Condition::of(&scenario.setup), address(&scenario));
+    let run = PlannedRun { number, numbers, condition, address, cost, values };
     Checked::Run(run, scenario.warnings)
 }

@@ -32,7 +32,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
     ("postprocess", &["record", "sph", "physics"]),
     ("sweep", &["scenario", "record", "sph", "physics"]),
     ("greybox", &["record", "physics"]),
-    ("report", &["greybox", "postprocess", "record", "identify", "sph", "physics"]),
+    ("report", &["greybox", "postprocess", "record", "identify", "sweep", "sph", "physics"]),
     ("verification", &["scenario", "greybox", "postprocess", "record", "sph", "physics"]),
     (
         "cli",

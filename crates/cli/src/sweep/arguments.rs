@@ -10,6 +10,12 @@ Examples:
   sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep --dry-run   the runs, their cost, the total
   sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep             run what is missing
 
+What appears in the output folder:
+  sweep.html      one page: forces over speed and thickness, pictures, failures, cost
+  table.csv       every run with its address and every number of its summary      table.h5   the same
+  simulated.csv   the forces of all cuts, for `sphcut greybox fit --simulated`
+  store/          the results (--store puts them elsewhere)
+
 Ctrl-C writes checkpoints; the same command goes on, and so it does after a crash. Runs that are in the store
 already are not computed again. A run that fails is noted with its reason and does not stop the others; the exit
 code is 3 then.
@@ -29,6 +35,9 @@ pub struct SweepArguments {
     /// Store of results [default: DIR/store]; several sweeps can share one, at the same time too.
     #[arg(long, value_name = "DIR")]
     pub store: Option<PathBuf>,
+    /// Measured forces to show beside the simulated ones (CSV: v_c [m/min],h [mm],F_c [N],F_f [N]).
+    #[arg(long, value_name = "FILE")]
+    pub measured: Option<PathBuf>,
     /// Threads, of all runs together [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,

@@ -3,6 +3,7 @@
 mod arguments;
 mod display;
 mod dry_run;
+mod tables;
 mod tally;
 mod worker;
 
@@ -48,8 +49,14 @@ fn follow(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     interrupt::install();
     announce(&sweep, &plan, &store, threads, style);
     let start = Instant::now();
+    let measured = tables::measured(arguments)?;
     let states = run(&sweep, &plan, &store, execution(arguments, threads), style)?;
-    Ok(told(&states, start, style))
+    let page = tables::write(arguments, &sweep, &plan, &store, (&states, &measured))?;
+    let code = told(&states, start, style);
+    if style == Style::Human {
+        terminal::line(&format!("report  {}", page.display()));
+    }
+    Ok(code)
 }
 
 fn style(arguments: &SweepArguments) -> Style {

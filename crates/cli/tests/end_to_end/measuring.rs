@@ -198,8 +198,16 @@ fn hdf5(shop: &Workshop, gain: f64) {
         ColumnH5 { name: "t", unit: "s", values: &time },
         ColumnH5 { name: "Fx", unit: "kN", values: &cutting },
     ];
-    let outer = GroupH5 { path: "series".to_owned(), facts: Vec::new(), columns: Vec::new() };
-    let groups = [outer, GroupH5 { path: "series/first".to_owned(), facts: Vec::new(), columns }];
+    let outer = GroupH5 {
+        path: "series".to_owned(),
+        facts: Vec::new(),
+        columns: Vec::new(),
+        texts: Vec::new(),
+    };
+    let groups = [
+        outer,
+        GroupH5 { path: "series/first".to_owned(), facts: Vec::new(), columns, texts: Vec::new() },
+    ];
     let facts = [("title", FactH5::Text("one cut".to_owned()))];
     write_columns_h5(&shop.path("cut.h5"), &facts, &groups).unwrap();
 }

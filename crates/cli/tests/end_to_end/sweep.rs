@@ -261,3 +261,75 @@ fn an_interrupted_sweep_goes_on() {
     shop.sphcut(&OUT).expect_code(0);
     assert_eq!(forces(&shop, "out/store").len(), 4);
 }
+
+/// The table has what the runs have, and the grey box reads it as it is.
+#[test]
+fn table_and_page_show_the_runs_and_feed_the_grey_box() {
+    // Far enough to touch the material, on few particles.
+    let sweep = SWEEP.replace("step = \"0.01 mm\"", "count = 5");
+    let shop = shop("sweep_table", &sweep);
+    shop.write("tiny.toml", &TINY.replace("0.2 mm", "0.1 mm").replace("25 um", "30 um"));
+    let mut measured = "v_c [m/min],h [mm],F_c [N],F_f [N]\n".to_owned();
+    for speed in [150, 300] {
+        for h in ["0.09", "0.0925", "0.095", "0.0975", "0.1"] {
+            measured +=
+                &format!("{speed},{h},{},200\n", 100.0 + 6000.0 * h.parse::<f64>().unwrap());
+        }
+    }
+    shop.write("measured.csv", &measured);
+    let arguments = ["sweep", "sweep.toml", "--out", "out", "--measured", "measured.csv"];
+    let ended = shop.sphcut(&arguments).expect_code(0);
+    assert!(ended.out.contains("sweep.html"), "{}", ended.out);
+
+    let table = shop.read("out/table.csv");
+    let lines: Vec<Vec<&str>> =
+        table.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert_eq!(lines.len(), 11);
+    let column = |name: &str| {
+        lines[0]
+            .iter()
+            .position(|head| *head == name)
+            .unwrap_or_else(|| panic!("{name}: {:?}", lines[0]))
+    };
+    assert_eq!(lines[10][column("process.cutting_speed [m/s]")], "5");
+    assert_eq!(lines[10][column("v_c [m/min]")], "300");
+    assert_eq!(lines[10][column("h [mm]")], "0.1");
+    assert_eq!(lines[10][column("state")], "finished");
+    let address = lines[10][column("address")];
+    let folder = shop.path("out/store/results").join(&address[..2]).join(address);
+    let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    let force = summary["forces"]["cutting"]["mean_n"].as_f64().unwrap();
+    assert!(force > 1.0, "the tool touches: {force}");
+    for name in ["F_c [N]", "forces.cutting.mean_n"] {
+        assert_eq!(lines[10][column(name)].parse::<f64>().unwrap(), force);
+    }
+    assert_eq!(lines[10][column("steady.reached")], "0");
+    assert!(shop.path("out/table.h5").exists());
+
+    let page = shop.read("out/sweep.html");
+    for text in [
+        "What these runs say",
+        "Cutting force",
+        "The cuts",
+        "data:image/png",
+        "How to reproduce",
+        "measured F",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    let fit = [
+        "greybox",
+        "fit",
+        "--simulated",
+        "out/simulated.csv",
+        "--measured",
+        "measured.csv",
+        "--out",
+        "grey",
+    ];
+    let fit = [fit.as_slice(), &["--regressors", "linear", "--quiet"]].concat();
+    shop.sphcut(&fit).expect_code(0);
+    assert_eq!(shop.read("grey/points.csv").lines().count(), 11);
+    shop.sphcut(&[&arguments[..5], &["none.csv"]].concat()).expect_code(4).expect_err("none.csv");
+}

@@ -33,6 +33,8 @@ pub struct GroupH5<'a> {
     pub facts: Vec<(&'a str, FactH5)>,
     /// Its columns.
     pub columns: Vec<ColumnH5<'a>>,
+    /// Its columns of words by name.
+    pub texts: Vec<(&'a str, Vec<&'a str>)>,
 }
 
 /// Writes a file of groups; `facts` are the attributes of the file itself. The file takes its place only
@@ -53,6 +55,10 @@ pub fn write_columns_h5(
             let unit = [("unit", Attribute::text(column.unit))];
             let array = format!("{}/{}", group.path, column.name);
             writer.array(&array, Array::F64(column.values), Shape::Rows, &unit)?;
+        }
+        for (name, words) in &group.texts {
+            let array = format!("{}/{name}", group.path);
+            writer.array(&array, Array::Text(words), Shape::Rows, &[])?;
         }
     }
     writer.finish()
@@ -107,6 +113,7 @@ mod tests {
                 ("rate", FactH5::Real(5.0)),
             ],
             columns: vec![column("F_c"), column("F_f")],
+            texts: vec![("state", vec!["good", "", "na\u{ef}ve"])],
         };
         write_columns_h5(&path, &[("title", FactH5::Text("t".to_owned()))], &[group]).unwrap();
         let read = read_columns_h5(&path, "/cut_one/").unwrap();

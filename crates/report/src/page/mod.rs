@@ -7,6 +7,7 @@ mod identification;
 mod measures;
 mod recordings;
 mod springback;
+mod sweep;
 mod tables;
 
 pub use calibration::{calibration_words, render_calibration};
@@ -14,6 +15,7 @@ pub use greybox::{greybox_words, render_comparison, render_greybox};
 pub use identification::{IdentificationPage, identification_words, render_identification};
 pub use recordings::{RecordingsPage, recordings_words, render_recordings};
 pub use springback::{SpringbackRun, render_springback};
+pub use sweep::{SweepPage, render_sweep, sweep_words};
 
 use crate::ReportError;
 use crate::pictures::{Picture, Pictures, draw_all};

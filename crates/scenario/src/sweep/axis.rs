@@ -2,7 +2,7 @@
 
 use super::key::KeyPath;
 use crate::document::contradiction;
-use crate::findings::Findings;
+use crate::findings::{Findings, ResolvedEntry};
 use crate::problem::Mistake;
 use crate::record::Record;
 use crate::scenario::Scenario;
@@ -62,9 +62,15 @@ impl Axis {
     /// The SI value of this key in `scenario`, if it is a number.
     #[must_use]
     pub fn number(&self, scenario: &Scenario) -> Option<f64> {
+        self.entry(scenario)?.number
+    }
+
+    /// What `scenario` says of this key.
+    #[must_use]
+    pub fn entry<'s>(&self, scenario: &'s Scenario) -> Option<&'s ResolvedEntry> {
         let (section, key) = self.key.section_and_key();
         let mut entries = scenario.description.iter();
-        entries.find(|entry| entry.section == section && entry.key == key)?.number
+        entries.find(|entry| entry.section == section && entry.key == key)
     }
 
     /// Number of values in a list.

@@ -3,15 +3,15 @@
 use crate::ticks::Ticks;
 use std::fmt::Write;
 
-pub(super) const WIDTH: f64 = 520.0;
-pub(super) const HEIGHT: f64 = 390.0;
+pub(in crate::page) const WIDTH: f64 = 520.0;
+pub(in crate::page) const HEIGHT: f64 = 390.0;
 const LEFT: f64 = 62.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 46.0;
 
 /// One axis.
 #[derive(Debug, Clone)]
-pub(super) struct Axis {
+pub(in crate::page) struct Axis {
     pub title: String,
     low: f64,
     high: f64,
@@ -23,7 +23,10 @@ const DECADES: f64 = 12.0;
 
 impl Axis {
     /// An axis of cutting conditions: all values with a margin; logarithmic if they span decades.
-    pub(super) fn of_conditions(title: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
+    pub(in crate::page) fn of_conditions(
+        title: &str,
+        values: impl Iterator<Item = f64> + Clone,
+    ) -> Self {
         let (low, high) = extremes(values);
         if low > 0.0 && high / low > DECADES {
             let margin = (high / low).powf(0.04);
@@ -34,7 +37,7 @@ impl Axis {
     }
 
     /// A linear axis with a margin of a share of its extent.
-    pub(super) fn linear(
+    pub(in crate::page) fn linear(
         title: &str,
         values: impl Iterator<Item = f64> + Clone,
         share: f64,
@@ -46,20 +49,20 @@ impl Axis {
     }
 
     /// A logarithmic axis with a margin; all values above 0.
-    pub(super) fn logarithmic(title: &str, values: impl Iterator<Item = f64>) -> Self {
+    pub(in crate::page) fn logarithmic(title: &str, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extremes(values.filter(|value| *value > 0.0));
         let (low, high) = (low.max(1e-12) / 1.25, high.max(1e-12) * 1.25);
         Self { title: title.to_owned(), low, high, logarithmic: true }
     }
 
     /// Place of a value, 0 at the low end and 1 at the high end.
-    pub(super) fn share(&self, value: f64) -> f64 {
+    pub(in crate::page) fn share(&self, value: f64) -> f64 {
         let map = |v: f64| if self.logarithmic { v.max(1e-300).ln() } else { v };
         (map(value) - map(self.low)) / (map(self.high) - map(self.low))
     }
 
     /// The value at a place.
-    pub(super) fn value(&self, share: f64) -> f64 {
+    pub(in crate::page) fn value(&self, share: f64) -> f64 {
         if self.logarithmic {
             return (self.low.ln() + share * (self.high / self.low).ln()).exp();
         }
@@ -84,7 +87,7 @@ impl Axis {
     }
 }
 
-pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(in crate::page) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -92,7 +95,7 @@ pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Two axes and the drawing.
-pub(super) struct Frame {
+pub(in crate::page) struct Frame {
     pub x: Axis,
     pub y: Axis,
     /// Room for a colour bar.
@@ -101,7 +104,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub(super) fn new(x: Axis, y: Axis, right: f64, description: &str) -> Self {
+    pub(in crate::page) fn new(x: Axis, y: Axis, right: f64, description: &str) -> Self {
         let svg = format!(
             r#"<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
             escape(description)
@@ -110,11 +113,11 @@ impl Frame {
     }
 
     /// Left, top, right and bottom of the inner part.
-    pub(super) fn inner(&self) -> [f64; 4] {
+    pub(in crate::page) fn inner(&self) -> [f64; 4] {
         [LEFT, TOP, WIDTH - self.right, HEIGHT - BOTTOM]
     }
 
-    pub(super) fn at(&self, x: f64, y: f64) -> [f64; 2] {
+    pub(in crate::page) fn at(&self, x: f64, y: f64) -> [f64; 2] {
         let [left, top, right, bottom] = self.inner();
         [
             left + self.x.share(x).clamp(-5.0, 6.0) * (right - left),
@@ -122,11 +125,11 @@ impl Frame {
         ]
     }
 
-    pub(super) fn put(&mut self, text: std::fmt::Arguments<'_>) {
+    pub(in crate::page) fn put(&mut self, text: std::fmt::Arguments<'_>) {
         self.svg.write_fmt(text).expect("writing to a string cannot fail");
     }
 
-    pub(super) fn line(&mut self, points: &[[f64; 2]], style: &str) {
+    pub(in crate::page) fn line(&mut self, points: &[[f64; 2]], style: &str) {
         let path: Vec<String> = points
             .iter()
             .map(|&[x, y]| self.at(x, y))
@@ -135,13 +138,13 @@ impl Frame {
         self.put(format_args!(r#"<path d="M{}" fill="none" {style}/>"#, path.join("L")));
     }
 
-    pub(super) fn dot(&mut self, x: f64, y: f64, radius: f64, style: &str) {
+    pub(in crate::page) fn dot(&mut self, x: f64, y: f64, radius: f64, style: &str) {
         let [x, y] = self.at(x, y);
         self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#));
     }
 
     /// Names of colours in the row above, to the right.
-    pub(super) fn legend(&mut self, entries: &[(&str, &str)]) {
+    pub(in crate::page) fn legend(&mut self, entries: &[(&str, &str)]) {
         let width = |name: &str| 7.0 * name.chars().count() as f64 + 24.0;
         let mut x = WIDTH - self.right - entries.iter().map(|(_, name)| width(name)).sum::<f64>();
         for (colour, name) in entries {
@@ -156,7 +159,7 @@ impl Frame {
     }
 
     /// A line that ends at the border of the inner part.
-    pub(super) fn clipped(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
+    pub(in crate::page) fn clipped(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
         let inside = |value: f64, axis: &Axis| (-1e-9..=1.0 + 1e-9).contains(&axis.share(value));
         let steps = 400;
         let points: Vec<[f64; 2]> = (0..=steps)
@@ -172,7 +175,7 @@ impl Frame {
     }
 
     /// Grid, axes and titles.
-    pub(super) fn axes(&mut self, title: &str, grid: bool) {
+    pub(in crate::page) fn axes(&mut self, title: &str, grid: bool) {
         let [left, top, right, bottom] = self.inner();
         for (value, label) in self.y.ticks(6) {
             let [_, y] = self.at(self.x.low, value);
@@ -208,14 +211,14 @@ impl Frame {
         ));
     }
 
-    pub(super) fn finish(mut self) -> String {
+    pub(in crate::page) fn finish(mut self) -> String {
         self.svg.push_str("</svg>");
         self.svg
     }
 }
 
 /// Text for SVG; what follows an underscore becomes an index of one letter.
-pub(super) fn escape(text: &str) -> String {
+pub(in crate::page) fn escape(text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     let mut parts = text.split('_');
     let mut escaped = parts.next().unwrap_or_default().to_owned();

@@ -13,7 +13,7 @@ const GRID: [usize; 2] = [96, 72];
 
 /// The colours of a map.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Colours {
+pub(in crate::page) enum Colours {
     /// From a low to a high value.
     Range(f64, f64),
     /// As far below zero as above; red is above.
@@ -21,12 +21,12 @@ pub(super) enum Colours {
 }
 
 impl Colours {
-    pub(super) fn of_range(values: impl Iterator<Item = f64>) -> Self {
+    pub(in crate::page) fn of_range(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extremes(values);
         Self::Range(low, if high > low { high } else { low + 1.0 })
     }
 
-    pub(super) fn around_zero(values: impl Iterator<Item = f64>) -> Self {
+    pub(in crate::page) fn around_zero(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extremes(values);
         Self::Around(low.abs().max(high.abs()).max(1e-9))
     }
@@ -56,7 +56,7 @@ impl Colours {
 }
 
 /// One map.
-pub(super) struct Map<'a> {
+pub(in crate::page) struct Map<'a> {
     pub title: String,
     pub description: String,
     /// Name and unit of what the colours show.
@@ -72,7 +72,7 @@ pub(super) struct Map<'a> {
 }
 
 impl Map<'_> {
-    pub(super) fn svg(&self) -> String {
+    pub(in crate::page) fn svg(&self) -> String {
         let x = Axis::of_conditions("v_c in m/min", self.inputs.iter().map(|i| i[0] * M_PER_MIN));
         let y = Axis::of_conditions("h in mm", self.inputs.iter().map(|i| i[1] * MM));
         let mut frame = Frame::new(x, y, 84.0, &self.description);

@@ -1,8 +1,8 @@
 //! `greybox.html`: simulated forces corrected by measured ones.
 
-mod axes;
+pub(super) mod axes;
 mod comparison;
-mod maps;
+pub(super) mod maps;
 mod plots;
 mod tables;
 mod words;
@@ -36,7 +36,7 @@ pub fn render_greybox(fit: &GreyBoxFit) -> String {
 }
 
 /// A page with this title and content.
-fn page(title: &str, lead: &Markup, version: &str, body: &Markup) -> String {
+pub(super) fn page(title: &str, lead: &Markup, version: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -61,7 +61,7 @@ fn page(title: &str, lead: &Markup, version: &str, body: &Markup) -> String {
 }
 
 /// Text in which the letter after an underscore is an index.
-fn indexed(text: &str) -> Markup {
+pub(super) fn indexed(text: &str) -> Markup {
     let mut parts = text.split('_');
     let first = parts.next().unwrap_or_default();
     html! {
@@ -73,7 +73,7 @@ fn indexed(text: &str) -> Markup {
     }
 }
 
-fn figure(svg: &str, caption: &str) -> Markup {
+pub(super) fn figure(svg: &str, caption: &str) -> Markup {
     html! { figure { (PreEscaped(svg)) figcaption { (indexed(caption)) } } }
 }
 

@@ -1,0 +1,64 @@
+//! Table and page of a sweep.
+
+use super::SweepArguments;
+use crate::failure::{ExitCode, Failure};
+use crate::results;
+use serde_json::Value;
+use sphcut_postprocess::{SCHEMA_VERSION, evaluate, summary_json};
+use sphcut_record::{Run, RunFiles};
+use sphcut_report::{SweepPage, render_sweep};
+use sphcut_scenario::Sweep;
+use sphcut_sweep::{Plan, State, Store, Table};
+use std::path::{Path, PathBuf};
+
+/// v_c in m/s, h in m, F_c and F_f in N of the measured cuts; none without `--measured`.
+pub fn measured(arguments: &SweepArguments) -> Result<Vec<[f64; 4]>, Failure> {
+    let Some(path) = &arguments.measured else { return Ok(Vec::new()) };
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
+    let rows = sphcut_scenario::read_force_table(&text)
+        .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
+    let row = |row: &sphcut_scenario::ForceTableRow| {
+        [row.cutting_speed, row.uncut_chip_thickness, row.cutting_force, row.feed_force]
+    };
+    Ok(rows.iter().map(row).collect())
+}
+
+/// Writes them; the path of the page.
+pub fn write(
+    arguments: &SweepArguments,
+    sweep: &Sweep,
+    plan: &Plan,
+    store: &Store,
+    (states, measured): (&[State], &[[f64; 4]]),
+) -> Result<PathBuf, Failure> {
+    let out = &arguments.out;
+    let table = Table::new(sweep, plan, store, states, &summary);
+    results::save(&out.join("table.csv"), table.csv().as_bytes())?;
+    let version = env!("CARGO_PKG_VERSION");
+    table
+        .write_h5(&out.join("table.h5"), &sweep.text, version)
+        .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
+    if let Some(simulated) = table.simulated_csv() {
+        results::save(&out.join("simulated.csv"), simulated.as_bytes())?;
+    }
+    let page =
+        SweepPage { table: &table, left_out: &plan.left_out, measured, text: &sweep.text, version };
+    let text = render_sweep(&page)
+        .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
+    let path = out.join("sweep.html");
+    results::save(&path, text.as_bytes())?;
+    Ok(path)
+}
+
+/// The summary of the run in `folder`: the stored one, or one made from the record if that is of an earlier
+/// version.
+fn summary(folder: &Path) -> Option<Value> {
+    let text = std::fs::read_to_string(folder.join(results::SUMMARY)).ok();
+    let stored: Option<Value> = text.and_then(|text| serde_json::from_str(&text).ok());
+    if let Some(stored) = stored.filter(|stored| stored["schema_version"] == SCHEMA_VERSION) {
+        return Some(stored);
+    }
+    let run = Run::load(&RunFiles::in_dir(folder).record()).ok()?;
+    serde_json::from_str(&summary_json(&evaluate(&run).ok()?)).ok()
+}

@@ -1,0 +1,274 @@
+//! `sweep.html`: many runs on one page.
+
+mod plots;
+mod words;
+
+pub use words::sweep_words;
+
+use super::greybox::{figure, indexed, page};
+use crate::ReportError;
+use crate::pictures::thumbnail;
+use crate::text::{grouped, minus, three_digits, with_interval};
+use maud::{Markup, html};
+use plots::Point;
+use sphcut_record::Run;
+use sphcut_sweep::{LeftOut, Row, State, Table};
+
+/// Most pictures of cuts on a page.
+const MOST_PICTURES: usize = 24;
+/// Most runs in the table of a page; all are in `table.csv`.
+const MOST_ROWS: usize = 500;
+
+/// What the page shows.
+#[derive(Debug, Clone)]
+pub struct SweepPage<'a> {
+    /// The runs.
+    pub table: &'a Table,
+    /// Combinations that a constraint leaves out.
+    pub left_out: &'a [LeftOut],
+    /// Measured forces: v_c in m/s, h in m, F_c and F_f in N.
+    pub measured: &'a [[f64; 4]],
+    /// The text of the sweep.
+    pub text: &'a str,
+    /// Version of sphcut.
+    pub version: &'a str,
+}
+
+/// The text of `sweep.html`; pictures are part of it, nothing is loaded.
+///
+/// # Errors
+/// A record that cannot be read.
+pub fn render_sweep(sweep: &SweepPage<'_>) -> Result<String, ReportError> {
+    let table = sweep.table;
+    let pictures = pictures(table)?;
+    let body = html! {
+        (failures(table))
+        section.warnings role="note" {
+            h2 { "What these runs say" }
+            ul { @for sentence in sweep_words(table, sweep.measured) { li { (indexed(&sentence)) } } }
+        }
+        (figures(table))
+        @for (index, name) in [(0, "Cutting force F_c"), (1, "Feed force F_f")] {
+            (forces(sweep, index, name))
+        }
+        @if !pictures.is_empty() {
+            section {
+                h2 { "The cuts" }
+                p { "Temperature at the end of each run, the same colours for the same temperature only within a picture." }
+                div.pair {
+                    @for (caption, uri) in &pictures {
+                        figure { img src=(uri) alt=(caption); figcaption { (indexed(caption)) } }
+                    }
+                }
+            }
+        }
+        (runs(table))
+        (left_out(sweep.left_out))
+        section {
+            h2 { "How to reproduce" }
+            p { "The sweep, word for word; the scenario of each run lies beside its result." }
+            pre { code { (sweep.text) } }
+        }
+    };
+    let lead = html! { (lead(table)) };
+    Ok(page(&table.title, &lead, sweep.version, &body))
+}
+
+fn lead(table: &Table) -> String {
+    let count = |wanted: fn(&Row) -> bool| table.rows.iter().filter(|row| wanted(row)).count();
+    let finished = count(Row::has_result);
+    let failed = count(|row| matches!(row.state, State::Failed(_)));
+    let missing = table.rows.len() - finished - failed;
+    let keys: Vec<&str> =
+        table.axes.iter().map(|(key, _)| key.rsplit('.').next().unwrap_or(key)).collect();
+    let mut text = format!(
+        "{} runs over {}: {} with a result",
+        grouped(table.rows.len() as u64),
+        keys.join(", ").replace('_', " "),
+        grouped(finished as u64)
+    );
+    if failed > 0 {
+        text += &format!(", {failed} failed");
+    }
+    if missing > 0 {
+        text += &format!(", {missing} missing");
+    }
+    text + "."
+}
+
+/// What failed comes first.
+fn failures(table: &Table) -> Markup {
+    let failed: Vec<(&Row, &str)> = table
+        .rows
+        .iter()
+        .filter_map(|row| match &row.state {
+            State::Failed(reason) => Some((row, reason.as_str())),
+            _ => None,
+        })
+        .collect();
+    if failed.is_empty() {
+        return html! {};
+    }
+    html! {
+        section.warnings role="note" {
+            h2 { "Runs that failed" }
+            ul {
+                @for (row, reason) in failed {
+                    li { "Run " (row.number) ", " (row.values.join(", ")) ": " (reason) }
+                }
+            }
+        }
+    }
+}
+
+fn figures(table: &Table) -> Markup {
+    let entries: Vec<_> = table.rows.iter().filter_map(|row| row.entry.as_ref()).collect();
+    let cost = |entry: &&sphcut_sweep::Entry| entry.wall_seconds * entry.threads as f64;
+    let total: f64 = entries.iter().map(cost).sum();
+    let most = entries.iter().map(cost).fold(0.0, f64::max);
+    let bytes: u64 = entries.iter().map(|entry| entry.bytes()).sum();
+    let steady =
+        table.rows.iter().filter(|row| row.summary.get("steady.reached") == Some(&1.0)).count();
+    html! {
+        dl.figures {
+            div { dt { "Thread time of all results" } dd { (hours(total)) } }
+            div { dt { "Costliest run" } dd { (hours(most)) } }
+            div { dt { "Files" } dd { (three_digits(bytes as f64 / 1e6)) " " small { "MB" } } }
+            div { dt { "Steady cutting force" } dd { (steady) " " small { "of " (entries.len()) " runs" } } }
+        }
+    }
+}
+
+fn hours(seconds: f64) -> String {
+    match seconds {
+        0.0..120.0 => format!("{} s", three_digits(seconds)),
+        120.0..7200.0 => format!("{} min", three_digits(seconds / 60.0)),
+        _ => format!("{} h", three_digits(seconds / 3600.0)),
+    }
+}
+
+/// A force over speed and thickness, and over whatever else was varied.
+fn forces(sweep: &SweepPage<'_>, index: usize, name: &str) -> Markup {
+    let points = plots::points(sweep.table, index);
+    let measured: Vec<Point> = sweep
+        .measured
+        .iter()
+        .map(|row| Point { at: [row[0], row[1]], value: row[2 + index] })
+        .collect();
+    let symbol = ["F_c", "F_f"][index];
+    let mut charts: Vec<(String, &str)> = Vec::new();
+    if let Some(map) = plots::map(&points, &measured, symbol) {
+        charts.push((map, "Simulated force as a surface, linear between the conditions; the dots are the measured forces in the \
+            same colours, or the simulated ones where nothing was measured."));
+    }
+    if let Some(slices) = plots::slices(&points, &measured, symbol, 1) {
+        charts.push((slices, "Over the uncut chip thickness at fixed cutting speeds. Lines: simulated; dots: measured, or \
+            simulated where nothing was measured."));
+    }
+    if let Some(slices) = plots::slices(&points, &measured, symbol, 0) {
+        charts.push((slices, "Over the cutting speed at fixed thicknesses."));
+    }
+    for (axis, (key, unit)) in sweep.table.axes.iter().enumerate() {
+        if let Some(scatter) = plots::scatter(sweep.table, (axis, key, unit), (index, symbol)) {
+            charts.push((scatter, "All runs with the half width of their 95 % intervals."));
+        }
+    }
+    if charts.is_empty() {
+        return html! {};
+    }
+    html! {
+        section {
+            h2 { (indexed(name)) }
+            div.pair { @for (svg, caption) in &charts { (figure(svg, caption)) } }
+        }
+    }
+}
+
+/// Pictures of some cuts, spread over the runs, with their captions.
+fn pictures(table: &Table) -> Result<Vec<(String, String)>, ReportError> {
+    let runs: Vec<&Row> = table.rows.iter().filter(|row| row.has_result()).collect();
+    let wanted = runs.len().min(MOST_PICTURES);
+    let mut shown = Vec::new();
+    for k in 0..wanted {
+        let row = runs[if wanted > 1 { k * (runs.len() - 1) / (wanted - 1) } else { 0 }];
+        let run = Run::load(&row.folder.join("run.h5"))?;
+        if let Some(uri) = thumbnail(&run)? {
+            shown.push((format!("Run {}: {}", row.number, row.values.join(", ")), uri));
+        }
+    }
+    Ok(shown)
+}
+
+fn runs(table: &Table) -> Markup {
+    let cuts = table.rows.iter().any(|row| row.condition.is_some());
+    html! {
+        section {
+            h2 { "Runs" }
+            table {
+                thead {
+                    tr {
+                        th { "Run" }
+                        @for (key, _) in &table.axes { th { (key.rsplit('.').next().unwrap_or(key).replace('_', " ")) } }
+                        @if cuts {
+                            th.n { (indexed("F_c in N")) } th.n { (indexed("F_f in N")) } th { "steady" }
+                            th.n { (indexed("h_c / h")) }
+                        }
+                        th.n { "highest temperature in K" } th.n { "thread time" } th { "address" }
+                    }
+                }
+                tbody { @for row in table.rows.iter().take(MOST_ROWS) { (run(row, cuts)) } }
+            }
+            @if table.rows.len() > MOST_ROWS {
+                p { "and " (table.rows.len() - MOST_ROWS) " more in " code { "table.csv" } "." }
+            }
+        }
+    }
+}
+
+fn run(row: &Row, cuts: bool) -> Markup {
+    let number = |name: &str| {
+        row.summary.get(name).map_or_else(String::new, |value| minus(&three_digits(*value)))
+    };
+    let force = |index: usize| {
+        row.forces[index].map_or_else(String::new, |[mean, half]| minus(&with_interval(mean, half)))
+    };
+    let steady = match row.summary.get("steady.reached") {
+        Some(1.0) => "yes",
+        Some(_) => "no",
+        None => "",
+    };
+    html! {
+        tr {
+            td { (row.number) }
+            @for value in &row.values { td { (value) } }
+            @if !row.has_result() {
+                td colspan=(if cuts { "7" } else { "3" }) {
+                    @if let State::Failed(_) = row.state { "failed" } @else { "missing" }
+                }
+            } @else {
+                @if cuts {
+                    td.n { (force(0)) } td.n { (force(1)) } td { (steady) }
+                    td.n { (number("chip.compression_ratio")) }
+                }
+                td.n { (number("temperature.max_k")) }
+                td.n { @if let Some(entry) = &row.entry { (hours(entry.wall_seconds * entry.threads as f64)) } }
+                td { code { (row.address.short()) } }
+            }
+        }
+    }
+}
+
+fn left_out(left_out: &[LeftOut]) -> Markup {
+    if left_out.is_empty() {
+        return html! {};
+    }
+    html! {
+        section {
+            h2 { "Combinations that a constraint leaves out" }
+            details {
+                summary { (left_out.len()) " combinations" }
+                ul { @for one in left_out { li { (one.settings) ": " code { (one.constraint) } } } }
+            }
+        }
+    }
+}
