@@ -411,6 +411,10 @@ impl<const D: usize> Engine<D> {
             + self.shape.len() * size_of::<Matrix<D>>()
             + self.history.len() * size_of::<History<D>>()
             + self.list.memory()
+            + self.cells.memory()
+            + self.conduction_tensor.capacity() * size_of::<Matrix<D>>()
+            + self.marks.capacity()
+            + self.new_place.capacity() * size_of::<u32>()
     }
 
     /// Inertia of a particle in kg (kg/m).

@@ -120,6 +120,14 @@ impl<const D: usize> Cells<D> {
         }
     }
 
+    /// Memory in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        4 * (self.start.capacity()
+            + self.cell_of.capacity()
+            + self.next.capacity()
+            + self.order.capacity())
+    }
+
     /// Cell coordinates of a position inside the bounding box.
     fn coordinates(&self, position: &Vector<D>) -> [usize; 3] {
         let mut cell = [0; 3];
