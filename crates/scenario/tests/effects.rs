@@ -161,9 +161,8 @@ fn force_ratio_of_other(entry: &EffectEntry, changes: &[(&str, &str)]) -> f64 {
 fn over_lattices(cut: &str, measure: impl Fn(&Outcome) -> f64) -> f64 {
     const SEEDS: u32 = 5;
     let of_seed = |seed: u32| {
-        let disordered =
-            format!("particle_spacing = \"20 um\"\nlattice = \"disordered\"\nseed = {seed}");
-        measure(&run(&cut.replace("particle_spacing = \"20 um\"", &disordered)))
+        let disordered = format!("[resolution]\nlattice = \"disordered\"\nseed = {seed}");
+        measure(&run(&cut.replace("[resolution]", &disordered)))
     };
     (1..=SEEDS).map(of_seed).sum::<f64>() / f64::from(SEEDS)
 }
@@ -224,6 +223,7 @@ fn a_size_effect_raises_the_specific_cutting_force_of_thin_chips() {
         ("edge_radius = \"20 um\"", "edge_radius = \"10 um\""),
         ("travel = \"0.3 mm\"", "travel = \"0.15 mm\""),
         ("sampling_travel = \"4 um\"", "sampling_travel = \"2 um\""),
+        ("particle_spacing = \"20 um\"", "particle_spacing = \"10 um\""),
     ];
     let thin = force_ratio_over_lattices(&changed(&changes), &table(entry, &[]));
     assert!(thin > ratio + 0.02 && thin < 1.11, "{thin} {ratio}");
@@ -388,6 +388,7 @@ fn strain_gradients_raise_the_specific_cutting_force_of_thin_chips_more() {
         ("edge_radius = \"20 um\"", "edge_radius = \"10 um\""),
         ("travel = \"0.3 mm\"", "travel = \"0.15 mm\""),
         ("sampling_travel = \"4 um\"", "sampling_travel = \"2 um\""),
+        ("particle_spacing = \"20 um\"", "particle_spacing = \"10 um\""),
     ];
     let thin = force_ratio_over_lattices(&changed(&changes), &effect);
     assert!(thin > ratio + 0.02, "{thin} {ratio}");
