@@ -23,7 +23,7 @@ const NOT_IN_THE_CORE: [&str; 12] = [
 const CORE: [&str; 2] = ["sphcut-physics", "sphcut-sph"];
 
 /// The arrows that exist: a crate and the crates of the workspace it may build on.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("physics", &[]),
     ("sph", &["physics"]),
     ("identify", &["physics"]),
@@ -32,6 +32,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
     ("postprocess", &["record", "sph", "physics"]),
     ("sweep", &["scenario", "record", "sph", "physics"]),
     ("greybox", &["record", "physics"]),
+    ("diagnose", &["greybox", "postprocess", "sweep", "physics"]),
     ("report", &["greybox", "postprocess", "record", "identify", "sweep", "sph", "physics"]),
     ("verification", &["scenario", "greybox", "postprocess", "record", "sph", "physics"]),
     (

@@ -1,0 +1,187 @@
+//! How probable each explanation is.
+
+use crate::fit::{Fit, fit};
+use crate::predictor::Predictor;
+use crate::problem::Problem;
+use crate::templates::Templates;
+use nalgebra::DVector;
+
+/// Prior of "nothing is missing".
+const NOTHING: f64 = 0.3;
+/// Prior of "none of these".
+const NONE: f64 = 0.1;
+/// Prior of all single effects together.
+const SINGLE: f64 = 0.5;
+/// Prior of all pairs together.
+const PAIRS: f64 = 0.1;
+/// Single effects that are paired with all others.
+const PAIRED: usize = 3;
+/// Below this expected fall of chi^2 an effect cannot be told from nothing.
+pub(crate) const TESTABLE: f64 = 6.0;
+/// Explanations that are fitted again with the model itself: those above this probability, at most so many.
+const FINALIST: f64 = 0.01;
+const MOST_FINALISTS: usize = 5;
+
+/// An explanation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Hypothesis {
+    /// Nothing is missing.
+    Nothing,
+    /// These effects are missing, one or two of them.
+    Effects(Vec<usize>),
+    /// Something smooth is missing that is none of the effects.
+    NoneOfThese,
+}
+
+impl Hypothesis {
+    /// Its effects.
+    #[must_use]
+    pub fn effects(&self) -> &[usize] {
+        if let Self::Effects(effects) = self { effects } else { &[] }
+    }
+}
+
+/// An explanation with its probability.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scored {
+    /// The explanation.
+    pub hypothesis: Hypothesis,
+    /// Probability before the data.
+    pub prior: f64,
+    /// log of the probability of the data under it.
+    pub log_evidence: f64,
+    /// Probability given the data.
+    pub probability: f64,
+    /// Coordinates of its most probable parameters.
+    pub coordinates: Vec<f64>,
+}
+
+/// All explanations, the most probable first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attribution {
+    /// The explanations.
+    pub scored: Vec<Scored>,
+    /// For each effect the fall of chi^2 to expect if it were missing at a typical strength.
+    pub expected_gains: Vec<f64>,
+    /// Effects for which the model has no answer at some condition; they are no explanations here.
+    pub unknown: Vec<usize>,
+}
+
+impl Attribution {
+    /// Probability of an explanation; 0 if it is not among them.
+    #[must_use]
+    pub fn probability(&self, hypothesis: &Hypothesis) -> f64 {
+        self.scored.iter().find(|s| s.hypothesis == *hypothesis).map_or(0.0, |s| s.probability)
+    }
+
+    /// Probability that an effect is among what is missing.
+    #[must_use]
+    pub fn inclusion(&self, effect: usize) -> f64 {
+        let with = self.scored.iter().filter(|s| s.hypothesis.effects().contains(&effect));
+        with.map(|s| s.probability).sum()
+    }
+
+    /// Whether these data could tell an effect of typical strength.
+    #[must_use]
+    pub fn is_testable(&self, effect: usize) -> bool {
+        self.expected_gains[effect] >= TESTABLE && !self.unknown.contains(&effect)
+    }
+
+    fn normalise(&mut self) {
+        let weight = |s: &Scored| s.prior.ln() + s.log_evidence;
+        let most = self.scored.iter().map(weight).fold(f64::NEG_INFINITY, f64::max);
+        let total: f64 = self.scored.iter().map(|s| (weight(s) - most).exp()).sum();
+        for scored in &mut self.scored {
+            scored.probability = (weight(scored) - most).exp() / total;
+        }
+        self.scored.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    }
+}
+
+/// Weighs "nothing missing", every single effect, pairs of the three best with all that can be tested, and "none of
+/// these", by their evidence on `templates`:
+///
+/// ```text
+/// P(k | data) = prior_k Z_k / sum_j prior_j Z_j
+/// ```
+///
+/// `gains` are the [`Templates::expected_gain`]s.
+#[must_use]
+pub fn attribute(templates: &Templates, signal: &DVector<f64>, gains: &[f64]) -> Attribution {
+    let known: Vec<usize> = (0..templates.effects()).filter(|&k| templates.is_known(k)).collect();
+    let score = |effects: Vec<usize>, prior: f64| {
+        let peak = templates.peak(signal, &effects)?;
+        Some(Scored {
+            hypothesis: Hypothesis::Effects(effects),
+            prior,
+            log_evidence: peak.log_evidence,
+            probability: 0.0,
+            coordinates: peak.coordinates,
+        })
+    };
+    let fixed = |hypothesis, prior, log_evidence| Scored {
+        hypothesis,
+        prior,
+        log_evidence,
+        probability: 0.0,
+        coordinates: Vec::new(),
+    };
+    let share = SINGLE / known.len().max(1) as f64;
+    let mut singles: Vec<Scored> = known.iter().filter_map(|&k| score(vec![k], share)).collect();
+    singles.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
+    let best = singles.iter().take(PAIRED).flat_map(|s| s.hypothesis.effects().to_vec());
+    let mut pairs: Vec<Vec<usize>> = Vec::new();
+    for first in best {
+        for &second in known.iter().filter(|&&k| k != first && gains[k] >= TESTABLE) {
+            let pair = vec![first.min(second), first.max(second)];
+            if !pairs.contains(&pair) {
+                pairs.push(pair);
+            }
+        }
+    }
+    let share = PAIRS / pairs.len().max(1) as f64;
+    let mut scored = singles;
+    scored.extend(pairs.into_iter().filter_map(|pair| score(pair, share)));
+    scored.push(fixed(Hypothesis::Nothing, NOTHING, templates.log_evidence_of_nothing(signal)));
+    scored.push(fixed(Hypothesis::NoneOfThese, NONE, templates.log_evidence_of_none(signal)));
+    let unknown = (0..templates.effects()).filter(|k| !known.contains(k)).collect();
+    let mut found = Attribution { scored, expected_gains: gains.to_vec(), unknown };
+    found.normalise();
+    found
+}
+
+impl Attribution {
+    /// Fits the most probable explanations again with the model itself, nuisances and parameters together, and weighs
+    /// all anew with their evidence. Gives the fits, the most probable first.
+    #[must_use]
+    pub fn refine(&mut self, problem: &Problem, predictor: &dyn Predictor, null: &Fit) -> Vec<Fit> {
+        let mut fits: Vec<Fit> = Vec::new();
+        let finalists: Vec<usize> = (0..self.scored.len())
+            .filter(|&k| {
+                let scored = &self.scored[k];
+                scored.probability > FINALIST && !scored.hypothesis.effects().is_empty()
+            })
+            .take(MOST_FINALISTS)
+            .collect();
+        for k in finalists {
+            let scored = &mut self.scored[k];
+            let nuisances = null.unknowns.as_slice();
+            let start: Vec<f64> = nuisances.iter().chain(&scored.coordinates).copied().collect();
+            let effects = scored.hypothesis.effects().to_vec();
+            if let Some(found) = fit(problem, predictor, &effects, &DVector::from_vec(start)) {
+                scored.log_evidence = found.log_evidence;
+                scored.coordinates = found.unknowns.as_slice()[nuisances.len()..].to_vec();
+                fits.push(found);
+            }
+        }
+        if let Some(nothing) = self.scored.iter_mut().find(|s| s.hypothesis == Hypothesis::Nothing)
+        {
+            nothing.log_evidence = null.log_evidence;
+        }
+        self.normalise();
+        let rank =
+            |fit: &Fit| self.scored.iter().position(|s| s.hypothesis.effects() == fit.effects);
+        fits.sort_by_key(rank);
+        fits
+    }
+}

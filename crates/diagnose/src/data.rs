@@ -1,0 +1,332 @@
+//! Recordings, and what they say of their own noise.
+
+use crate::channel::{CHANNELS, Channel};
+use crate::error::DiagnoseError;
+use crate::predictor::Condition;
+
+/// Different conditions (v_c, h) that a diagnosis needs: as many as a quadratic in both has coefficients.
+const FEWEST_CONDITIONS: usize = 6;
+/// Degrees of freedom below which repeats say nothing useful of a noise.
+const FEWEST_FREEDOM: f64 = 3.0;
+/// Relative difference below which two conditions are the same.
+const SAME: f64 = 1e-6;
+
+/// One recorded cut, or the mean of some. SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// The cut.
+    pub condition: Condition,
+    /// When it was made: any number that rises.
+    pub order: Option<f64>,
+    /// Number of cuts of which it is the mean.
+    pub count: Option<f64>,
+    /// What was measured, by channel.
+    pub values: [Option<f64>; CHANNELS.len()],
+    /// Standard deviation of a single cut, by channel; with no `count`, that of the value.
+    pub deviations: [Option<f64>; CHANNELS.len()],
+}
+
+/// Where a noise comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoiseSource {
+    /// Scatter of the recordings of one condition.
+    Repeats,
+    /// The standard deviations of the table.
+    Stated,
+}
+
+/// Noise of a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// The channel.
+    pub channel: Channel,
+    /// Root mean square of the standard deviation of a single cut, as a share of the value.
+    pub deviation: f64,
+    /// Degrees of freedom; infinite if stated.
+    pub freedom: f64,
+    /// Where it comes from.
+    pub source: NoiseSource,
+}
+
+/// Recordings with their noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recordings {
+    recordings: Vec<Recording>,
+    noise: Vec<Noise>,
+    /// Variance of log y of each value.
+    variances: Vec<[Option<f64>; CHANNELS.len()]>,
+}
+
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.abs().max(b.abs())
+}
+
+/// Whether two cuts have the same speed and thickness.
+pub(crate) fn same_cut(a: &Condition, b: &Condition) -> bool {
+    same(a.cutting_speed, b.cutting_speed) && same(a.uncut_chip_thickness, b.uncut_chip_thickness)
+}
+
+impl Recordings {
+    /// Takes those of `predicted` channels that were measured, and finds the noise of each.
+    ///
+    /// # Errors
+    /// Too few conditions, a noise that cannot be told, a value without logarithm.
+    pub fn new(recordings: Vec<Recording>, predicted: &[Channel]) -> Result<Self, DiagnoseError> {
+        for (number, recording) in recordings.iter().enumerate() {
+            for channel in CHANNELS {
+                let value = recording.values[channel.index()].unwrap_or(1.0);
+                if value.is_nan() || value <= 0.0 || value.is_infinite() {
+                    return Err(DiagnoseError::NotPositive {
+                        channel,
+                        recording: number + 1,
+                        value,
+                    });
+                }
+            }
+        }
+        let groups = groups(&recordings);
+        if groups.len() < FEWEST_CONDITIONS {
+            let (found, needed) = (groups.len(), FEWEST_CONDITIONS);
+            return Err(DiagnoseError::TooFewConditions { found, needed });
+        }
+        let mut found = Self {
+            variances: vec![[None; CHANNELS.len()]; recordings.len()],
+            recordings,
+            noise: Vec::new(),
+        };
+        for &channel in predicted {
+            found.read_noise(channel, &groups)?;
+        }
+        if found.noise.is_empty() { Err(DiagnoseError::NothingPredicted) } else { Ok(found) }
+    }
+
+    /// The recordings.
+    #[must_use]
+    pub fn all(&self) -> &[Recording] {
+        &self.recordings
+    }
+
+    /// Noise of each channel that is used.
+    #[must_use]
+    pub fn noise(&self) -> &[Noise] {
+        &self.noise
+    }
+
+    /// Channels that are used.
+    pub fn channels(&self) -> impl Iterator<Item = Channel> + '_ {
+        self.noise.iter().map(|noise| noise.channel)
+    }
+
+    /// Variance of log y.
+    pub(crate) fn variance(&self, recording: usize, channel: Channel) -> Option<f64> {
+        self.variances[recording][channel.index()]
+    }
+
+    /// The recordings for which `keep` holds, with the noise of all.
+    #[must_use]
+    pub fn filtered(&self, keep: impl Fn(usize) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.recordings.len()).filter(|&k| keep(k)).collect();
+        Self {
+            recordings: kept.iter().map(|&k| self.recordings[k].clone()).collect(),
+            noise: self.noise.clone(),
+            variances: kept.iter().map(|&k| self.variances[k]).collect(),
+        }
+    }
+
+    /// The same design and noise with other values, given as their logarithms.
+    #[must_use]
+    pub fn with_logarithms(&self, mut value: impl FnMut(usize, Channel) -> f64) -> Self {
+        let mut other = self.clone();
+        for (k, recording) in other.recordings.iter_mut().enumerate() {
+            for channel in CHANNELS {
+                if let Some(y) = recording.values[channel.index()].as_mut() {
+                    *y = value(k, channel).exp();
+                }
+            }
+        }
+        other
+    }
+
+    /// The noise of a channel is a share of the value, the same at all conditions unless it is stated value by value.
+    ///
+    /// With repeats in n recordings of one condition, sorted by time in cut and order, s^2 = sum (y_(j+1) - y_j)^2 / 2
+    /// over the logarithms (von Neumann, Ann. Math. Stat. 12 (1941) 367-395): a slow drift between repeats does not
+    /// count as noise. Its degrees of freedom are 2 (n - 1)^2 / (3 n - 4). The variance used is s^2 nu / (nu - 2), the
+    /// expectation of sigma^2 when s^2 has been seen (Jeffreys' prior); few repeats therefore mean caution.
+    fn read_noise(&mut self, channel: Channel, groups: &[Vec<usize>]) -> Result<(), DiagnoseError> {
+        let c = channel.index();
+        let rows: Vec<usize> = (0..self.recordings.len())
+            .filter(|&k| self.recordings[k].values[c].is_some())
+            .collect();
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let count = |k: usize| self.recordings[k].count.unwrap_or(1.0).max(1.0);
+        let relative =
+            |k: usize| Some(self.recordings[k].deviations[c]? / self.recordings[k].values[c]?);
+        let (scatter, freedom) = self.repeats(c, groups);
+        let stated: Vec<Option<f64>> = rows.iter().map(|&k| relative(k).map(|s| s * s)).collect();
+        let all_stated = stated.iter().all(|s| s.is_some_and(|variance| variance > 0.0));
+        let from_repeats = (freedom >= FEWEST_FREEDOM && scatter > 0.0)
+            .then(|| scatter * freedom / (freedom - 2.0));
+        if !all_stated && from_repeats.is_none() {
+            return Err(DiagnoseError::UnknownNoise { channel, freedom, needed: FEWEST_FREEDOM });
+        }
+        let mut squares = 0.0;
+        for (&k, stated) in rows.iter().zip(&stated) {
+            // The scatter within a cut leaves out that between cuts: the larger of both counts.
+            let single =
+                stated.filter(|_| all_stated).unwrap_or(0.0).max(from_repeats.unwrap_or(0.0));
+            squares += single;
+            self.variances[k][c] = Some(single / count(k));
+        }
+        let source =
+            if from_repeats.is_some() { NoiseSource::Repeats } else { NoiseSource::Stated };
+        let freedom = if from_repeats.is_some() { freedom } else { f64::INFINITY };
+        let deviation = (squares / rows.len() as f64).sqrt();
+        self.noise.push(Noise { channel, deviation, freedom, source });
+        Ok(())
+    }
+
+    /// Variance of a single cut and its degrees of freedom.
+    fn repeats(&self, c: usize, groups: &[Vec<usize>]) -> (f64, f64) {
+        let (mut weighted, mut freedom) = (0.0, 0.0);
+        for group in groups {
+            let mut seen: Vec<(f64, f64, f64, f64)> = group
+                .iter()
+                .filter_map(|&k| {
+                    let r = &self.recordings[k];
+                    let count = r.count.unwrap_or(1.0).max(1.0);
+                    Some((
+                        r.condition.time_in_cut,
+                        r.order.unwrap_or(0.0),
+                        r.values[c]?.ln(),
+                        count,
+                    ))
+                })
+                .collect();
+            if seen.len() < 2 {
+                continue;
+            }
+            seen.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            // Of two means of n and m cuts the difference has the variance sigma^2 (1 / n + 1 / m).
+            let squares: f64 = seen
+                .windows(2)
+                .map(|p| (p[1].2 - p[0].2).powi(2) / (1.0 / p[0].3 + 1.0 / p[1].3))
+                .sum();
+            let pairs = (seen.len() - 1) as f64;
+            let own = 2.0 * pairs * pairs / (3.0 * pairs - 1.0);
+            weighted += own * squares / pairs;
+            freedom += own;
+        }
+        if freedom > 0.0 { (weighted / freedom, freedom) } else { (0.0, 0.0) }
+    }
+}
+
+/// The recordings of each (v_c, h).
+pub(crate) fn groups(recordings: &[Recording]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (k, recording) in recordings.iter().enumerate() {
+        let found = groups
+            .iter_mut()
+            .find(|group| same_cut(&recordings[group[0]].condition, &recording.condition));
+        match found {
+            Some(group) => group.push(k),
+            None => groups.push(vec![k]),
+        }
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphcut_greybox::Random;
+
+    fn recording(speed: f64, force: f64) -> Recording {
+        let condition =
+            Condition { cutting_speed: speed, uncut_chip_thickness: 1e-4, time_in_cut: 0.0 };
+        let mut values = [None; CHANNELS.len()];
+        values[0] = Some(force);
+        Recording {
+            condition,
+            order: None,
+            count: None,
+            values,
+            deviations: [None; CHANNELS.len()],
+        }
+    }
+
+    fn repeated(scatter: f64, drift: f64) -> Vec<Recording> {
+        let mut random = Random::new(4, &[]);
+        (0..400)
+            .map(|k| {
+                let speed = 1.0 + f64::from(k % 40);
+                let force =
+                    (6.0 + 0.01 * speed + scatter * random.normal() + drift * f64::from(k)).exp();
+                Recording { order: Some(f64::from(k)), ..recording(speed, force) }
+            })
+            .collect()
+    }
+
+    const FORCE: [Channel; 1] = [Channel::CuttingForce];
+
+    #[test]
+    fn repeats_give_back_the_noise_they_were_made_with() {
+        let found = Recordings::new(repeated(0.03, 0.0), &FORCE).unwrap();
+        let noise = found.noise()[0];
+        // 40 conditions of 10: 40 2 9^2 / 26 = 249 degrees of freedom, a standard deviation to 4.5 %.
+        assert!((noise.freedom - 249.2).abs() < 0.1, "{noise:?}");
+        assert!((noise.deviation / 0.03 - 1.0).abs() < 0.1, "{noise:?}");
+        assert_eq!(noise.source, NoiseSource::Repeats);
+    }
+
+    #[test]
+    fn a_drift_between_repeats_is_no_noise() {
+        // 40 % over the whole series: the plain deviation from the mean of ten repeats would be 0.12.
+        let found = Recordings::new(repeated(0.03, 0.001), &FORCE).unwrap();
+        // Successive repeats are 0.04 apart: sqrt(0.03^2 + 0.04^2 / 2) = 0.041.
+        assert!((found.noise()[0].deviation / 0.041 - 1.0).abs() < 0.1, "{:?}", found.noise());
+    }
+
+    #[test]
+    fn two_repeats_by_hand() {
+        // Four conditions with two repeats each a factor exp(0.02) apart: s^2 = 0.02^2 / 2, nu = 4, doubled for caution.
+        let mut all: Vec<Recording> = (1..=6).map(|v| recording(f64::from(v), 100.0)).collect();
+        all.extend((1..=4).map(|v| recording(f64::from(v), 100.0 * 0.02_f64.exp())));
+        let found = Recordings::new(all, &FORCE).unwrap();
+        assert!((found.noise()[0].freedom - 4.0).abs() < 1e-12);
+        assert!((found.variance(0, Channel::CuttingForce).unwrap() - 4e-4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn stated_deviations_of_means_are_divided_by_the_root_of_their_number() {
+        let all: Vec<Recording> = (1..=6)
+            .map(|v| {
+                let mut one = recording(f64::from(v), 200.0);
+                one.deviations[0] = Some(8.0);
+                Recording { count: Some(4.0), ..one }
+            })
+            .collect();
+        let found = Recordings::new(all, &FORCE).unwrap();
+        // 8 / 200 over the root of 4.
+        assert!((found.variance(2, Channel::CuttingForce).unwrap() - 0.02 * 0.02).abs() < 1e-15);
+        assert_eq!(found.noise()[0].source, NoiseSource::Stated);
+    }
+
+    #[test]
+    fn what_cannot_be_diagnosed_is_refused() {
+        let few: Vec<Recording> = (1..=5).map(|v| recording(f64::from(v), 1.0)).collect();
+        let error = Recordings::new(few, &FORCE).unwrap_err();
+        assert_eq!(error, DiagnoseError::TooFewConditions { found: 5, needed: 6 });
+        let single: Vec<Recording> = (1..=9).map(|v| recording(f64::from(v), 1.0)).collect();
+        let error = Recordings::new(single.clone(), &FORCE).unwrap_err();
+        assert!(error.to_string().contains("the noise of F_c is unknown"), "{error}");
+        let error = Recordings::new(single.clone(), &[Channel::Springback]).unwrap_err();
+        assert_eq!(error, DiagnoseError::NothingPredicted);
+        let mut zero = single;
+        zero[3].values[0] = Some(0.0);
+        let error = Recordings::new(zero, &FORCE).unwrap_err();
+        assert!(error.to_string().starts_with("recording 4: F_c = 0 has no logarithm"), "{error}");
+    }
+}

@@ -1,0 +1,48 @@
+//! Which physics a simulation left out, told from recordings over many cutting conditions.
+//!
+//! The logarithm of a measured quantity y of channel c at condition x_i is
+//!
+//! ```text
+//! log y_ic = log M_c(x_i; theta, phi_k) + gain_c + offset_c / y_ic + drift_c o_i + bias_c(x_i) + noise
+//! ```
+//!
+//! with the simulation M, its nuisances theta (scatter of material and friction from batch to batch), the parameters
+//! phi_k of a hypothesis k about what is missing, and the run order o from -1/2 to 1/2. Nuisances are never a
+//! discovery: they are fitted anew under every hypothesis, with their priors. In order:
+//!
+//! 1. [`Recordings`] become a [`Problem`]: logarithms, noise from repeats or stated deviations, instrument columns.
+//! 2. [`fit`] finds the most probable nuisances when nothing is missing.
+//! 3. [`Templates`] hold what each effect would change there, and all that is linear is integrated out.
+//! 4. [`locate`] says where the residual is more than chance.
+//! 5. [`attribute`] weighs the hypotheses, and [`judge`] says what may be claimed.
+//!
+//! The simulation enters through [`Predictor`] alone.
+//!
+//! All numbers are SI. Everything follows from the data, the priors and the seed; the number of threads changes
+//! nothing. Method: Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464, for nuisances beside a discrepancy;
+//! MacKay, Neural Computation 4 (1992) 415-447, for the evidence; `docs/diagnosis.md` for what was measured with it.
+
+mod attribute;
+mod channel;
+mod data;
+mod error;
+mod fit;
+mod gaussian;
+mod locate;
+mod predictor;
+mod problem;
+mod templates;
+#[cfg(test)]
+mod twin;
+mod verdict;
+
+pub use attribute::{Attribution, Hypothesis, Scored, attribute};
+pub use channel::{CHANNELS, Channel};
+pub use data::{Noise, NoiseSource, Recording, Recordings};
+pub use error::DiagnoseError;
+pub use fit::{Fit, fit};
+pub use locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
+pub use predictor::{Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior};
+pub use problem::{InstrumentPriors, Problem, Row, Site};
+pub use templates::Templates;
+pub use verdict::{Finding, Gate, Verdict, judge};

@@ -1,0 +1,272 @@
+//! Recordings as rows of a regression: logarithms, noise, columns of the instruments.
+
+use crate::channel::{CHANNELS, Channel};
+use crate::data::Recordings;
+use crate::error::DiagnoseError;
+use crate::gaussian::Whitener;
+use crate::predictor::{Active, Condition, Predictor};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Standard deviations of what instruments add. The defaults are those of `docs/diagnosis.md`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InstrumentPriors {
+    /// Of the gain of each channel, as a share.
+    pub gain: f64,
+    /// Of the offset of each force in N.
+    pub offset: f64,
+    /// Of the drift of each channel from the first recording to the last, as a share.
+    pub drift: f64,
+}
+
+impl Default for InstrumentPriors {
+    fn default() -> Self {
+        Self { gain: 0.01, offset: 3.0, drift: 0.02 }
+    }
+}
+
+/// A condition at which the model is asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Site {
+    /// The cut.
+    pub condition: Condition,
+    /// Which of the sets of nuisances holds.
+    pub batch: usize,
+    /// Whether the effects of a hypothesis act there: not in commissioning data.
+    pub diagnosed: bool,
+}
+
+/// One measured value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Its place in [`Problem::sites`].
+    pub site: usize,
+    /// The channel.
+    pub channel: Channel,
+    /// log y.
+    pub log_value: f64,
+    /// Variance of the noise of log y.
+    pub variance: f64,
+    /// Run order from -1/2 to 1/2; 0 without one.
+    pub order: f64,
+    /// The recording it comes from.
+    pub recording: usize,
+}
+
+/// The regression. Unknowns are standard normal: first the nuisances of the model for each batch, then the columns of
+/// the instruments.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// Where the model is asked.
+    pub sites: Vec<Site>,
+    /// What was measured.
+    pub rows: Vec<Row>,
+    /// Number of sets of nuisances.
+    pub batches: usize,
+    /// What one standard deviation of each instrument unknown adds to each row.
+    pub instrument: DMatrix<f64>,
+    pub(crate) covariance: DMatrix<f64>,
+    pub(crate) noise: Whitener,
+    /// For each channel its place in the predictor's answer.
+    places: [Option<usize>; CHANNELS.len()],
+    deviations: Vec<f64>,
+}
+
+impl Problem {
+    /// The regression of `recordings`.
+    ///
+    /// # Errors
+    /// A condition at which the model has no answer.
+    pub fn new(
+        recordings: &Recordings,
+        predictor: &dyn Predictor,
+        priors: &InstrumentPriors,
+    ) -> Result<Self, DiagnoseError> {
+        let (mut sites, mut rows) = (Vec::new(), Vec::new());
+        add_rows(recordings, (0, true), &mut sites, &mut rows);
+        let instrument = instrument_columns(&rows, 0, priors);
+        let variances = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.variance));
+        Self::assemble(sites, rows, (1, instrument), DMatrix::from_diagonal(&variances), predictor)
+    }
+
+    /// From its parts; `covariance` is that of noise and bias.
+    pub(crate) fn assemble(
+        sites: Vec<Site>,
+        rows: Vec<Row>,
+        (batches, instrument): (usize, DMatrix<f64>),
+        covariance: DMatrix<f64>,
+        predictor: &dyn Predictor,
+    ) -> Result<Self, DiagnoseError> {
+        let mut places = [None; CHANNELS.len()];
+        for (place, channel) in predictor.channels().iter().enumerate() {
+            places[channel.index()] = Some(place);
+        }
+        let noise = Whitener::new(covariance.clone())?;
+        let deviations = predictor.nuisances().iter().map(|nuisance| nuisance.deviation).collect();
+        let problem =
+            Self { sites, rows, batches, instrument, covariance, noise, places, deviations };
+        let base = problem.predict(predictor, &DVector::zeros(problem.model_unknowns()), &[]);
+        match (0..problem.rows.len()).find(|&k| !base[k].is_finite()) {
+            None => Ok(problem),
+            Some(k) => {
+                let Condition { cutting_speed, uncut_chip_thickness, .. } =
+                    problem.sites[problem.rows[k].site].condition;
+                let channel = problem.rows[k].channel;
+                Err(DiagnoseError::NoPrediction { cutting_speed, uncut_chip_thickness, channel })
+            }
+        }
+    }
+
+    /// log y.
+    #[must_use]
+    pub fn measured(&self) -> DVector<f64> {
+        DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| row.log_value))
+    }
+
+    /// Number of nuisances of the model over all batches.
+    #[must_use]
+    pub fn model_unknowns(&self) -> usize {
+        self.batches * self.deviations.len()
+    }
+
+    /// Number of nuisances with those of the instruments.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.model_unknowns() + self.instrument.ncols()
+    }
+
+    /// log M of each row; `unknowns` begins with those of the model.
+    #[must_use]
+    pub fn predict(
+        &self,
+        predictor: &dyn Predictor,
+        unknowns: &DVector<f64>,
+        active: &[Active],
+    ) -> DVector<f64> {
+        let answers: Vec<Vec<f64>> =
+            self.sites.par_iter().map(|site| self.ask(predictor, site, unknowns, active)).collect();
+        DVector::from_iterator(
+            self.rows.len(),
+            self.rows.iter().map(|row| {
+                let place = self.places[row.channel.index()];
+                place.map_or(f64::NAN, |place| answers[row.site][place])
+            }),
+        )
+    }
+
+    fn ask(
+        &self,
+        predictor: &dyn Predictor,
+        site: &Site,
+        unknowns: &DVector<f64>,
+        active: &[Active],
+    ) -> Vec<f64> {
+        let own = self.nuisances(unknowns, site.batch);
+        predictor.log_observables(&site.condition, &own, if site.diagnosed { active } else { &[] })
+    }
+
+    /// The nuisances of a batch as logarithms of factors.
+    #[must_use]
+    pub fn nuisances(&self, unknowns: &DVector<f64>, batch: usize) -> Vec<f64> {
+        let count = self.deviations.len();
+        (0..count).map(|k| self.deviations[k] * unknowns[batch * count + k]).collect()
+    }
+
+    /// The condition of a row.
+    #[must_use]
+    pub fn condition(&self, row: usize) -> &Condition {
+        &self.sites[self.rows[row].site].condition
+    }
+
+    /// Whether effects act on a row.
+    #[must_use]
+    pub fn is_diagnosed(&self, row: usize) -> bool {
+        self.sites[self.rows[row].site].diagnosed
+    }
+
+    /// Channels of the diagnosed rows.
+    #[must_use]
+    pub fn channels(&self) -> Vec<Channel> {
+        let used = |channel: &Channel| {
+            (0..self.rows.len()).any(|k| self.rows[k].channel == *channel && self.is_diagnosed(k))
+        };
+        CHANNELS.into_iter().filter(used).collect()
+    }
+
+    /// The same problem with other measured values.
+    #[must_use]
+    pub fn with_measured(&self, measured: &DVector<f64>) -> Self {
+        let mut other = self.clone();
+        for (row, value) in other.rows.iter_mut().zip(measured.iter()) {
+            row.log_value = *value;
+        }
+        other
+    }
+}
+
+/// Appends the rows of `recordings`, cuts of the same condition sharing a site.
+pub(crate) fn add_rows(
+    recordings: &Recordings,
+    (batch, diagnosed): (usize, bool),
+    sites: &mut Vec<Site>,
+    rows: &mut Vec<Row>,
+) {
+    let orders = scaled_orders(recordings);
+    for (number, recording) in recordings.all().iter().enumerate() {
+        let site = Site { condition: recording.condition, batch, diagnosed };
+        let place = sites.iter().position(|other| *other == site).unwrap_or_else(|| {
+            sites.push(site);
+            sites.len() - 1
+        });
+        for channel in recordings.channels() {
+            let value = recording.values[channel.index()];
+            if let (Some(value), Some(variance)) = (value, recordings.variance(number, channel)) {
+                rows.push(Row {
+                    site: place,
+                    channel,
+                    log_value: value.ln(),
+                    variance,
+                    order: orders[number],
+                    recording: number,
+                });
+            }
+        }
+    }
+}
+
+/// Run orders from -1/2 to 1/2.
+fn scaled_orders(recordings: &Recordings) -> Vec<f64> {
+    let known = recordings.all().iter().filter_map(|recording| recording.order);
+    let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), order| {
+        (low.min(order), high.max(order))
+    });
+    let middle = 0.5 * (low + high);
+    let scaled = |order: Option<f64>| {
+        order.filter(|_| high > low).map_or(0.0, |order| (order - middle) / (high - low))
+    };
+    recordings.all().iter().map(|recording| scaled(recording.order)).collect()
+}
+
+/// Gain, offset and drift of each channel for the rows from `first` on: d log y = gain + offset / y + drift o.
+pub(crate) fn instrument_columns(
+    rows: &[Row],
+    first: usize,
+    priors: &InstrumentPriors,
+) -> DMatrix<f64> {
+    let mut columns: Vec<DVector<f64>> = Vec::new();
+    for channel in CHANNELS {
+        let column = |value: &dyn Fn(&Row) -> f64| {
+            let of = |(k, row): (usize, &Row)| {
+                if k >= first && row.channel == channel { value(row) } else { 0.0 }
+            };
+            DVector::from_iterator(rows.len(), rows.iter().enumerate().map(of))
+        };
+        columns.push(column(&|_| priors.gain));
+        if channel.is_force() {
+            columns.push(column(&|row| priors.offset / row.log_value.exp()));
+        }
+        columns.push(column(&|row| priors.drift * row.order));
+    }
+    columns.retain(|column| column.iter().any(|value| *value != 0.0));
+    if columns.is_empty() { DMatrix::zeros(rows.len(), 0) } else { DMatrix::from_columns(&columns) }
+}
