@@ -23,8 +23,9 @@ const NOT_IN_THE_CORE: [&str; 12] = [
 const CORE: [&str; 2] = ["sphcut-physics", "sphcut-sph"];
 
 /// The arrows that exist: a crate and the crates of the workspace it may build on.
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("physics", &[]),
+    ("analytic", &["physics"]),
     ("sph", &["physics"]),
     ("identify", &["physics"]),
     ("scenario", &["sph", "physics"]),

@@ -1,0 +1,305 @@
+//! What is cut, how, and what is seen of it.
+
+use crate::{Error, Physics};
+use sphcut_physics::flow_stress::{FlowStressEntry, FlowStressModel, JohnsonCook};
+use sphcut_physics::{Quantity, Values};
+
+/// `value + slope (T - temperature)`; never below a tenth of `value`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Linear {
+    /// Value at `temperature`.
+    pub value: f64,
+    /// Change per K.
+    pub slope: f64,
+    /// In K.
+    pub temperature: f64,
+}
+
+impl Linear {
+    /// The same at all temperatures.
+    #[must_use]
+    pub const fn constant(value: f64) -> Self {
+        Self { value, slope: 0.0, temperature: 293.15 }
+    }
+
+    /// At a temperature in K.
+    #[must_use]
+    pub fn at(&self, temperature: f64) -> f64 {
+        // The line of a falling conductivity ends somewhere above melting.
+        (self.value + self.slope * (temperature - self.temperature)).max(0.1 * self.value)
+    }
+}
+
+/// The flow-stress law of the workpiece.
+#[derive(Debug, Clone)]
+pub enum FlowStress {
+    /// Johnson-Cook.
+    JohnsonCook(JohnsonCook),
+    /// Any law of the catalogue.
+    Catalogue {
+        /// The law.
+        entry: &'static FlowStressEntry,
+        /// Its parameters.
+        values: Values,
+    },
+}
+
+impl FlowStress {
+    /// The law, built.
+    #[must_use]
+    pub fn build(&self) -> Box<dyn FlowStressModel> {
+        match self {
+            Self::JohnsonCook(law) => Box::new(*law),
+            Self::Catalogue { entry, values } => (entry.build)(values),
+        }
+    }
+}
+
+/// The workpiece.
+#[derive(Debug, Clone)]
+pub struct Workpiece {
+    /// sigma_y.
+    pub flow_stress: FlowStress,
+    /// In kg/m^3.
+    pub density: f64,
+    /// c_p in J/(kg K).
+    pub specific_heat: Linear,
+    /// In W/(m K).
+    pub conductivity: Linear,
+    /// In K.
+    pub melting_temperature: f64,
+    /// T_0 in K.
+    pub initial_temperature: f64,
+    /// Indentation hardness of the cold workpiece in Pa.
+    pub hardness: f64,
+}
+
+/// The tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tool {
+    /// In rad, positive where it makes the edge keener (gamma; alpha in Oxley's letters).
+    pub rake_angle: f64,
+    /// r_n in m; 0 is an ideally sharp edge.
+    pub edge_radius: f64,
+    /// In W/(m K).
+    pub conductivity: f64,
+}
+
+/// All that does not change from condition to condition.
+#[derive(Debug, Clone)]
+pub struct Cut {
+    /// The workpiece.
+    pub workpiece: Workpiece,
+    /// The tool.
+    pub tool: Tool,
+    /// b in m.
+    pub width_of_cut: f64,
+    /// mu of sliding contact.
+    pub friction_coefficient: f64,
+    /// m_s: share of the shear strength that sticking contact transmits.
+    pub shear_friction_factor: f64,
+    /// C_O: strain rate on the shear plane over speed along it by its length.
+    pub rate_constant: f64,
+    /// beta of Taylor and Quinney: share of the plastic work that becomes heat.
+    pub taylor_quinney: f64,
+    /// eta of Oxley: share of the zone's heat that the shear plane has received.
+    pub plane_heat_share: f64,
+    /// psi of Oxley: mean of the interface temperature over its largest value.
+    pub interface_share: f64,
+    /// The relations.
+    pub physics: Physics,
+}
+
+impl Cut {
+    /// AISI 1045 normalized on carbide as in the grey-box paper, 3 mm wide: rake 5 degrees, edge radius 20 um, mu 0.25 while
+    /// sliding, sticking with the full shear strength.
+    ///
+    /// Flow stress: Table 5 of that paper, with 1/s and 1733 K where it prints none. Specific heat 420 + 0.504 T and
+    /// conductivity 52.61 - 0.0281 T with T in degC (Lalwani, Mehta and Jain 2009). Hardness 179 HBW.
+    /// C_O = 5.9: Oxley (1989), plain carbon steel.
+    #[must_use]
+    pub fn aisi_1045() -> Self {
+        Self {
+            workpiece: Workpiece {
+                flow_stress: FlowStress::JohnsonCook(JohnsonCook {
+                    initial_yield: 331e6,
+                    hardening_modulus: 614e6,
+                    hardening_exponent: 0.26,
+                    rate_coefficient: 0.07,
+                    softening_exponent: 1.19,
+                    reference_rate: 1.0,
+                    reference_temperature: 293.15,
+                    melting_temperature: 1733.0,
+                }),
+                density: 7850.0,
+                specific_heat: Linear { value: 420.0, slope: 0.504, temperature: 273.15 },
+                conductivity: Linear { value: 52.61, slope: -0.0281, temperature: 273.15 },
+                melting_temperature: 1733.0,
+                initial_temperature: 293.15,
+                hardness: 1.76e9,
+            },
+            tool: Tool {
+                rake_angle: 5.0_f64.to_radians(),
+                edge_radius: 20e-6,
+                conductivity: 100.0,
+            },
+            width_of_cut: 3e-3,
+            friction_coefficient: 0.25,
+            shear_friction_factor: 1.0,
+            rate_constant: 5.9,
+            taylor_quinney: 0.9,
+            plane_heat_share: 0.9,
+            interface_share: 0.9,
+            physics: Physics::LIBRARY,
+        }
+    }
+
+    /// Refuses what the equations cannot take.
+    pub(crate) fn check(&self, condition: &Condition) -> Result<(), Error> {
+        let positive = [
+            ("cutting speed", condition.cutting_speed),
+            ("uncut chip thickness", condition.uncut_chip_thickness),
+            ("width of cut", self.width_of_cut),
+            ("density", self.workpiece.density),
+            ("specific heat", self.workpiece.specific_heat.value),
+            ("conductivity", self.workpiece.conductivity.value),
+            ("conductivity of the tool", self.tool.conductivity),
+            ("hardness", self.workpiece.hardness),
+            ("initial temperature", self.workpiece.initial_temperature),
+            ("shear friction factor", self.shear_friction_factor),
+            ("rate constant", self.rate_constant),
+        ];
+        for (quantity, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::NotPositive { quantity, value });
+            }
+        }
+        let not_negative = [
+            ("edge radius", self.tool.edge_radius),
+            ("friction coefficient", self.friction_coefficient),
+            ("cut length", condition.cut_length),
+        ];
+        for (quantity, value) in not_negative {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Error::NotPositive { quantity, value });
+            }
+        }
+        if !(-0.5..=0.7).contains(&self.tool.rake_angle) {
+            return Err(Error::RakeAngle { value: self.tool.rake_angle });
+        }
+        Ok(())
+    }
+}
+
+/// One cutting condition.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Condition {
+    /// v_c in m/s.
+    pub cutting_speed: f64,
+    /// h in m.
+    pub uncut_chip_thickness: f64,
+    /// Length that the edge has cut before, in m.
+    pub cut_length: f64,
+    /// Place in the order of the runs, 0 for the first.
+    pub run_order: f64,
+}
+
+impl Condition {
+    /// With a fresh edge, first in order.
+    #[must_use]
+    pub const fn new(cutting_speed: f64, uncut_chip_thickness: f64) -> Self {
+        Self { cutting_speed, uncut_chip_thickness, cut_length: 0.0, run_order: 0.0 }
+    }
+}
+
+/// What can be measured of a cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observables {
+    /// F_c in N.
+    pub cutting_force: f64,
+    /// F_f in N.
+    pub feed_force: f64,
+    /// Mean over the contact, in K.
+    pub interface_temperature: f64,
+    /// Of the shear plane, in K.
+    pub shear_plane_temperature: f64,
+    /// In m.
+    pub chip_thickness: f64,
+    /// In m.
+    pub contact_length: f64,
+    /// phi in rad.
+    pub shear_angle: f64,
+}
+
+/// One number of [`Observables`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Channel {
+    /// F_c.
+    CuttingForce,
+    /// F_f.
+    FeedForce,
+    /// Mean temperature of the contact.
+    InterfaceTemperature,
+    /// Temperature of the shear plane.
+    ShearPlaneTemperature,
+    /// Chip thickness.
+    ChipThickness,
+    /// Contact length.
+    ContactLength,
+    /// phi.
+    ShearAngle,
+}
+
+impl Channel {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::CuttingForce,
+        Self::FeedForce,
+        Self::InterfaceTemperature,
+        Self::ShearPlaneTemperature,
+        Self::ChipThickness,
+        Self::ContactLength,
+        Self::ShearAngle,
+    ];
+
+    /// Its name in tables.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::CuttingForce => "cutting_force",
+            Self::FeedForce => "feed_force",
+            Self::InterfaceTemperature => "interface_temperature",
+            Self::ShearPlaneTemperature => "shear_plane_temperature",
+            Self::ChipThickness => "chip_thickness",
+            Self::ContactLength => "contact_length",
+            Self::ShearAngle => "shear_angle",
+        }
+    }
+
+    /// What it is.
+    #[must_use]
+    pub const fn quantity(self) -> Quantity {
+        match self {
+            Self::CuttingForce | Self::FeedForce => Quantity::Force,
+            Self::InterfaceTemperature | Self::ShearPlaneTemperature => Quantity::Temperature,
+            Self::ChipThickness | Self::ContactLength => Quantity::Length,
+            Self::ShearAngle => Quantity::Angle,
+        }
+    }
+}
+
+impl Observables {
+    /// The number of a channel.
+    #[must_use]
+    pub const fn get(&self, channel: Channel) -> f64 {
+        match channel {
+            Channel::CuttingForce => self.cutting_force,
+            Channel::FeedForce => self.feed_force,
+            Channel::InterfaceTemperature => self.interface_temperature,
+            Channel::ShearPlaneTemperature => self.shear_plane_temperature,
+            Channel::ChipThickness => self.chip_thickness,
+            Channel::ContactLength => self.contact_length,
+            Channel::ShearAngle => self.shear_angle,
+        }
+    }
+}
