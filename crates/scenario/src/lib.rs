@@ -71,7 +71,7 @@ pub use recordings::{
 pub use reference::{identification_reference, recordings_reference, reference, sweep_reference};
 pub use scenario::{Scenario, load, parse};
 pub use schema::{schema, taplo};
-pub use sweep::{Axis, Design, Held, KeyPath, Levels, Sweep, Unfit, load_sweep};
+pub use sweep::{Axis, Design, Held, KeyPath, Levels, Sweep, Unfit, load_sweep, multiple};
 pub use units::UnitError;
 
 use findings::Findings;

@@ -1,7 +1,7 @@
 //! The points of a design: a value of every varied key for every run.
 
 use crate::random::Random;
-use sphcut_scenario::{Axis, Design, Levels, Sweep};
+use sphcut_scenario::{Axis, Design, Levels, Sweep, multiple};
 
 /// Most runs of one sweep.
 pub(crate) const MOST_RUNS: usize = 100_000;
@@ -12,7 +12,9 @@ const MOST_SOBOL: usize = 1 << 16;
 pub(crate) fn points(sweep: &Sweep) -> Result<Vec<Vec<String>>, usize> {
     let is_seed = |axis: &&Axis| matches!(axis.levels, Levels::Replicates(_));
     // The seeds are the last axis, if there are replicates.
-    let keys: Vec<&Axis> = sweep.axes.iter().filter(|axis| !is_seed(axis)).collect();
+    let axes = &sweep.axes;
+    let is_free = |axis: &&Axis| !is_seed(axis) && axis.follows(axes).is_none();
+    let keys: Vec<&Axis> = axes.iter().filter(is_free).collect();
     let seeds = sweep.axes.iter().find(is_seed).map(levels);
     let total = count(sweep.design, &keys).saturating_mul(seeds.map_or(1, <[String]>::len));
     let sobol = matches!(sweep.design, Design::Sobol { runs, .. } if runs > MOST_SOBOL);
@@ -25,6 +27,7 @@ pub(crate) fn points(sweep: &Sweep) -> Result<Vec<Vec<String>>, usize> {
         Design::LatinHypercube { runs, seed } => latin_hypercube(&keys, runs, seed),
         Design::Sobol { runs, seed } => sobol_sequence(&keys, runs, seed),
     };
+    let points: Vec<Vec<String>> = points.into_iter().map(|point| complete(axes, point)).collect();
     let Some(seeds) = seeds else { return Ok(points) };
     let with = |point: &Vec<String>, seed: &String| {
         [point.as_slice(), std::slice::from_ref(seed)].concat()
@@ -32,10 +35,26 @@ pub(crate) fn points(sweep: &Sweep) -> Result<Vec<Vec<String>>, usize> {
     Ok(points.iter().flat_map(|point| seeds.iter().map(move |seed| with(point, seed))).collect())
 }
 
+/// The values of all keys but the seed, from those of the keys that follow no other.
+fn complete(axes: &[Axis], free: Vec<String>) -> Vec<String> {
+    let mut free = free.into_iter();
+    let own =
+        |axis: &Axis| axis.follows(axes).is_none() && !matches!(axis.levels, Levels::Replicates(_));
+    let mut values: Vec<Option<String>> =
+        axes.iter().map(|axis| if own(axis) { free.next() } else { None }).collect();
+    for (place, axis) in axes.iter().enumerate() {
+        if let Some((other, times)) = axis.follows(axes) {
+            // The file was refused if the other key had no quantities.
+            values[place] = values[other].as_deref().and_then(|value| multiple(times, value));
+        }
+    }
+    values.into_iter().flatten().collect()
+}
+
 fn levels(axis: &Axis) -> &[String] {
     match &axis.levels {
         Levels::Listed(values) | Levels::Replicates(values) => values,
-        Levels::Interval { .. } => &[],
+        Levels::Interval { .. } | Levels::Multiple { .. } => &[],
     }
 }
 

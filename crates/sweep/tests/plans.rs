@@ -72,6 +72,41 @@ fn a_list_takes_the_values_of_all_keys_together() {
     let plan = planned("list", &format!("[design]\nkind = \"list\"\n{SPEEDS}{radii}"));
     let values: Vec<&[String]> = plan.runs.iter().map(|run| run.values.as_slice()).collect();
     assert_eq!(values, [["\"100 m/min\"", "\"10 um\""], ["\"200 m/min\"", "\"20 um\""]]);
+    // Conditions as they were measured, where one speed comes with several radii.
+    let same = SPEEDS.replace("200 m/min", "100 m/min");
+    let plan = planned("list_repeats", &format!("[design]\nkind = \"list\"\n{same}{radii}"));
+    let speeds: Vec<Option<f64>> = plan.runs.iter().map(|run| run.numbers[0]).collect();
+    assert_eq!(speeds, [Some(100.0 / 60.0); 2]);
+}
+
+/// A key that follows another has a value for every run, and the same address as if it had been written.
+#[test]
+fn a_key_can_be_so_many_times_another() {
+    let depths =
+        "[[vary]]\nkey = \"process.uncut_chip_thickness\"\nvalues = [\"0.1 mm\", \"200 um\"]\n";
+    let height =
+        "[[vary]]\nkey = \"workpiece.height\"\nof = \"process.uncut_chip_thickness\"\ntimes = 4\n";
+    let rest = format!("[design]\nreplicates = 2\n{height}{SPEEDS}{depths}");
+    let disordered = BASE.replace("\"square\"", "\"disordered\"");
+    let plan = plan(&sweep("follows", &disordered, &rest)).unwrap();
+    assert_eq!(plan.runs.len(), 8);
+    assert_eq!(plan.runs[0].values[..3], ["\"0.4 mm\"", "\"100 m/min\"", "\"0.1 mm\""]);
+    assert_eq!(plan.runs[6].values[..3], ["\"800 um\"", "\"200 m/min\"", "\"200 um\""]);
+    assert_eq!(plan.runs[6].numbers[0], Some(800e-6));
+    let written = format!(
+        "[design]\nreplicates = 2\nkind = \"list\"\n{}{SPEEDS}{depths}",
+        "[[vary]]\nkey = \"workpiece.height\"\nvalues = [\"0.4 mm\", \"0.8 mm\"]\n"
+    );
+    let listed = sphcut_sweep::plan(&sweep("follows_listed", &disordered, &written)).unwrap();
+    assert_eq!(listed.runs[0].address, plan.runs[0].address);
+    assert_eq!(listed.runs[2].address, plan.runs[6].address);
+    let hypercube = rest
+        .replace("replicates = 2", "kind = \"latin_hypercube\"\nruns = 4")
+        .replace("values = [\"0.1 mm\", \"200 um\"]", "from = \"0.1 mm\"\nto = \"0.2 mm\"");
+    for run in sphcut_sweep::plan(&sweep("follows_drawn", BASE, &hypercube)).unwrap().runs {
+        let [height, _, depth] = run.numbers[..] else { panic!("{:?}", run.numbers) };
+        assert!((height.unwrap() / depth.unwrap() - 4.0).abs() < 1e-9);
+    }
 }
 
 /// Each of n parts of every key has one point: that is what makes it a Latin hypercube.

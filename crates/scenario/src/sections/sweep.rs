@@ -2,6 +2,7 @@
 
 use super::default;
 use crate::section::{Field, Kind, Presence, Section};
+use sphcut_physics::{Quantity, Range};
 
 /// Designs.
 pub(crate) const DESIGNS: &[&str] = &["full_factorial", "list", "latin_hypercube", "sobol"];
@@ -91,7 +92,8 @@ pub(crate) fn sweep_vary() -> Section {
     };
     Section::new(
         "vary",
-        "One key of the scenario and its values: a list, a range with steps, or a range with a number of values.",
+        "One key of the scenario and its values: a list, a range with steps, a range with a number of values, or so many times \
+         another key.",
         vec![
             Field::new(
                 "key",
@@ -123,6 +125,21 @@ pub(crate) fn sweep_vary() -> Section {
                 default("linear"),
                 "how the values of a range with `count`, or of a design that fills the space, are spread",
             ),
+            Field::new(
+                "of",
+                Kind::Text,
+                Presence::Optional,
+                "instead of `values` and of a range: another varied key whose values are quantities; in every run this key \
+                 is `times` its value",
+            )
+            .example("\"process.uncut_chip_thickness\""),
+            Field::new(
+                "times",
+                Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 1e6)),
+                Presence::Derived("required with `of`"),
+                "the factor on the value of `of`",
+            )
+            .example("5"),
         ],
     )
 }

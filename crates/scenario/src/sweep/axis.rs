@@ -1,5 +1,6 @@
 //! The values of one key.
 
+use super::Design;
 use super::key::KeyPath;
 use crate::document::contradiction;
 use crate::findings::{Findings, ResolvedEntry};
@@ -38,6 +39,13 @@ pub enum Levels {
         /// Evenly spread over the logarithm.
         logarithmic: bool,
     },
+    /// So many times the value of another key in the same run.
+    Multiple {
+        /// The other key.
+        of: KeyPath,
+        /// The factor.
+        times: f64,
+    },
 }
 
 /// Digits of the values of a range with steps: enough for any, few enough that 0.06 + 0.01 is 0.07.
@@ -56,6 +64,8 @@ impl Axis {
             Levels::Interval { from, to, unit, logarithmic } => {
                 literal(between(*from, *to, share, *logarithmic), DRAWN_DIGITS, unit)
             }
+            // It has none of its own.
+            Levels::Multiple { .. } => String::new(),
         }
     }
 
@@ -91,11 +101,18 @@ impl Axis {
             (Levels::Listed(values), None) => {
                 values.iter().map(|value| (value.clone(), record.span("from"))).collect()
             }
-            (Levels::Replicates(_), _) => Vec::new(),
             (Levels::Interval { .. }, _) => {
                 vec![(self.at(0.0), record.span("from")), (self.at(1.0), record.span("to"))]
             }
+            (Levels::Replicates(_) | Levels::Multiple { .. }, _) => Vec::new(),
         }
+    }
+
+    /// Place of the key that this one follows among `axes`, and how often it is taken; none of one with values of its own.
+    #[must_use]
+    pub fn follows(&self, axes: &[Self]) -> Option<(usize, f64)> {
+        let Levels::Multiple { of, times } = &self.levels else { return None };
+        Some((axes.iter().position(|axis| axis.key == *of)?, *times))
     }
 }
 
@@ -114,8 +131,23 @@ fn literal(number: f64, digits: i32, unit: &str) -> String {
     if unit.is_empty() { format!("{rounded}") } else { format!("\"{rounded} {unit}\"") }
 }
 
-/// Reads one `[[vary]]`; `fills`: the design takes values from all of a range.
-pub(super) fn read(findings: &mut Findings, record: &Record<'_>, fills: bool) -> Option<Axis> {
+/// `times` a quantity that is written as in a scenario: 5 times `"0.06 mm"` is `"0.3 mm"`; none if it is no quantity.
+#[must_use]
+pub fn multiple(times: f64, written: &str) -> Option<String> {
+    let text = written.trim();
+    let text = ['"', '\''].iter().fold(text, |text, quote| {
+        text.strip_prefix(*quote).and_then(|text| text.strip_suffix(*quote)).unwrap_or(text)
+    });
+    let (number, unit) = units::split_number(text.trim()).ok()?;
+    Some(literal(times * number, STEP_DIGITS, unit.trim()))
+}
+
+/// Reads one `[[vary]]`; a design that fills the space takes values from all of a range, and in a list values may repeat.
+pub(super) fn read(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    design: Option<Design>,
+) -> Option<Axis> {
     let written = record.text("key")?;
     let key = match KeyPath::parse(written) {
         Ok(key) => key,
@@ -126,15 +158,70 @@ pub(super) fn read(findings: &mut Findings, record: &Record<'_>, fills: bool) ->
             return None;
         }
     };
-    let levels = if record.is_written("values") {
-        listed(findings, record)
+    let levels = if record.is_written("of") || record.is_written("times") {
+        following(findings, record, &key)
+    } else if record.is_written("values") {
+        listed(findings, record, design == Some(Design::List))
     } else {
+        let fills = matches!(design, Some(Design::LatinHypercube { .. } | Design::Sobol { .. }));
         ranged(findings, record, fills)
     };
     levels.map(|levels| Axis { key, levels })
 }
 
-fn listed(findings: &mut Findings, record: &Record<'_>) -> Option<Levels> {
+fn following(findings: &mut Findings, record: &Record<'_>, own: &KeyPath) -> Option<Levels> {
+    for key in ["values", "from", "to", "step", "count", "spacing"] {
+        if record.is_written(key) {
+            let message = format!("`{key}` gives values, and `of` takes those of another key");
+            contradiction(findings, record, key, message, "keep one of them");
+            return None;
+        }
+    }
+    for (key, other) in [("of", "times"), ("times", "of")] {
+        if !record.is_written(key) {
+            let message = format!("`{other}` needs `{key}`");
+            let help = "write for example of = \"process.uncut_chip_thickness\" and times = 5";
+            contradiction(findings, record, other, message, help);
+            return None;
+        }
+    }
+    let (of, times) = (record.text("of")?, record.number("times")?);
+    match KeyPath::parse(of) {
+        Ok(of) if of == *own => {
+            contradiction(findings, record, "of", format!("`{of}` follows itself"), "");
+            None
+        }
+        Ok(of) => Some(Levels::Multiple { of, times }),
+        Err(expected) => {
+            let found = format!("`{}`", crate::reader::shortened(of));
+            let mistake = Mistake::WrongType { key: "of".to_owned(), expected, found };
+            findings.problem(&record.source, record.span("of"), mistake);
+            None
+        }
+    }
+}
+
+/// Every `of` names a key with quantities of its own.
+pub(super) fn check_followers(findings: &mut Findings, axes: &[Axis], records: &[Record<'_>]) {
+    for (axis, record) in axes.iter().zip(records) {
+        let Levels::Multiple { of, times } = &axis.levels else { continue };
+        let reason = match axes.iter().find(|other| other.key == *of).map(|other| &other.levels) {
+            None => Some(format!("`{of}` is not varied")),
+            Some(Levels::Multiple { .. }) => Some(format!("`{of}` follows another key itself")),
+            Some(Levels::Listed(values)) => values
+                .iter()
+                .find(|value| multiple(*times, value).is_none())
+                .map(|value| format!("{value} of `{of}` is no number with its unit")),
+            Some(Levels::Interval { .. } | Levels::Replicates(_)) => None,
+        };
+        if let Some(reason) = reason {
+            let help = "name a key that is varied and whose values are numbers with a unit";
+            contradiction(findings, record, "of", reason, help);
+        }
+    }
+}
+
+fn listed(findings: &mut Findings, record: &Record<'_>, may_repeat: bool) -> Option<Levels> {
     for key in ["from", "to", "step", "count", "spacing"] {
         if record.is_written(key) {
             let message = format!("`{key}` belongs to a range, and `values` is a list");
@@ -159,7 +246,7 @@ fn listed(findings: &mut Findings, record: &Record<'_>) -> Option<Levels> {
     let text = &record.source.text;
     let literals: Vec<String> = list.iter().map(|span| text[span.clone()].to_owned()).collect();
     for (index, literal) in literals.iter().enumerate() {
-        if literals[..index].contains(literal) {
+        if !may_repeat && literals[..index].contains(literal) {
             let message = format!("{literal} is in the list already");
             let help =
                 "replicates = 3 in [design] runs a combination with several seeds".to_owned();
@@ -180,7 +267,7 @@ fn ranged(findings: &mut Findings, record: &Record<'_>, fills: bool) -> Option<L
             let message = format!(
                 "there are neither `values` nor a range: its {what} value `{key}` is missing"
             );
-            let help = "write values = [...], or from, to and step";
+            let help = "write values = [...], or from, to and step, or of and times";
             contradiction(findings, record, "key", message, help);
             return None;
         }
@@ -325,6 +412,15 @@ mod tests {
         };
         assert_eq!(axis.at(0.5), "\"10 mm\"");
         assert_eq!((axis.at(0.0).as_str(), axis.at(1.0).as_str()), ("\"1 mm\"", "\"100 mm\""));
+    }
+
+    #[test]
+    fn a_multiple_is_written_like_its_quantity() {
+        assert_eq!(multiple(5.0, "\"0.06 mm\"").as_deref(), Some("\"0.3 mm\""));
+        assert_eq!(multiple(3.0, "'0.1 um'").as_deref(), Some("\"0.3 um\""));
+        assert_eq!(multiple(2.0, "0.25").as_deref(), Some("0.5"));
+        assert_eq!(multiple(2.0, "\"draft\""), None);
+        assert_eq!(multiple(2.0, "{ law = \"coulomb\" }"), None);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::reader;
 use crate::record::Record;
 use crate::scenario::{Scenario, load, parse};
 use crate::sections;
-pub use axis::{Axis, Levels};
+pub use axis::{Axis, Levels, multiple};
 use constraint::Constraint;
 pub use constraint::Held;
 pub use key::KeyPath;
@@ -135,15 +135,12 @@ fn read_document(
     of_base: &mut Vec<Problem>,
 ) -> Option<Sweep> {
     let design = design(findings, root);
-    let fills = design.is_some_and(|(design, _)| {
-        matches!(design, Design::LatinHypercube { .. } | Design::Sobol { .. })
-    });
     let section = sections::sweep_vary();
     let mut axes = Vec::new();
     let mut places = Vec::new();
     for place in root.tables("vary") {
         let record = reader::read(findings, &root.source, place, &section, 2);
-        if let Some(axis) = axis::read(findings, &record, fills) {
+        if let Some(axis) = axis::read(findings, &record, design.map(|(design, _)| design)) {
             axes.push(axis);
             places.push(record);
         }
@@ -182,6 +179,7 @@ fn read_document(
         base_path,
         options: *options,
     };
+    axis::check_followers(findings, &sweep.axes, &places);
     try_values(findings, &sweep, &places);
     if replicates > 1 {
         replicate(findings, root, &mut sweep, replicates);
@@ -238,7 +236,7 @@ fn refuse_repeats(findings: &mut Findings, axes: &[Axis], places: &[Record<'_>])
     }
 }
 
-/// Every value alone in the base: a mistake is told at the value.
+/// Every value alone in the base: a mistake is told at the value. Keys that follow another are tried in the runs.
 fn try_values(findings: &mut Findings, sweep: &Sweep, places: &[Record<'_>]) {
     let directory = sweep.base_path.parent();
     for (axis, place) in sweep.axes.iter().zip(places) {
