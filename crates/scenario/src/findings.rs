@@ -68,6 +68,12 @@ impl Findings {
         }
     }
 
+    /// Says that the value of a pure number, told as its default, follows from other keys.
+    pub(crate) fn followed(&mut self, section: &str, key: &str, si: f64) {
+        self.description.retain(|entry| entry.section != section || entry.key != key);
+        self.derived(section, key, Quantity::Dimensionless, si);
+    }
+
     /// Notes a value that follows from others.
     pub(crate) fn derived(&mut self, section: &str, key: &str, quantity: Quantity, si: f64) {
         let value = units::significant(si);

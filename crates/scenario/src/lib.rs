@@ -19,6 +19,7 @@ mod flow_stress_table;
 mod force_table;
 mod heat_source;
 mod identification;
+mod inertia;
 mod library;
 mod machine;
 mod material;

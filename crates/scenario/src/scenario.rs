@@ -11,8 +11,8 @@ use crate::record::Record;
 use crate::shared::{self, Resolution};
 use crate::tool::Space;
 use crate::{
-    LoadOptions, bodies, effects, equation_of_state, heat_source, passes, sections, tool, wall,
-    warnings, window,
+    LoadOptions, bodies, effects, equation_of_state, heat_source, inertia, passes, sections, tool,
+    wall, warnings, window,
 };
 use sphcut_physics::Quantity;
 use sphcut_physics::effects::ChosenEffect;
@@ -228,6 +228,7 @@ fn read_cut(
     let mut setup = common.setup(dimension, resolution, time)?;
     cut.fill(&mut setup);
     setup.window = window?;
+    inertia::scale(findings, root, &mut setup, Some((process.cutting_speed, process.depth)));
     let stop = Stop { time, travel: stop.extent, steady: stop.steady };
     Some(finished(findings, root, setup, output.output, stop, cut.warnings()))
 }
@@ -286,6 +287,7 @@ fn read_bodies(
     setup.heat_sources = sources;
     setup.tool = wall?;
     setup.sampling_interval = output.sampling;
+    inertia::scale(findings, root, &mut setup, None);
     let travel = setup.tool.as_ref().map_or(0.0, |tool| wall::path(tool, stop.extent));
     let stop = Stop { time: stop.extent, travel, steady: None };
     Some(finished(findings, root, setup, output.output, stop, thin))

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use sphcut_scenario::{LoadOptions, Scenario, parse};
 use sphcut_sph::setup::ToolSurface;
 use sphcut_sph::{Setup, Simulation};
+use std::path::Path;
 
 const QUICK: &str = include_str!("../../../scenarios/quickstart.toml");
 
@@ -84,6 +85,29 @@ fn presets_are_relative_to_the_uncut_chip_thickness() {
 }
 
 /// What `sphcut check` shows: the text of the user and the SI value, defaults marked as such.
+/// s = I sigma_y(1, v_c / h, T_0) / (rho v_c^2), with sigma_y = (A + B) (1 + C ln rate) by hand.
+#[test]
+fn an_inertia_number_sets_the_mass_scaling_of_its_speed() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let text = std::fs::read_to_string(folder.join("aisi1045_orthogonal.toml")).unwrap();
+    let scaling = |speed: &str, number: &str| {
+        let text = text
+            .replace("inertia_number = 0.012", &format!("inertia_number = {number}"))
+            .replace("150 m/min\"", &format!("{speed}\""));
+        let scenario = parse(&text, "cut.toml", Some(&folder), &LoadOptions::default()).unwrap();
+        let told = scenario.description.iter().filter(|entry| entry.key == "mass_scaling");
+        let told: Vec<Option<f64>> = told.map(|entry| entry.number).collect();
+        assert_eq!(told, [Some(scenario.setup.numerics.get("mass_scaling"))]);
+        scenario.setup.numerics.get("mass_scaling")
+    };
+    let by_hand = 0.012 * (331e6 + 614e6) * (1.0 + 0.07 * 25_000_f64.ln()) / (7850.0 * 6.25);
+    assert!((scaling("150 m/min", "0.012") / by_hand - 1.0).abs() < 1e-9, "{by_hand}");
+    // A quarter of the speed, sixteen times the factor but for the rate.
+    let slow = scaling("37.5 m/min", "0.012") / by_hand;
+    assert!((slow / 16.0 - 1.0).abs() < 0.06, "{slow}");
+    assert_eq!((scaling("150 m/min", "1e-9"), scaling("1 m/min", "1")), (1.0, 1e4));
+}
+
 #[test]
 fn the_description_has_text_and_si_value_of_every_key() {
     use sphcut_scenario::Origin;

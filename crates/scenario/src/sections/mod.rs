@@ -232,12 +232,22 @@ pub(crate) fn numerics() -> Section {
     Section::new(
         "numerics",
         "Discretisation and time step.",
-        vec![Field::new(
-            "mechanics",
-            Kind::Switch,
-            default("true"),
-            "whether the particles move; false solves heat conduction alone",
-        )],
+        vec![
+            Field::new(
+                "mechanics",
+                Kind::Switch,
+                default("true"),
+                "whether the particles move; false solves heat conduction alone",
+            ),
+            Field::new(
+                "inertia_number",
+                Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 1.0)),
+                Presence::Optional,
+                "for a cut, instead of `mass_scaling`: s rho v_c^2 over the flow stress at a strain of 1, the rate v_c/h and the \
+                 initial temperature; `mass_scaling` follows from it, within its range",
+            )
+            .example("0.012"),
+        ],
     )
     .with_parameters(options::NUMERICS)
 }

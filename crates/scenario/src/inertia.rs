@@ -1,0 +1,81 @@
+//! Mass scaling from how little inertia may matter.
+
+use crate::document::contradiction;
+use crate::findings::Findings;
+use crate::reader;
+use crate::record::Record;
+use crate::sections;
+use sphcut_physics::flow_stress::FlowState;
+use sphcut_sph::options;
+use sphcut_sph::setup::Setup;
+use toml::de::DeTable;
+
+/// Plastic strain at which the flow stress is taken: that of a shear zone.
+const STRAIN: f64 = 1.0;
+
+/// The factor s on the inertia with which the stress of inertia is the share I of the flow stress:
+///
+/// ```text
+/// s = I sigma_y(1, v_c / h, T_0) / (rho v_c^2),   within the range of `mass_scaling`
+/// ```
+///
+/// Turning the material from the speed of the cut into that of the chip takes `s rho v_c^2 h` per width of force, and the shear zone resists with the
+/// flow stress times some `h`: I is the share of inertia in the forces to the order of one, at any speed and in any
+/// material. A constant `mass_scaling` instead raises the forces more the faster the cut (docs/numerics.md).
+/// The reported `balances.kinetic_share` says what the kinetic energy came to.
+///
+/// The least of all materials counts. None, with the contradiction told, if no material ever yields.
+fn factor(number: f64, setup: &Setup, cutting_speed: f64, rate: f64) -> Option<f64> {
+    let of = |material: &sphcut_sph::setup::Material, temperature: f64| {
+        let state = FlowState { plastic_strain: STRAIN, plastic_strain_rate: rate, temperature };
+        let law = (material.flow_stress.build)(&material.flow_stress_values);
+        number * law.flow_stress(&state) / (material.density * cutting_speed.powi(2))
+    };
+    let factors =
+        setup.bodies.iter().map(|body| of(&setup.materials[body.material], body.temperature));
+    let least = factors.fold(f64::INFINITY, f64::min);
+    let range = options::NUMERICS.iter().find(|option| option.key == KEY)?.range;
+    least.is_finite().then(|| least.clamp(range.min, range.max))
+}
+
+/// Key of the factor in `[numerics]`.
+const KEY: &str = "mass_scaling";
+
+/// Follows `inertia_number` of `[numerics]`, if it is written; `process`: v_c and h.
+pub(crate) fn scale(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    setup: &mut Setup,
+    process: Option<(f64, f64)>,
+) {
+    let empty = DeTable::new();
+    let place = root.table("numerics").unwrap_or((&empty, root.heading.clone()));
+    // Its mistakes were told when the section was read.
+    let mut told = Findings::default();
+    let record = reader::read(&mut told, &root.source, place, &sections::numerics(), 2);
+    let Some(number) = record.number("inertia_number") else { return };
+    if record.is_written(KEY) {
+        let message = format!("`inertia_number` and `{KEY}` exclude each other");
+        contradiction(findings, &record, "inertia_number", message, "keep one of them");
+        return;
+    }
+    let Some((cutting_speed, thickness)) = process else {
+        let message = "`inertia_number` needs a cutting speed, and this scenario has no [process]";
+        contradiction(findings, &record, "inertia_number", message, "write `mass_scaling`");
+        return;
+    };
+    let Some(factor) = factor(number, setup, cutting_speed, cutting_speed / thickness) else {
+        let message = "`inertia_number` needs a material that yields";
+        contradiction(findings, &record, "inertia_number", message, "write `mass_scaling`");
+        return;
+    };
+    let given: Vec<(&str, f64)> = setup
+        .numerics
+        .iter()
+        .map(|(option, value)| (option.key, if option.key == KEY { factor } else { value }))
+        .collect();
+    if let Ok(values) = sphcut_physics::Values::resolve(options::NUMERICS, &given) {
+        setup.numerics = values;
+        findings.followed("numerics", KEY, factor);
+    }
+}
