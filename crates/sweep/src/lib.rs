@@ -12,6 +12,7 @@ mod plan;
 mod random;
 mod store;
 mod table;
+mod trends;
 
 pub use address::{Address, address};
 pub use cost::{CROWDING, Cost, measure};
@@ -21,3 +22,4 @@ pub use store::{
     Claim, Entry, Failure, Found, Leftover, Needs, Store, StoreError, StoredFile, Verdict, Work,
 };
 pub use table::{Row, Table};
+pub use trends::{Estimate, ForcePoint, Line, PowerLaw, line_over_thickness, power_law};

@@ -3,7 +3,7 @@
 use super::super::greybox::axes::{Axis, Frame};
 use super::super::greybox::maps::{Colours, Map};
 use sphcut_greybox::{Hull, Input};
-use sphcut_sweep::Table;
+use sphcut_sweep::{ForcePoint, Table};
 
 const M_PER_MIN: f64 = 60.0;
 const MM: f64 = 1e3;
@@ -35,6 +35,11 @@ pub(super) fn points(table: &Table, force: usize) -> Vec<Point> {
         all.into_iter().map(|(at, sum, count)| Point { at, value: sum / count }).collect();
     points.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1])));
     points
+}
+
+/// The same as trends are found in.
+pub(super) fn force_points(points: &[Point]) -> Vec<ForcePoint> {
+    points.iter().map(|point| ForcePoint { at: point.at, force: point.value }).collect()
 }
 
 pub(super) fn same(a: f64, b: f64) -> bool {
