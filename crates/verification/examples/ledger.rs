@@ -10,6 +10,7 @@
 use sphcut_verification::grey_box::grey_box_cases;
 use sphcut_verification::ledger::{self, Entry};
 use sphcut_verification::store::Store;
+use sphcut_verification::sweep_trends::{SweepCase, sweep_cases};
 use sphcut_verification::{
     Case, Outcome, Progress, RunOptions, Tier, Verdict, adopt, cases, judge_stored, run_case,
 };
@@ -66,6 +67,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
     for case in &grey_boxes {
         entries.push(Entry::of_grey_box(case, &case.stored(&store)?));
+    }
+    for case in sweep_cases(&folder)? {
+        if is_wanted(&case.name, SweepCase::TIER, tier, &names) {
+            say(&case.judge());
+        }
+        entries.push(Entry::of_sweep(&case));
     }
     entries.sort_by(|a, b| a.name().cmp(b.name()));
     fs::write(root.join("docs/validation.md"), ledger::markdown(&entries))?;

@@ -1,19 +1,22 @@
-//! Cases of scenarios and of the grey box under one name.
+//! Cases of scenarios, of the grey box and of sweeps under one name.
 
 use crate::case::{Case, Tier, cases};
 use crate::error::CaseError;
 use crate::grey_box::{GreyBoxCase, Watch, grey_box_cases};
 use crate::runner::{RunOptions, run_case};
+use crate::sweep_trends::{SweepCase, sweep_cases};
 use crate::verdict::Verdict;
 use std::path::Path;
 
-/// A case of either kind.
+/// A case of any kind.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AnyCase {
     /// Scenarios are run.
     Scenarios(Case),
     /// Corrections are fitted.
     GreyBox(GreyBoxCase),
+    /// The table of a sweep is judged.
+    Sweep(SweepCase),
 }
 
 /// All cases below `root`, by name.
@@ -23,7 +26,8 @@ pub enum AnyCase {
 pub fn all_cases(root: &Path) -> Result<Vec<AnyCase>, CaseError> {
     let scenarios = cases(root)?.into_iter().map(AnyCase::Scenarios);
     let grey_boxes = grey_box_cases(root)?.into_iter().map(AnyCase::GreyBox);
-    let mut all: Vec<AnyCase> = scenarios.chain(grey_boxes).collect();
+    let sweeps = sweep_cases(root)?.into_iter().map(AnyCase::Sweep);
+    let mut all: Vec<AnyCase> = scenarios.chain(grey_boxes).chain(sweeps).collect();
     all.sort_by(|a, b| a.name().cmp(b.name()));
     Ok(all)
 }
@@ -35,6 +39,7 @@ impl AnyCase {
         match self {
             Self::Scenarios(case) => &case.name,
             Self::GreyBox(case) => &case.name,
+            Self::Sweep(case) => &case.name,
         }
     }
 
@@ -44,6 +49,7 @@ impl AnyCase {
         match self {
             Self::Scenarios(case) => &case.title,
             Self::GreyBox(case) => &case.title,
+            Self::Sweep(case) => &case.title,
         }
     }
 
@@ -53,6 +59,7 @@ impl AnyCase {
         match self {
             Self::Scenarios(case) => case.tier,
             Self::GreyBox(case) => case.tier,
+            Self::Sweep(_) => SweepCase::TIER,
         }
     }
 
@@ -61,6 +68,7 @@ impl AnyCase {
         match self {
             Self::Scenarios(case) => run_case(case, options, &mut |told| progress(told)),
             Self::GreyBox(case) => case.run(options, progress),
+            Self::Sweep(case) => case.judge(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::case::{Case, Kind, Metric, Tier};
 use crate::grey_box::{FitFigures, GreyBoxCase};
 use crate::judge::number;
+use crate::sweep_trends::SweepCase;
 use crate::variants;
 use crate::verdict::{Finding, Outcome, Verdict};
 use std::fmt::Write;
@@ -47,6 +48,20 @@ impl Entry {
             claim: case.claim.clone(),
             beside: case.tables(figures),
             verdict: case.judge_stored(figures),
+        }
+    }
+
+    /// A case of a sweep.
+    #[must_use]
+    pub fn of_sweep(case: &SweepCase) -> Self {
+        Self {
+            name: case.name.clone(),
+            title: case.title.clone(),
+            kind: case.kind,
+            tier: SweepCase::TIER,
+            claim: case.claim.clone(),
+            beside: case.origin(),
+            verdict: Some(case.judge()),
         }
     }
 

@@ -20,6 +20,7 @@ mod overrides;
 mod replicates;
 mod runner;
 pub mod store;
+pub mod sweep_trends;
 mod table;
 mod variants;
 mod verdict;

@@ -4,6 +4,7 @@
 use libtest_mimic::{Arguments, Failed, Trial};
 use sphcut_verification::grey_box::{GreyBoxCase, grey_box_cases};
 use sphcut_verification::store::Store;
+use sphcut_verification::sweep_trends::{SweepCase, sweep_cases};
 use sphcut_verification::{
     Case, Outcome, RunOptions, Tier, Verdict, cases, check_scenarios, run_case,
 };
@@ -14,14 +15,16 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation");
-    let both = cases(&root).and_then(|cases| Ok((cases, grey_box_cases(&root)?)));
-    let trials = match both {
-        Ok((cases, grey_boxes)) => {
+    let all =
+        cases(&root).and_then(|cases| Ok((cases, grey_box_cases(&root)?, sweep_cases(&root)?)));
+    let trials = match all {
+        Ok((cases, grey_boxes, sweeps)) => {
             let folders = cases.iter().map(folder_trial).collect::<Vec<_>>();
             let grey_folders = grey_boxes.iter().map(grey_folder_trial).collect::<Vec<_>>();
             let grey_trials = grey_boxes.into_iter().map(grey_trial);
             let trials = cases.into_iter().map(trial).chain(grey_trials);
-            trials.chain(folders).chain(grey_folders).collect()
+            let sweeps = sweeps.into_iter().map(sweep_trial);
+            trials.chain(folders).chain(grey_folders).chain(sweeps).collect()
         }
         Err(error) => {
             let reason = error.to_string();
@@ -63,6 +66,20 @@ fn grey_trial(case: GreyBoxCase) -> Trial {
     let ignored = tier != Tier::Quick;
     let run = move || as_stated(&case.run(&RunOptions::default(), &|_| ()));
     Trial::test(name, run).with_ignored_flag(ignored)
+}
+
+/// The table is judged, and the ledger has what it says.
+fn sweep_trial(case: SweepCase) -> Trial {
+    Trial::test(case.name.clone(), move || {
+        has_readme_and_row(&case.folder, &case.name)?;
+        let ledger = fs::read_to_string(case.folder.join("../../docs/validation.md"))?;
+        if !ledger.contains(&case.origin()) {
+            return Err(Failed::from(
+                "docs/validation.md has another table: run the example `ledger`",
+            ));
+        }
+        as_stated(&case.judge())
+    })
 }
 
 /// Fits take minutes; what is kept of them has to belong to the tables, to be as stated, and to stand in the ledger.
