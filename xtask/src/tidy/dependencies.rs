@@ -35,7 +35,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("greybox", &["record", "physics"]),
     ("diagnose", &["greybox", "postprocess", "sweep", "physics"]),
     ("report", &["greybox", "postprocess", "record", "identify", "sweep", "sph", "physics"]),
-    ("verification", &["scenario", "greybox", "postprocess", "record", "sph", "physics"]),
+    ("verification", &["scenario", "greybox", "sweep", "postprocess", "record", "sph", "physics"]),
     (
         "cli",
         &[
