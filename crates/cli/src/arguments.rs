@@ -20,7 +20,8 @@ Examples:
 
 Exit codes:
   0 done   1 a validation case failed   2 mistakes in scenario or arguments
-  3 the run diverged, or runs of a sweep failed   4 a file could not be read or written   130 interrupted, a checkpoint was written";
+  3 the run diverged, or runs of a sweep failed   4 a file could not be read or written
+  5 the cluster refused, or is not there   130 interrupted, a checkpoint was written";
 
 /// Metal cutting by particles: forces, temperatures and the chip from one scenario file.
 #[derive(Debug, Parser)]
@@ -65,7 +66,7 @@ pub enum Command {
     #[command(after_help = CALIBRATE_HELP)]
     CalibrateFriction(CalibrateArguments),
     /// Run a scenario with many combinations of values, and keep every result.
-    Sweep(crate::sweep::SweepArguments),
+    Sweep(crate::sweep::SweepCommand),
     /// Look after a store of results: list it, check it, remove what no sweep needs.
     Store(crate::store::StoreArguments),
     /// Turn recordings of a dynamometer into a table of mean forces with intervals.

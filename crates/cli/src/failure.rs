@@ -16,6 +16,8 @@ pub enum ExitCode {
     Diverged,
     /// A file could not be read or written.
     InputOutput,
+    /// The cluster refused, or is not there.
+    NoCluster,
     /// Interrupted; a checkpoint was written.
     Interrupted,
 }
@@ -29,6 +31,7 @@ impl ExitCode {
             Self::BadInput => 2,
             Self::Diverged => 3,
             Self::InputOutput => 4,
+            Self::NoCluster => 5,
             Self::Interrupted => 130,
         }
     }

@@ -11,11 +11,20 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Installs the handler. Without one an interruption loses what followed the last checkpoint,
 /// so a failure to install is reported, not fatal.
 pub fn install() {
-    let handler = || {
+    set(|| {
         if REQUESTED.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(crate::failure::ExitCode::Interrupted.number()));
         }
-    };
+    });
+}
+
+/// As [`install`], but a second signal does not hurry the program: a cluster sends several, and ends it by another
+/// signal when it has waited long enough.
+pub fn install_patient() {
+    set(|| REQUESTED.store(true, Ordering::SeqCst));
+}
+
+fn set(handler: impl FnMut() + Send + 'static) {
     if let Err(error) = ctrlc::set_handler(handler) {
         note(&format!("warning: Ctrl-C will not write a checkpoint: {error}"));
     }

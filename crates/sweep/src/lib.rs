@@ -1,5 +1,5 @@
 //! Many runs of one scenario: which ones ([`Plan`]), where their results are kept ([`Store`]), how they are
-//! computed.
+//! computed: on this machine ([`execute()`]) or as a job array ([`slurm`]).
 //!
 //! A run is known by its [`Address`]: the same resolved scenario and the same solver have the same address,
 //! however the scenario is written.
@@ -10,6 +10,7 @@ mod design;
 mod execute;
 mod plan;
 mod random;
+pub mod slurm;
 mod store;
 mod table;
 mod trends;
@@ -17,7 +18,7 @@ mod trends;
 pub use address::{Address, address};
 pub use cost::{CROWDING, Cost, measure};
 pub use execute::{Computed, Execution, News, Retry, State, Trouble, Watch, Worker, execute};
-pub use plan::{Condition, LeftOut, Plan, PlanError, PlannedRun, plan};
+pub use plan::{Condition, LeftOut, Plan, PlanError, PlannedRun, plan, plan_only};
 pub use store::{
     Claim, Entry, Failure, Found, Leftover, Needs, Store, StoreError, StoredFile, Verdict, Work,
 };

@@ -6,6 +6,7 @@ use crate::design::{MOST_RUNS, points};
 use rayon::prelude::*;
 use sphcut_scenario::{Held, Sweep, Unfit};
 use sphcut_sph::{Setup, Simulation};
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// The runs of a sweep.
@@ -140,12 +141,23 @@ enum Checked {
 /// # Errors
 /// See [`PlanError`].
 pub fn plan(sweep: &Sweep) -> Result<Plan, PlanError> {
+    planned(sweep, |_| true)
+}
+
+/// As [`plan`], but only the runs with these numbers; the others are not even read.
+///
+/// # Errors
+/// See [`PlanError`].
+pub fn plan_only(sweep: &Sweep, numbers: &BTreeSet<usize>) -> Result<Plan, PlanError> {
+    planned(sweep, |number| numbers.contains(&number))
+}
+
+fn planned(sweep: &Sweep, wanted: impl Fn(usize) -> bool) -> Result<Plan, PlanError> {
     let points = points(sweep).map_err(PlanError::TooMany)?;
-    let checked: Vec<Checked> = points
-        .into_par_iter()
-        .enumerate()
-        .map(|(index, point)| check(sweep, index + 1, point))
-        .collect();
+    let points: Vec<(usize, Vec<String>)> =
+        (1..).zip(points).filter(|(number, _)| wanted(*number)).collect();
+    let checked: Vec<Checked> =
+        points.into_par_iter().map(|(number, point)| check(sweep, number, point)).collect();
     let (mut plan, mut unfit) = (Plan::default(), Vec::new());
     for one in checked {
         match one {

@@ -1,6 +1,7 @@
 //! `sphcut sweep --dry-run`: the runs, their cost and the total.
 
-use super::SweepArguments;
+use super::arguments::Executor;
+use super::{SweepArguments, slurm};
 use crate::check;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::seconds_to_duration;
@@ -19,18 +20,22 @@ pub fn dry_run(
     threads: usize,
 ) -> Result<ExitCode, Failure> {
     let speed = if arguments.no_measure { None } else { Some(speed(sweep, plan)?) };
+    let on_cluster = arguments.executor == Executor::Slurm;
     let mut page = format!("{}\n\n", sweep.title);
     page.push_str(&table(sweep, plan, speed));
     for one in &plan.left_out {
         let _ = writeln!(page, "left out: {} breaks `{}`", one.settings, one.constraint);
     }
     page.push_str(&total(plan, speed, threads));
+    if let (true, Some(speed)) = (on_cluster, speed) {
+        page.push_str(&slurm::announced(arguments, plan, speed)?);
+    }
     page.push_str(&warnings(plan));
     terminal::answer(&page)
 }
 
 /// Particle updates per second of one thread, in the run of middling cost.
-fn speed(sweep: &Sweep, plan: &Plan) -> Result<f64, Failure> {
+pub fn speed(sweep: &Sweep, plan: &Plan) -> Result<f64, Failure> {
     let mut order: Vec<&PlannedRun> = plan.runs.iter().collect();
     order.sort_by(|a, b| a.cost.updates().total_cmp(&b.cost.updates()));
     let middle = order[order.len() / 2];

@@ -3,15 +3,17 @@
 mod arguments;
 mod display;
 mod dry_run;
+mod slurm;
 mod tables;
 mod tally;
 mod worker;
 
-pub use arguments::SweepArguments;
+pub use arguments::{SweepArguments, SweepCommand};
 
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{Style, emit, seconds_to_duration};
 use crate::{interrupt, loading, outcome, terminal, text};
+use arguments::Executor;
 use display::Display;
 use serde_json::json;
 use sphcut_scenario::Sweep;
@@ -24,8 +26,15 @@ use std::time::Instant;
 /// Name of the store in the output folder.
 const STORE: &str = "store";
 
-/// Plans the sweep and runs it.
-pub fn sweep(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
+/// Runs a sweep, or looks after one on a cluster.
+pub fn sweep(command: &SweepCommand) -> Result<ExitCode, Failure> {
+    match command {
+        SweepCommand::Job(job) => slurm::look_after(job),
+        SweepCommand::Sweep(arguments) => planned_and_run(arguments),
+    }
+}
+
+fn planned_and_run(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     let result = follow(arguments);
     if let (Err(failure), true) = (&result, arguments.json) {
         outcome::emit_error(failure);
@@ -34,6 +43,7 @@ pub fn sweep(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
 }
 
 fn follow(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
+    slurm::check_options(arguments)?;
     let sweep = loading::sweep(&arguments.scene)?;
     let threads = loading::threads(arguments.threads);
     let plan = planned(&sweep, threads)?;
@@ -46,12 +56,15 @@ fn follow(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
         .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
     let store = store(arguments)?;
     store.note_needs(&needs(arguments, &plan)?).map_err(|error| broken(&error))?;
+    if arguments.executor == Executor::Slurm {
+        return slurm::submit(arguments, &sweep, &plan, &store, style);
+    }
     interrupt::install();
     announce(&sweep, &plan, &store, threads, style);
     let start = Instant::now();
-    let measured = tables::measured(arguments)?;
+    let measured = tables::measured(arguments.measured.as_deref())?;
     let states = run(&sweep, &plan, &store, execution(arguments, threads), style)?;
-    let page = tables::write(arguments, &sweep, &plan, &store, (&states, &measured))?;
+    let page = tables::write(out, &sweep, &plan, &store, (&states, &measured))?;
     let code = told(&states, start, style);
     if style == Style::Human {
         terminal::line(&format!("report  {}", page.display()));
@@ -74,10 +87,15 @@ fn execution(arguments: &SweepArguments, threads: usize) -> Execution {
 
 /// Every run, checked.
 fn planned(sweep: &Sweep, threads: usize) -> Result<Plan, Failure> {
-    loading::pool(threads)?.install(|| plan(sweep)).map_err(|error| match error {
+    loading::pool(threads)?.install(|| plan(sweep)).map_err(|error| unplanned(&error))
+}
+
+/// A sweep that cannot run.
+fn unplanned(error: &PlanError) -> Failure {
+    match error {
         PlanError::Unfit(_) => Failure::rendered(ExitCode::BadInput, error.to_string()),
         _ => Failure::input(error.to_string()),
-    })
+    }
 }
 
 fn store(arguments: &SweepArguments) -> Result<Store, Failure> {

@@ -1,6 +1,5 @@
 //! Table and page of a sweep.
 
-use super::SweepArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::results;
 use serde_json::Value;
@@ -12,8 +11,8 @@ use sphcut_sweep::{Plan, State, Store, Table};
 use std::path::{Path, PathBuf};
 
 /// v_c in m/s, h in m, F_c and F_f in N of the measured cuts; none without `--measured`.
-pub fn measured(arguments: &SweepArguments) -> Result<Vec<[f64; 4]>, Failure> {
-    let Some(path) = &arguments.measured else { return Ok(Vec::new()) };
+pub fn measured(path: Option<&Path>) -> Result<Vec<[f64; 4]>, Failure> {
+    let Some(path) = path else { return Ok(Vec::new()) };
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
     let rows = sphcut_scenario::read_force_table(&text)
@@ -24,15 +23,14 @@ pub fn measured(arguments: &SweepArguments) -> Result<Vec<[f64; 4]>, Failure> {
     Ok(rows.iter().map(row).collect())
 }
 
-/// Writes them; the path of the page.
+/// Writes them into `out`; the path of the page.
 pub fn write(
-    arguments: &SweepArguments,
+    out: &Path,
     sweep: &Sweep,
     plan: &Plan,
     store: &Store,
     (states, measured): (&[State], &[[f64; 4]]),
 ) -> Result<PathBuf, Failure> {
-    let out = &arguments.out;
     let table = Table::new(sweep, plan, store, states, &summary);
     results::save(&out.join("table.csv"), table.csv().as_bytes())?;
     let version = env!("CARGO_PKG_VERSION");

@@ -1,6 +1,7 @@
 //! `sphcut` from the outside: what a user types, what comes back.
 
 mod calibrate_friction;
+mod cluster;
 mod commands;
 mod common;
 mod greybox;

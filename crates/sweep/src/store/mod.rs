@@ -166,6 +166,26 @@ impl Store {
                 .is_ok_and(|entry| entry.address == *address && entry.fits(&folder))
     }
 
+    /// Whether somebody has begun the run with this address and not ended it.
+    #[must_use]
+    pub fn is_begun(&self, address: &Address) -> bool {
+        self.work_folder(address).exists()
+    }
+
+    /// Forgets that the run with this address cannot finish.
+    ///
+    /// # Errors
+    /// A folder that cannot be removed.
+    pub fn forget_failure(&self, address: &Address) -> Result<(), StoreError> {
+        let folder = self.failure_folder(address);
+        match fs::remove_dir_all(&folder) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                at(&folder, "remove", Err(error))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// What is noted of the finished run with this address.
     ///
     /// # Errors

@@ -1,0 +1,289 @@
+//! A sweep becomes a job array.
+
+use super::super::arguments::Executor;
+use super::super::{STORE, SweepArguments, broken, dry_run};
+use super::{collect, refused, state, tasks};
+use crate::failure::{ExitCode, Failure};
+use crate::progress::{Style, emit};
+use crate::{terminal, text};
+use serde_json::json;
+use sphcut_scenario::Sweep;
+use sphcut_sweep::slurm::{
+    self, Request, Script, Share, Submission, Task, array_script, collecting_script,
+};
+use sphcut_sweep::{Plan, State, Store};
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+/// Options of the cluster that make no sense here.
+pub fn check_options(arguments: &SweepArguments) -> Result<(), Failure> {
+    if arguments.executor == Executor::Local {
+        let slurms = !arguments.slurm_option.is_empty() || arguments.at_once.is_some();
+        return if slurms {
+            Err(Failure::input("--slurm-option and --at-once need --executor slurm"))
+        } else {
+            Ok(())
+        };
+    }
+    if arguments.task_minutes == 0 {
+        return Err(Failure::input("--task-minutes has to be 1 at least"));
+    }
+    let unfit = arguments.slurm_option.iter().find_map(|option| slurm::refused_option(option));
+    if let Some(reason) = unfit {
+        return Err(Failure::input(reason));
+    }
+    // A machine that is none of a cluster is told before anything is written.
+    if arguments.dry_run { Ok(()) } else { slurm::is_possible().map_err(|error| refused(&error)) }
+}
+
+/// How the missing runs become tasks.
+struct Array {
+    tasks: Vec<Task>,
+    request: Request,
+    /// Different runs of the plan.
+    runs: usize,
+    /// Those with a result.
+    there: usize,
+    /// Those that are known to fail, and are not tried again.
+    failing: usize,
+}
+
+fn arranged(
+    arguments: &SweepArguments,
+    plan: &Plan,
+    store: Option<&Store>,
+    speed: f64,
+) -> Result<Array, Failure> {
+    let (mut seen, mut wanted) = (BTreeSet::new(), Vec::new());
+    let (mut there, mut failing) = (0, 0);
+    for (at, run) in plan.runs.iter().enumerate() {
+        if !seen.insert(run.address) {
+            continue;
+        }
+        match store.map_or(Ok(State::Stopped), |store| state(store, &run.address))? {
+            State::Reused => there += 1,
+            State::Failed(_) if !arguments.retry_failed => failing += 1,
+            _ => wanted.push(at),
+        }
+    }
+    let task_seconds = 60.0 * f64::from(arguments.task_minutes);
+    let tasks = slurm::deal(&plan.runs, &wanted, speed, (task_seconds, slurm::most_tasks()));
+    let threads = arguments.threads.map_or(1, NonZeroUsize::get);
+    let request = slurm::request(&tasks, &plan.runs, speed, threads);
+    Ok(Array { tasks, request, runs: seen.len(), there, failing })
+}
+
+impl Array {
+    /// `9 tasks of 12 to 13 runs, each with 1 processor, 300 MiB and at most 40 min`.
+    fn told(&self) -> String {
+        let counts = || self.tasks.iter().map(|task| task.runs.len());
+        let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+        let runs = if least == most { most.to_string() } else { format!("{least} to {most}") };
+        let plural = |count: usize| if count == 1 { "" } else { "s" };
+        format!(
+            "{} task{} of {runs} run{}, each with {} processor{}, {} MiB and at most {} min",
+            text::grouped(self.tasks.len() as u64),
+            plural(self.tasks.len()),
+            plural(most),
+            self.request.threads,
+            plural(self.request.threads),
+            self.request.mebibytes,
+            text::grouped(self.request.minutes),
+        )
+    }
+}
+
+/// What a submission would ask for.
+pub fn announced(arguments: &SweepArguments, plan: &Plan, speed: f64) -> Result<String, Failure> {
+    let root = arguments.store.clone().unwrap_or_else(|| arguments.out.join(STORE));
+    let store = if root.exists() {
+        Some(Store::open(&root).map_err(|error| broken(&error))?)
+    } else {
+        None
+    };
+    let array = arranged(arguments, plan, store.as_ref(), speed)?;
+    Ok(format!("on Slurm: {}; {} runs there already\n", array.told(), array.there))
+}
+
+/// Submits what is missing.
+pub fn submit(
+    arguments: &SweepArguments,
+    sweep: &Sweep,
+    plan: &Plan,
+    store: &Store,
+    style: Style,
+) -> Result<ExitCode, Failure> {
+    super::super::tables::measured(arguments.measured.as_deref())?;
+    refuse_second(&arguments.out)?;
+    if arguments.retry_failed {
+        for run in &plan.runs {
+            store.forget_failure(&run.address).map_err(|error| broken(&error))?;
+        }
+    }
+    let speed = dry_run::speed(sweep, plan)?;
+    let array = arranged(arguments, plan, Some(store), speed)?;
+    let mut submission = recorded(arguments, sweep, store, &array)?;
+    if array.tasks.is_empty() {
+        say(style, "nothing to submit: every run has its result, or is known to fail");
+        return collect::write(&submission, (sweep, plan, store));
+    }
+    submission.folder = Submission::prepare(&submission.out).map_err(|error| broken(&error))?;
+    let sent = send(arguments, sweep, &mut submission, &shares(&array, plan), array.request);
+    if let Err(failure) = sent {
+        // Nothing of it is left in the queue.
+        let _ = std::fs::remove_dir_all(&submission.folder);
+        return Err(failure);
+    }
+    tell(arguments, sweep, &submission, &array, style);
+    Ok(ExitCode::Done)
+}
+
+/// Two arrays for the same folder would wait for each other.
+fn refuse_second(out: &Path) -> Result<(), Failure> {
+    let Some(earlier) = Submission::last(out).map_err(|error| broken(&error))? else {
+        return Ok(());
+    };
+    let queued = tasks(&earlier).map_err(|error| refused(&error))?;
+    let living = queued.iter().filter(|task| task.is_alive()).count();
+    if living == 0 {
+        return Ok(());
+    }
+    let (shown, array) = (out.display(), earlier.array.unwrap_or(0));
+    let verb = if living == 1 { "task is" } else { "tasks are" };
+    Err(Failure::input(format!("{living} {verb} in the queue already (array {array})"))
+        .advise(format!("`sphcut sweep status {shown}` tells how far they are, `sphcut sweep cancel {shown}` ends them")))
+}
+
+/// The record before the cluster has answered.
+fn recorded(
+    arguments: &SweepArguments,
+    sweep: &Sweep,
+    store: &Store,
+    array: &Array,
+) -> Result<Submission, Failure> {
+    let measured = arguments.measured.as_deref().map(absolute).transpose()?;
+    Ok(Submission {
+        sweep: absolute(&arguments.scene.scenario)?,
+        allow_outside: arguments.scene.allow_outside,
+        title: sweep.title.clone(),
+        out: absolute(&arguments.out)?,
+        store: store.root().to_owned(),
+        measured,
+        runs: array.runs,
+        there: array.there,
+        failing: array.failing,
+        threads: array.request.threads,
+        tasks: array.tasks.len(),
+        ..Submission::default()
+    })
+}
+
+fn absolute(path: &Path) -> Result<PathBuf, Failure> {
+    std::fs::canonicalize(path)
+        .map_err(|error| Failure::output(format!("cannot find `{}`", path.display()), &error))
+}
+
+fn shares(array: &Array, plan: &Plan) -> Vec<Share> {
+    let of = |(index, task): (usize, &Task)| {
+        let share = |at: &usize| {
+            let run = &plan.runs[*at];
+            Share {
+                task: index + 1,
+                run: run.number,
+                address: run.address,
+                updates: run.cost.updates(),
+            }
+        };
+        task.runs.iter().map(share).collect::<Vec<_>>()
+    };
+    array.tasks.iter().enumerate().flat_map(of).collect()
+}
+
+/// Hands array and collecting job to the cluster.
+fn send(
+    arguments: &SweepArguments,
+    sweep: &Sweep,
+    submission: &mut Submission,
+    shares: &[Share],
+    request: Request,
+) -> Result<(), Failure> {
+    let program = std::env::current_exe()
+        .map_err(|error| Failure::output("cannot find the program itself", &error))?;
+    let script = Script {
+        program,
+        folder: submission.folder.clone(),
+        name: sweep.name.clone(),
+        tasks: submission.tasks,
+        at_once: arguments.at_once.map(NonZeroUsize::get),
+        request,
+        options: arguments.slurm_option.clone(),
+    };
+    let kept = |submission: &Submission| submission.write().map_err(|error| broken(&error));
+    let put = |submission: &Submission, name, text: String| {
+        submission.write_script(name, &text).map_err(|error| broken(&error))
+    };
+    submission.write_shares(shares).map_err(|error| broken(&error))?;
+    let array = put(submission, "array.sh", array_script(&script))?;
+    let collecting = put(submission, "collect.sh", collecting_script(&script, &submission.out))?;
+    // Before the first task can start.
+    kept(submission)?;
+    let number = slurm::submit(&array, None).map_err(|error| refused(&error))?;
+    submission.array = Some(number);
+    let after = kept(submission)
+        .and_then(|()| slurm::submit(&collecting, Some(number)).map_err(|error| refused(&error)));
+    match after {
+        Ok(job) => {
+            submission.collecting = Some(job);
+            kept(submission)
+        }
+        Err(failure) => {
+            let _ = slurm::cancel(&[number]);
+            Err(failure)
+        }
+    }
+}
+
+fn say(style: Style, text: &str) {
+    if style == Style::Human {
+        terminal::line(text);
+    }
+}
+
+fn tell(
+    arguments: &SweepArguments,
+    sweep: &Sweep,
+    submission: &Submission,
+    array: &Array,
+    style: Style,
+) {
+    let (number, job) = (submission.array.unwrap_or(0), submission.collecting.unwrap_or(0));
+    if style == Style::Json {
+        return emit(&json!({
+            "event": "submitted",
+            "title": sweep.title,
+            "runs": array.runs,
+            "there": array.there,
+            "failing": array.failing,
+            "tasks": array.tasks.len(),
+            "array": number,
+            "collecting": job,
+            "minutes": array.request.minutes,
+            "memory_mib": array.request.mebibytes,
+            "threads": array.request.threads,
+            "folder": submission.folder,
+        }));
+    }
+    let shown = arguments.out.display();
+    say(
+        style,
+        &format!(
+            "{}: {} runs, {} there already\narray {number}: {}\njob {job} writes table and page when they have \
+             ended\n`sphcut sweep status {shown}` tells how far they are",
+            sweep.title,
+            text::grouped(array.runs as u64),
+            text::grouped(array.there as u64),
+            array.told(),
+        ),
+    );
+}
