@@ -1,6 +1,7 @@
-//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench`.
+//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench | conceal`.
 
 mod bench;
+mod conceal;
 mod docs;
 mod inspect;
 mod source;
@@ -42,6 +43,11 @@ enum Chore {
         #[arg(long, value_name = "FOLDER")]
         peers: Option<PathBuf>,
     },
+    /// Draw sealed cases for the diagnosis, and score what was claimed of them.
+    Conceal {
+        #[command(subcommand)]
+        what: conceal::Conceal,
+    },
 }
 
 fn main() -> ExitCode {
@@ -51,6 +57,7 @@ fn main() -> ExitCode {
         Chore::Docs { check: false } => docs::docs(&root(), docs::Mode::Renew),
         Chore::Schema => docs::schema(&root()),
         Chore::Inspect { folder } => inspect::inspect(&folder),
+        Chore::Conceal { what } => conceal::run(&what),
         Chore::Bench { peers } => bench::run(&root(), peers.as_deref()),
     };
     match result {

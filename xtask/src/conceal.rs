@@ -1,0 +1,107 @@
+//! Sealed cases for the diagnosis: cuts of another physics with something hidden in them, and the score of what was claimed.
+
+mod draw;
+mod files;
+mod score;
+mod seal;
+mod truth;
+
+use clap::{Subcommand, ValueEnum};
+use std::path::{Path, PathBuf};
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Conceal {
+    /// Draw cases: a folder each, and their answers sealed.
+    Draw {
+        /// Folder for the cases; must not exist.
+        #[arg(long)]
+        out: PathBuf,
+        /// File of the key, kept away from the cases; drawn anew if it does not exist. The cases follow from it alone.
+        #[arg(long)]
+        key: PathBuf,
+        /// Number of cases: three of eight are null, one of ten is a pair, one of ten outside the library.
+        #[arg(long, default_value_t = 200)]
+        cases: usize,
+        /// The physics that the cuts obey.
+        #[arg(long, value_enum, default_value_t = Truths::Opponents)]
+        physics: Truths,
+    },
+    /// Open the answers and score the claims.
+    Score {
+        /// Folder of the cases.
+        #[arg(long)]
+        cases: PathBuf,
+        /// File of the key.
+        #[arg(long)]
+        key: PathBuf,
+        /// Claims as CSV: case, verdict (nothing, named, one_of, none_of_these), and lists of effects divided by `;` in named,
+        /// ranking and set; family; value, low and high of the first parameter of what is named, in SI.
+        #[arg(long)]
+        claims: PathBuf,
+    },
+}
+
+/// Whose cuts are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Truths {
+    /// Half of the cases each from the two opponents.
+    Opponents,
+    /// The library itself: what remains without a bias.
+    Library,
+}
+
+/// Runs it.
+pub fn run(what: &Conceal) -> Result<(), String> {
+    match what {
+        Conceal::Draw { out, key, cases, physics } => draw_all(out, key, *cases, *physics),
+        Conceal::Score { cases, key, claims } => score_all(cases, key, claims),
+    }
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), String> {
+    std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn draw_all(out: &Path, key: &Path, cases: usize, physics: Truths) -> Result<(), String> {
+    if out.exists() {
+        return Err(format!("{} exists: cases are never mixed", out.display()));
+    }
+    if !key.exists() {
+        write(key, &seal::Key::draw().to_text())?;
+    }
+    let key = seal::Key::from_text(&read(key)?)?;
+    let drawn = draw::cases(key.seed(), cases, physics)?;
+    for case in &drawn {
+        let folder = out.join(&case.name);
+        std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+        for (name, text) in files::of(case) {
+            write(&folder.join(name), &text)?;
+        }
+    }
+    let answers = files::answers(&drawn);
+    write(&out.join("answers.sealed"), &seal::close(&key, &answers))?;
+    println!("{} cases in {}", drawn.len(), out.display());
+    Ok(())
+}
+
+fn score_all(cases: &Path, key: &Path, claims: &Path) -> Result<(), String> {
+    let claims_text = read(claims)?;
+    let claims = score::claims(&claims_text)?;
+    let answers =
+        seal::open(&seal::Key::from_text(&read(key)?)?, &read(&cases.join("answers.sealed"))?)?;
+    // Who has seen answers once may tune to them: every opening leaves its mark.
+    let log = cases.join("opened.txt");
+    let before = std::fs::read_to_string(&log).unwrap_or_default();
+    write(&log, &format!("{before}{}\n", seal::digest(claims_text.as_bytes())))?;
+    let report = score::report(&files::read_answers(&answers)?, &claims)?;
+    print!("{report}");
+    if !before.is_empty() {
+        println!("\nOpened {} times before: no longer a blind test.", before.lines().count());
+    }
+    write(&cases.join("score.md"), &report)
+}

@@ -1,0 +1,208 @@
+//! The files of a case, and the answers as text.
+
+use super::draw::{Case, Recorded, STRATA};
+use super::truth::{NUISANCES, base};
+use serde_json::{Value, json};
+use sphcut_analytic::{Channel, find};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Name, unit and SI value of the unit of a channel's column.
+const fn column(channel: Channel) -> (&'static str, &'static str, f64) {
+    match channel {
+        Channel::CuttingForce => ("F_c", "N", 1.0),
+        Channel::FeedForce => ("F_f", "N", 1.0),
+        Channel::InterfaceTemperature => ("T_interface", "K", 1.0),
+        Channel::ShearPlaneTemperature => ("T_shear_plane", "K", 1.0),
+        Channel::ChipThickness => ("chip_thickness", "mm", 1e-3),
+        Channel::ContactLength => ("contact_length", "mm", 1e-3),
+        Channel::ShearAngle => ("shear_angle", "rad", 1.0),
+    }
+}
+
+/// Name and text of every file of a case; nothing in them depends on what is hidden but the values.
+pub fn of(case: &Case) -> Vec<(&'static str, String)> {
+    let mut files = vec![
+        ("case.toml", case_toml(case)),
+        ("recordings.csv", table(&case.channels, &case.recordings)),
+    ];
+    if !case.commissioning.is_empty() {
+        files.push(("commissioning.csv", table(&case.channels, &case.commissioning)));
+    }
+    files
+}
+
+fn case_toml(case: &Case) -> String {
+    let base = base();
+    let mut text = format!(
+        "# A sealed case: is something missing from the base, and what?\nname = \"{}\"\nrecordings = \"recordings.csv\"\n",
+        case.name
+    );
+    if !case.commissioning.is_empty() {
+        text += "# Cuts in which nothing is missing: the same batch of material, the same instruments, fresh inserts.\n\
+                 commissioning = \"commissioning.csv\"\ncommissioning_batch = \"same\"\n";
+    }
+    let _ = write!(
+        text,
+        "\n[base]\nmodel = \"analytic\"\nmaterial = \"aisi_1045\"\nwidth_of_cut = \"{} mm\"\nrake_angle = \"{:.4} rad\"\n\
+         edge_radius = \"{:.1} um\"\nfriction_coefficient = {}\n",
+        base.width_of_cut * 1e3,
+        base.tool.rake_angle,
+        base.tool.edge_radius * 1e6,
+        base.friction_coefficient,
+    );
+    text
+}
+
+fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
+    let mut text = "v_c [m/min],h [mm],order,cut_length [m]".to_owned();
+    for channel in channels {
+        let (name, unit, _) = column(*channel);
+        let _ = write!(text, ",{name} [{unit}],{name}_sd [{unit}]");
+    }
+    text.push('\n');
+    for cut in recordings {
+        let condition = &cut.condition;
+        let _ = write!(
+            text,
+            "{:.6},{:.6},{},{}",
+            condition.cutting_speed * 60.0,
+            condition.uncut_chip_thickness * 1e3,
+            condition.run_order,
+            condition.cut_length
+        );
+        for (channel, value) in channels.iter().zip(&cut.values) {
+            let unit = column(*channel).2;
+            match value {
+                Some((value, deviation)) => {
+                    let _ = write!(text, ",{:.6e},{:.3e}", value / unit, deviation / unit);
+                }
+                None => text += ",,",
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The answers to all cases.
+pub fn answers(cases: &[Case]) -> String {
+    let answer = |case: &Case| {
+        let effects = case.hidden.effects.iter().map(|active| {
+            let free = active.effect.free.iter().map(|free| free.key);
+            let values: BTreeMap<&str, f64> = free.zip(active.values().iter().copied()).collect();
+            json!({ "key": active.effect.key, "family": active.effect.family.key(),
+                    "first": active.values()[0], "values": values })
+        });
+        let nuisances: BTreeMap<&str, f64> =
+            NUISANCES.iter().map(|(key, _)| *key).zip(case.nuisances).collect();
+        json!({
+            "case": case.name,
+            "kind": case.plan.kind.key(),
+            "effects": effects.collect::<Vec<Value>>(),
+            "outside": case.hidden.outside.map(|(outside, amplitude)| json!([outside.key(), amplitude])),
+            "stratum": [STRATA[case.plan.stratum].0, STRATA[case.plan.stratum].1],
+            "strength": case.strength,
+            "noise": case.plan.noise,
+            "wide": case.plan.is_wide,
+            "forces_only": case.plan.forces_only,
+            "commissioning": case.plan.has_commissioning,
+            "gaps": case.plan.has_gaps,
+            "physics": case.plan.physics.0,
+            "nuisances": nuisances,
+        })
+    };
+    let all: Vec<Value> = cases.iter().map(answer).collect();
+    format!("{:#}\n", Value::Array(all))
+}
+
+/// What the score needs of an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    pub case: String,
+    pub kind: String,
+    /// Key, family and value of the first parameter.
+    pub effects: Vec<(String, String, f64)>,
+    pub strength: f64,
+    pub noise: f64,
+    pub is_wide: bool,
+    pub forces_only: bool,
+    pub has_commissioning: bool,
+    pub physics: String,
+}
+
+/// The opened answers.
+pub fn read_answers(text: &str) -> Result<Vec<Answer>, String> {
+    let parsed: Value = serde_json::from_str(text).map_err(|error| error.to_string())?;
+    let all = parsed.as_array().ok_or("the answers are no list")?;
+    all.iter().map(|one| answer(one).ok_or_else(|| format!("not an answer: {one}"))).collect()
+}
+
+fn answer(one: &Value) -> Option<Answer> {
+    let text = |value: &Value| value.as_str().map(str::to_owned);
+    let effects = one["effects"].as_array()?.iter().map(|effect| {
+        let key = text(&effect["key"])?;
+        find(&key)?;
+        Some((key, text(&effect["family"])?, effect["first"].as_f64()?))
+    });
+    Some(Answer {
+        case: text(&one["case"])?,
+        kind: text(&one["kind"])?,
+        effects: effects.collect::<Option<Vec<_>>>()?,
+        strength: one["strength"].as_f64()?,
+        noise: one["noise"].as_f64()?,
+        is_wide: one["wide"].as_bool()?,
+        forces_only: one["forces_only"].as_bool()?,
+        has_commissioning: one["commissioning"].as_bool()?,
+        physics: text(&one["physics"])?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Truths;
+    use super::super::draw::{Kind, Plan, cases};
+    use super::super::truth::Hidden;
+    use super::*;
+
+    #[test]
+    fn files_name_no_answer_and_answers_come_back() {
+        let drawn = cases(5, 40, Truths::Opponents).unwrap();
+        let read = read_answers(&answers(&drawn)).unwrap();
+        for (case, answer) in drawn.iter().zip(&read) {
+            assert_eq!((&case.name, case.plan.kind.key()), (&answer.case, answer.kind.as_str()));
+            assert_eq!(case.hidden.effects.len(), answer.effects.len());
+            assert_eq!(case.strength.to_bits(), answer.strength.to_bits());
+            // The same values with nothing hidden make the same files.
+            let blank = Case {
+                plan: Plan { kind: Kind::Null, stratum: 0, ..case.plan },
+                hidden: Hidden::default(),
+                strength: 0.0,
+                nuisances: [0.0; NUISANCES.len()],
+                ..case.clone()
+            };
+            assert_eq!(of(case), of(&blank));
+            assert!(of(case).iter().all(|(_, text)| !text.contains(case.plan.physics.0)));
+            // A stated deviation says nothing that the value does not say.
+            let stated = case.recordings.iter().flat_map(|cut| cut.values.iter().flatten());
+            for (value, deviation) in stated {
+                assert!((deviation / value - case.plan.noise).abs() < 1e-12);
+            }
+        }
+        assert!(drawn.iter().any(|case| case.plan.kind == Kind::Pair));
+    }
+
+    #[test]
+    fn a_table_has_a_line_for_each_cut_and_empty_cells_where_it_lost_one() {
+        let drawn = cases(6, 8, Truths::Library).unwrap();
+        for case in &drawn {
+            let text = table(&case.channels, &case.recordings);
+            let mut lines = text.lines();
+            let columns = lines.next().unwrap().split(',').count();
+            assert_eq!(columns, 4 + 2 * case.channels.len());
+            assert!(text.lines().all(|line| line.split(',').count() == columns));
+            assert_eq!(text.lines().count(), 1 + case.recordings.len());
+            assert_eq!(text.contains(",,"), case.plan.has_gaps);
+        }
+    }
+}

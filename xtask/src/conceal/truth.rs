@@ -1,0 +1,141 @@
+//! The cuts as they are: base, batch, what is hidden, and what the instruments make of it.
+
+use sphcut_analytic::{
+    ActiveEffect, Channel, Condition, Cut, Error, FlowStress, Observables, Physics, predict,
+};
+use sphcut_greybox::Random;
+
+/// Scatter from batch to batch: what is multiplied by exp(x), and the standard deviation of x.
+pub const NUISANCES: [(&str, f64); 6] = [
+    ("initial_yield", 0.08),
+    ("hardening_modulus", 0.08),
+    ("hardening_exponent", 0.10),
+    ("rate_coefficient", 0.25),
+    ("softening_exponent", 0.12),
+    ("friction_coefficient", 0.15),
+];
+
+/// The cut that the case names as its base: AISI 1045 with a contact that slides and sticks.
+pub fn base() -> Cut {
+    Cut { friction_coefficient: 0.5, ..Cut::aisi_1045() }
+}
+
+/// `cut` of another batch.
+pub fn batch(mut cut: Cut, nuisances: &[f64; NUISANCES.len()]) -> Cut {
+    let factor = nuisances.map(f64::exp);
+    if let FlowStress::JohnsonCook(law) = &mut cut.workpiece.flow_stress {
+        law.initial_yield *= factor[0];
+        law.hardening_modulus *= factor[1];
+        law.hardening_exponent *= factor[2];
+        law.rate_coefficient *= factor[3];
+        law.softening_exponent *= factor[4];
+    }
+    cut.friction_coefficient *= factor[5];
+    cut
+}
+
+/// Physics that no effect of the library describes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outside {
+    /// Both forces fall where the interface is hotter than in the middle of the plan.
+    Transformation,
+    /// The feed force rises in a band of speeds.
+    SpeedBand,
+    /// The cutting force falls in a band of thicknesses.
+    ThicknessBand,
+}
+
+impl Outside {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Transformation, Self::SpeedBand, Self::ThicknessBand];
+
+    /// Its name.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Transformation => "transformation",
+            Self::SpeedBand => "speed_band",
+            Self::ThicknessBand => "thickness_band",
+        }
+    }
+}
+
+/// Where the bands of [`Outside`] lie: middle of ln v, ln h and T, and a quarter of their ranges.
+#[derive(Debug, Clone, Copy)]
+pub struct Middle {
+    pub speed: (f64, f64),
+    pub thickness: (f64, f64),
+    pub temperature: (f64, f64),
+}
+
+/// What is hidden.
+#[derive(Debug, Clone, Default)]
+pub struct Hidden {
+    pub effects: Vec<ActiveEffect>,
+    /// With its amplitude.
+    pub outside: Option<(Outside, f64)>,
+}
+
+/// A cut with what is hidden in it.
+pub struct Truth {
+    pub cut: Cut,
+    pub hidden: Hidden,
+    pub middle: Middle,
+}
+
+impl Truth {
+    pub fn at(&self, condition: &Condition) -> Result<Observables, Error> {
+        let mut found = predict(&self.cut, condition, &self.hidden.effects)?;
+        if let Some((outside, amplitude)) = self.hidden.outside {
+            let band =
+                |x: f64, (middle, width): (f64, f64)| (-((x - middle) / width).powi(2)).exp();
+            match outside {
+                Outside::Transformation => {
+                    let (middle, width) = self.middle.temperature;
+                    let excess = (found.interface_temperature - middle) / (0.4 * width);
+                    let factor = 1.0 - amplitude / (1.0 + (-excess).exp());
+                    found.cutting_force *= factor;
+                    found.feed_force *= factor;
+                }
+                Outside::SpeedBand => {
+                    let share = band(condition.cutting_speed.ln(), self.middle.speed);
+                    found.feed_force *= 1.0 + amplitude * share;
+                }
+                Outside::ThicknessBand => {
+                    let share = band(condition.uncut_chip_thickness.ln(), self.middle.thickness);
+                    found.cutting_force *= 1.0 - amplitude * share;
+                }
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// Errors of one channel of the instruments.
+#[derive(Debug, Clone, Copy)]
+pub struct Instrument {
+    /// Logarithm of the gain.
+    pub gain: f64,
+    /// In N; none but of forces.
+    pub offset: f64,
+    /// Change of the logarithm from the first to the last cut.
+    pub drift: f64,
+}
+
+impl Instrument {
+    /// Gain 1 %, offset 3 N, drift 2 % over the series.
+    pub fn draw(channel: Channel, random: &mut Random) -> Self {
+        let (gain, offset, drift) = (random.normal(), random.normal(), random.normal());
+        let is_force = matches!(channel, Channel::CuttingForce | Channel::FeedForce);
+        let offset = if is_force { 3.0 * offset } else { 0.0 };
+        Self { gain: 0.01 * gain, offset, drift: 0.02 * drift }
+    }
+
+    /// What is shown of `value`; `place` in the series from -1/2 to 1/2.
+    pub fn shown(&self, value: f64, place: f64) -> f64 {
+        (self.gain + self.drift * place).exp() * value + self.offset
+    }
+}
+
+/// The physics that a case may obey.
+pub const OPPONENTS: [(&str, Physics); 2] =
+    [("opponent_heat", Physics::OPPONENT_HEAT), ("opponent_all", Physics::OPPONENT_ALL)];
