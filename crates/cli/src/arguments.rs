@@ -240,7 +240,7 @@ pub struct CheckArguments {
 /// Arguments of `springback`.
 #[derive(Debug, Args)]
 pub struct SpringbackArguments {
-    /// Folders of the runs, each with `run.h5` inside.
+    /// Folders of the runs, each with `run.h5` inside, or output folders of sweeps.
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
     /// Measured springback (CSV with units in the header).

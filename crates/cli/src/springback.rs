@@ -9,7 +9,8 @@ use sphcut_postprocess::springback::{
 use sphcut_postprocess::{ProcessResult, evaluate};
 use sphcut_record::{Run, RunFiles};
 use sphcut_report::{SpringbackRun, render_springback};
-use std::path::Path;
+use sphcut_sweep::results_of;
+use std::path::{Path, PathBuf};
 
 const FILES: [&str; 3] = ["springback.html", "springback.json", "springback.csv"];
 
@@ -24,8 +25,17 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
     }
     // The table first: a mistake in it is told at once.
     let measurements = arguments.measured.as_deref().map(read).transpose()?.unwrap_or_default();
-    let runs: Vec<Measured> =
-        arguments.runs.iter().map(|folder| Measured::load(folder)).collect::<Result<_, _>>()?;
+    let mut runs = Vec::new();
+    for folder in &arguments.runs {
+        match sweep_in(folder)? {
+            Some(results) => runs.extend(measured_in_sweep(folder, &results)?),
+            None => {
+                let name = folder.display().to_string();
+                let refused = |refused| Failure::input(format!("`{name}`: {refused}"));
+                runs.push(Measured::load(&name, folder)?.map_err(refused)?);
+            }
+        }
+    }
     std::fs::create_dir_all(out)
         .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
     let entries: Vec<Entry<'_>> = runs
@@ -56,6 +66,41 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
     Ok(ExitCode::Done)
 }
 
+/// Name of the table of a sweep in its output folder.
+const TABLE: &str = "table.csv";
+
+/// Number and folder of every result, if `folder` is the output of a sweep.
+fn sweep_in(folder: &Path) -> Result<Option<Vec<(String, PathBuf)>>, Failure> {
+    let table = folder.join(TABLE);
+    if folder.join("run.h5").exists() || !table.is_file() {
+        return Ok(None);
+    }
+    let text = std::fs::read_to_string(&table)
+        .map_err(|error| Failure::output(format!("cannot read `{}`", table.display()), &error))?;
+    results_of(&text)
+        .map(Some)
+        .ok_or_else(|| Failure::input(format!("`{}` is no table of a sweep", table.display())))
+}
+
+/// All runs of a sweep that have a springback; the others are named with the reason.
+fn measured_in_sweep(
+    folder: &Path,
+    results: &[(String, PathBuf)],
+) -> Result<Vec<Measured>, Failure> {
+    let mut measured = Vec::new();
+    for (number, result) in results {
+        match Measured::load(&format!("run {number}"), &folder.join(result))? {
+            Ok(run) => measured.push(run),
+            Err(refused) => terminal::note(&format!("run {number} is left out: {refused}")),
+        }
+    }
+    if measured.is_empty() {
+        let message = format!("no run of the sweep in `{}` has a springback", folder.display());
+        return Err(Failure::input(message));
+    }
+    Ok(measured)
+}
+
 /// One run and what was measured in it.
 struct Measured {
     name: String,
@@ -65,15 +110,16 @@ struct Measured {
 }
 
 impl Measured {
-    fn load(folder: &Path) -> Result<Self, Failure> {
+    /// The inner error is that of a run without springback.
+    fn load(name: &str, folder: &Path) -> Result<Result<Self, SpringbackError>, Failure> {
         let explain = |error| outcome::failed(&error, folder);
         let run = Run::load(&RunFiles::in_dir(folder).record()).map_err(explain)?;
         let result = evaluate(&run).map_err(explain)?;
-        let springback = measure(&run, &result).map_err(|error| match error {
-            SpringbackError::Record(error) => explain(error),
-            refused => Failure::input(format!("`{}`: {refused}", folder.display())),
-        })?;
-        Ok(Self { name: folder.display().to_string(), run, result, springback })
+        match measure(&run, &result) {
+            Ok(springback) => Ok(Ok(Self { name: name.to_owned(), run, result, springback })),
+            Err(SpringbackError::Record(error)) => Err(explain(error)),
+            Err(refused) => Ok(Err(refused)),
+        }
     }
 }
 

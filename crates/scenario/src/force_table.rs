@@ -31,8 +31,8 @@ const fn column(
     ColumnRule { name, quantity, unit, required, positive }
 }
 
-/// What is used, then what a table of `sphcut recordings` has beside it.
-const COLUMNS: [ColumnRule; 12] = [
+/// What is used, then what tables of `sphcut recordings` and `sphcut sweep` have beside it.
+const COLUMNS: [ColumnRule; 18] = [
     column("v_c", Quantity::Speed, "m/min", (true, true)),
     column("h", Quantity::Length, "mm", (true, true)),
     column("F_c", Quantity::Force, "N", (true, false)),
@@ -45,11 +45,17 @@ const COLUMNS: [ColumnRule; 12] = [
     column("F_p_sd", Quantity::Force, "N", (false, false)),
     column("order", Quantity::Dimensionless, "", (false, false)),
     column("time", Quantity::Time, "s", (false, false)),
+    column("F_c_ci95", Quantity::Force, "N", (false, false)),
+    column("F_f_ci95", Quantity::Force, "N", (false, false)),
+    column("F_p_ci95", Quantity::Force, "N", (false, false)),
+    column("chip_thickness", Quantity::Length, "mm", (false, false)),
+    column("contact_length", Quantity::Length, "mm", (false, false)),
+    column("T_interface", Quantity::Temperature, "degC", (false, false)),
 ];
 
 /// Reads a table with the columns `v_c`, `h`, `F_c` and `F_f` and, if it has them, `F_c_sd`, `F_f_sd` (standard
-/// deviations) and `n`, in any order, each with its unit in brackets: `v_c [m/min]`. Columns `b`, `F_p`, `F_p_sd`,
-/// `order` and `time` are read over. A condition may be there more than once. Empty lines and lines that
+/// deviations) and `n`, in any order, each with its unit in brackets: `v_c [m/min]`. What tables of `sphcut recordings` and `sphcut sweep` have
+/// besides is read over. A condition may be there more than once. Empty lines and lines that
 /// begin with `#` are skipped.
 ///
 /// # Errors

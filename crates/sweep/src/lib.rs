@@ -22,5 +22,5 @@ pub use plan::{Condition, LeftOut, Plan, PlanError, PlannedRun, plan, plan_only}
 pub use store::{
     Claim, Entry, Failure, Found, Leftover, Needs, Store, StoreError, StoredFile, Verdict, Work,
 };
-pub use table::{Row, Table};
+pub use table::{Row, Table, results_of};
 pub use trends::{Estimate, ForcePoint, Line, PowerLaw, line_over_thickness, power_law};

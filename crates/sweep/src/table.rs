@@ -51,6 +51,8 @@ pub struct Row {
 const FORCES: [(&str, &str); 3] = [("F_c", "cutting"), ("F_f", "feed"), ("F_p", "passive")];
 const M_PER_MIN: f64 = 60.0;
 const MM: f64 = 1e3;
+/// 0 degC in K.
+const ZERO_CELSIUS: f64 = 273.15;
 
 impl Row {
     /// Whether there is a result.
@@ -120,12 +122,12 @@ impl Table {
         Self { title: sweep.title.clone(), axes: axes(sweep, plan), rows, names }
     }
 
-    /// The table as comma-separated values: run, address, state, reason, what was varied, speed, thickness, width,
+    /// The table as comma-separated values: run, address, folder of the result (relative to `beside` if it lies in it), state, reason, what was varied, speed, thickness, width,
     /// forces with intervals, then every number of the summaries under its name there.
     #[must_use]
-    pub fn csv(&self) -> String {
+    pub fn csv(&self, beside: &Path) -> String {
         let mut heads: Vec<String> =
-            ["run", "address", "state", "reason"].map(str::to_owned).to_vec();
+            ["run", "address", "folder", "state", "reason"].map(str::to_owned).to_vec();
         for ((key, unit), number) in self.axes.iter().zip(self.numeric()) {
             heads.push(if number && !unit.is_empty() {
                 format!("{key} [{unit}]")
@@ -146,6 +148,7 @@ impl Table {
             let mut cells = vec![
                 row.number.to_string(),
                 row.address.to_string(),
+                quoted(&near(&row.folder, beside)),
                 row.word().to_owned(),
                 quoted(row.reason()),
             ];
@@ -164,20 +167,33 @@ impl Table {
         text
     }
 
-    /// Simulated forces over speed and thickness as `sphcut greybox` reads them: the cuts with a result. `None`
-    /// without any.
+    /// Simulated forces over speed and thickness as `sphcut greybox` reads them, with the half widths of their 95 % intervals, chip
+    /// thickness, contact length and interface temperature where they are known: the cuts with a result. `None` without any.
     #[must_use]
     pub fn simulated_csv(&self) -> Option<String> {
-        let mut text = String::from("v_c [m/min],h [mm],b [mm],F_c [N],F_f [N],F_p [N]\n");
+        let mut text = String::from(
+            "v_c [m/min],h [mm],b [mm],F_c [N],F_c_ci95 [N],F_f [N],F_f_ci95 [N],F_p [N],F_p_ci95 [N],chip_thickness [mm],\
+             contact_length [mm],T_interface [degC]\n",
+        );
         let mut cuts = 0;
         for row in &self.rows {
             let [Some(speed), Some(thickness), Some(width)] = conditions(row) else { continue };
             let [Some(cutting), Some(feed), Some(passive)] = row.forces else { continue };
-            let numbers = [speed, thickness, width, cutting[0], feed[0], passive[0]];
-            if numbers.iter().all(|number| number.is_finite()) {
-                line(&mut text, numbers.into_iter().map(|number| number.to_string()));
-                cuts += 1;
+            let forces = [cutting, feed, passive];
+            if forces.iter().flatten().any(|number| !number.is_finite()) {
+                continue;
             }
+            let number = |name: &str| row.summary.get(name).copied();
+            let beside = [
+                number("chip.thickness_mm"),
+                number("contact.length_mm"),
+                number("temperature.interface_mean_k").map(|kelvin| kelvin - ZERO_CELSIUS),
+            ];
+            let conditions = [speed, thickness, width].map(|number| number.to_string());
+            let forces = forces.iter().flatten().map(|force| short(*force));
+            let beside = beside.map(|number| number.map_or_else(String::new, short));
+            line(&mut text, conditions.into_iter().chain(forces).chain(beside));
+            cuts += 1;
         }
         (cuts > 0).then_some(text)
     }
@@ -312,6 +328,56 @@ fn cell(number: Option<f64>) -> String {
     number.filter(|number| number.is_finite()).map_or_else(String::new, |number| number.to_string())
 }
 
+/// Six digits: more than an interval leaves certain.
+fn short(number: f64) -> String {
+    format!("{number:.5e}")
+        .parse::<f64>()
+        .map_or_else(|_| String::new(), |number| number.to_string())
+}
+
+/// `folder` as seen from `beside`, if it lies in it; absolute otherwise.
+fn near(folder: &Path, beside: &Path) -> String {
+    let inside = folder.strip_prefix(beside).map(Path::to_path_buf);
+    let seen = inside.or_else(|_| std::path::absolute(folder));
+    seen.as_deref().unwrap_or(folder).display().to_string()
+}
+
+/// The runs with a result in a table as [`Table::csv`] writes it: number and folder. `None` if it is no such table.
+#[must_use]
+pub fn results_of(csv: &str) -> Option<Vec<(String, PathBuf)>> {
+    let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
+    let heads = cells(lines.next()?);
+    let place = |name: &str| heads.iter().position(|head| head == name);
+    let (run, folder, state) = (place("run")?, place("folder")?, place("state")?);
+    let mut found = Vec::new();
+    for line in lines {
+        let cells = cells(line);
+        if cells.get(state)? == "finished" {
+            found.push((cells.get(run)?.clone(), PathBuf::from(cells.get(folder)?)));
+        }
+    }
+    Some(found)
+}
+
+/// The cells of a line, quotes taken off.
+fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut inside = false;
+    let mut letters = line.chars().peekable();
+    while let Some(letter) = letters.next() {
+        match letter {
+            '"' if inside && letters.peek() == Some(&'"') => {
+                letters.next();
+                cells.last_mut().expect("never empty").push('"');
+            }
+            '"' => inside = !inside,
+            ',' if !inside => cells.push(String::new()),
+            _ => cells.last_mut().expect("never empty").push(letter),
+        }
+    }
+    cells
+}
+
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\"").replace(['\n', '\r'], " "))
@@ -324,4 +390,19 @@ fn line(text: &mut String, cells: impl Iterator<Item = String>) {
     let cells: Vec<String> = cells.collect();
     // Writing to a string cannot fail.
     let _ = writeln!(text, "{}", cells.join(","));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_tells_where_its_results_are() {
+        let text = "# a, b\nrun,address,folder,state,reason\n1,ab,\"a, \"\"b\"\"/c\",finished,\n2,cd,x,failed,\"no, really\"\n";
+        assert_eq!(results_of(text).unwrap(), [("1".to_owned(), PathBuf::from("a, \"b\"/c"))]);
+        assert!(results_of("v_c [m/min],h [mm]\n1,2\n").is_none());
+        assert_eq!(cells(&quoted("a, \"b\"")), ["a, \"b\""]);
+        assert_eq!(near(Path::new("out/store/x"), Path::new("out")), "store/x");
+        assert!(Path::new(&near(Path::new("store/x"), Path::new("out"))).is_absolute());
+    }
 }

@@ -32,7 +32,7 @@ pub fn write(
     (states, measured): (&[State], &[[f64; 4]]),
 ) -> Result<PathBuf, Failure> {
     let table = Table::new(sweep, plan, store, states, &summary);
-    results::save(&out.join("table.csv"), table.csv().as_bytes())?;
+    results::save(&out.join("table.csv"), table.csv(out).as_bytes())?;
     let version = env!("CARGO_PKG_VERSION");
     table
         .write_h5(&out.join("table.h5"), &sweep.text, version)

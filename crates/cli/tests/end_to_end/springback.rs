@@ -39,6 +39,29 @@ fn a_cut_gets_its_page_its_numbers_and_its_verdict() {
     assert!(run["overlap_um"].as_f64().unwrap() > 0.0, "{run}");
     assert_eq!(shop.read("sb/springback.csv").lines().count(), 2);
 
+    // A sweep goes in as it is; what has no springback is left out and told.
+    shop.write(
+        "sweep.toml",
+        "title = \"t\"\nbase = \"tiny.toml\"\n[[vary]]\nkey = \"stop.travel\"\nvalues = [\"1.35 mm\", \"0.02 mm\"]\n",
+    );
+    shop.sphcut(&["sweep", "sweep.toml", "--out", "swept", "--quiet"]).expect_code(0);
+    let ended = shop.sphcut(&["springback", "swept", "--out", "sb2"]).expect_code(0);
+    assert!(ended.out.contains("run 1: 150 m/min"), "{}", ended.out);
+    assert!(ended.err.contains("run 2 is left out"), "{}", ended.err);
+    // What was measured beside it came from the table, which the sweep was not given.
+    let figures = |file: &str| -> Vec<String> {
+        shop.read(file)
+            .lines()
+            .nth(1)
+            .unwrap()
+            .split(',')
+            .skip(1)
+            .take(7)
+            .map(str::to_owned)
+            .collect()
+    };
+    assert_eq!(figures("sb2/springback.csv"), figures("sb/springback.csv"));
+
     shop.sphcut(&command).expect_code(2).expect_err("--force");
     shop.sphcut(&[command.as_slice(), &["--force"]].concat()).expect_code(0);
     shop.write("turning.csv", &TABLE.replace("1.2", "1;2"));
