@@ -21,7 +21,7 @@ const STRAIN: f64 = 1.0;
 ///
 /// Turning the material from the speed of the cut into that of the chip takes `s rho v_c^2 h` per width of force, and the shear zone resists with the
 /// flow stress times some `h`: I is the share of inertia in the forces to the order of one, at any speed and in any
-/// material. A constant `mass_scaling` instead raises the forces more the faster the cut (docs/numerics.md).
+/// material. With a constant `mass_scaling` it grows with the square of the speed (docs/numerics.md).
 /// The reported `balances.kinetic_share` says what the kinetic energy came to.
 ///
 /// The least of all materials counts. None, with the contradiction told, if no material ever yields.
