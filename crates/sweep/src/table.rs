@@ -17,6 +17,8 @@ pub struct Table {
     pub title: String,
     /// What was varied: key and SI unit.
     pub axes: Vec<(String, String)>,
+    /// Which of them say something of their own: several values, and not so many times those of another.
+    pub own: Vec<bool>,
     /// One for each run of the plan.
     pub rows: Vec<Row>,
     /// Names of the numbers of the summaries, in their order.
@@ -119,7 +121,12 @@ impl Table {
         }
         // What no run has a number for, such as a reason that is not given, is no column.
         names.retain(|name| rows.iter().any(|row: &Row| row.summary.contains_key(name)));
-        Self { title: sweep.title.clone(), axes: axes(sweep, plan), rows, names }
+        let several =
+            |axis: usize| rows.iter().any(|row: &Row| row.values[axis] != rows[0].values[axis]);
+        let own = (0..sweep.axes.len())
+            .map(|axis| sweep.axes[axis].follows(&sweep.axes).is_none() && several(axis))
+            .collect();
+        Self { title: sweep.title.clone(), axes: axes(sweep, plan), own, rows, names }
     }
 
     /// The table as comma-separated values: run, address, folder of the result (relative to `beside` if it lies in it), state, reason, what was varied, speed, thickness, width,

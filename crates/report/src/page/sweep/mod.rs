@@ -79,8 +79,8 @@ fn lead(table: &Table) -> String {
     let finished = count(Row::has_result);
     let failed = count(|row| matches!(row.state, State::Failed(_)));
     let missing = table.rows.len() - finished - failed;
-    let keys: Vec<&str> =
-        table.axes.iter().map(|(key, _)| key.rsplit('.').next().unwrap_or(key)).collect();
+    let own = table.axes.iter().zip(&table.own).filter(|(_, own)| **own);
+    let keys: Vec<&str> = own.map(|((key, _), _)| key.rsplit('.').next().unwrap_or(key)).collect();
     let mut text = format!(
         "{} runs over {}: {} with a result",
         grouped(table.rows.len() as u64),
@@ -158,17 +158,24 @@ fn forces(sweep: &SweepPage<'_>, index: usize, name: &str) -> Markup {
     let symbol = ["F_c", "F_f"][index];
     let mut charts: Vec<(String, &str)> = Vec::new();
     if let Some(map) = plots::map(&points, &measured, symbol) {
-        charts.push((map, "Simulated force as a surface, linear between the conditions; the dots are the measured forces in the \
-            same colours, or the simulated ones where nothing was measured."));
+        charts.push((map, if measured.is_empty() {
+            "Simulated force as a surface, linear between the conditions, which are the dots."
+        } else {
+            "Simulated force as a surface, linear between the conditions; the dots are the measured forces in the same colours."
+        }));
     }
     if let Some(slices) = plots::slices(&points, &measured, symbol, 1) {
-        charts.push((slices, "Over the uncut chip thickness at fixed cutting speeds. Lines: simulated; dots: measured, or \
-            simulated where nothing was measured."));
+        charts.push((slices, if measured.is_empty() {
+            "Over the uncut chip thickness at fixed cutting speeds."
+        } else {
+            "Over the uncut chip thickness at fixed cutting speeds. Lines: simulated; dots: measured."
+        }));
     }
     if let Some(slices) = plots::slices(&points, &measured, symbol, 0) {
         charts.push((slices, "Over the cutting speed at fixed thicknesses."));
     }
-    for (axis, (key, unit)) in sweep.table.axes.iter().enumerate() {
+    let axes = sweep.table.axes.iter().zip(&sweep.table.own).enumerate();
+    for (axis, ((key, unit), _)) in axes.filter(|(_, (_, own))| **own) {
         if let Some(scatter) = plots::scatter(sweep.table, (axis, key, unit), (index, symbol)) {
             charts.push((scatter, "All runs with the half width of their 95 % intervals."));
         }
