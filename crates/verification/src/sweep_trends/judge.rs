@@ -26,9 +26,9 @@ pub enum SweepMeasure {
     ExponentOfSpeedUpper,
     /// Exponent of h over all conditions.
     ExponentOfThickness,
-    /// Exponent of v_c minus that of the measured forces.
+    /// Exponent of v_c minus that of the measured forces, both of the common conditions.
     ExponentOfSpeedAgainstMeasured,
-    /// Exponent of h minus that of the measured forces.
+    /// Exponent of h minus that of the measured forces, both of the common conditions.
     ExponentOfThicknessAgainstMeasured,
     /// Mean over the common conditions of simulated over measured, minus 1.
     MeanRatio,
@@ -107,7 +107,15 @@ impl SweepMeasure {
             power_law(points).as_ref().and_then(pick)
         };
         let own = |pick| power(simulated, pick);
-        let against = |pick| Some(power(simulated, pick)?.value - power(measured, pick)?.value);
+        // Of the conditions that both have: exponents are not the same everywhere.
+        let against = |pick| {
+            let both = common(simulated, measured);
+            let of =
+                |k: fn(&(ForcePoint, f64)) -> ForcePoint| both.iter().map(k).collect::<Vec<_>>();
+            let own = power(&of(|pair| pair.0), pick)?;
+            let real = power(&of(|pair| ForcePoint { force: pair.1, ..pair.0 }), pick)?;
+            Some(own.value - real.value)
+        };
         match self {
             Self::SlopeOverThickness => Some(line()?.slope.value / 1e3),
             Self::SlopeHalfWidth => line().map(|l| l.slope.half_width / l.slope.value.abs()),
@@ -129,13 +137,18 @@ impl SweepMeasure {
 
 /// Simulated and mean measured forces where there are both.
 fn pairs(simulated: &[ForcePoint], measured: &[ForcePoint]) -> Vec<(f64, f64)> {
+    common(simulated, measured).into_iter().map(|(point, real)| (point.force, real)).collect()
+}
+
+/// The simulated points at which something was measured, with the mean of it.
+fn common(simulated: &[ForcePoint], measured: &[ForcePoint]) -> Vec<(ForcePoint, f64)> {
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
     let mut pairs = Vec::new();
     for point in simulated {
         let here = |other: &&ForcePoint| (0..2).all(|k| same(point.at[k], other.at[k]));
         let there: Vec<f64> = measured.iter().filter(here).map(|other| other.force).collect();
         if !there.is_empty() {
-            pairs.push((point.force, there.iter().sum::<f64>() / there.len() as f64));
+            pairs.push((*point, there.iter().sum::<f64>() / there.len() as f64));
         }
     }
     pairs

@@ -17,7 +17,7 @@ pub fn sweep_words(table: &Table, measured: &[[f64; 4]]) -> Vec<String> {
         let real: Vec<Point> = measured.iter().map(point).collect();
         words.extend(over_thickness(&simulated, &real, symbol));
         words.extend(over_all(&simulated, symbol, "simulated"));
-        words.extend(over_all(&real, symbol, "measured"));
+        words.extend(over_all(&common(&real, &simulated), symbol, "measured"));
         words.extend(against(&simulated, &real, symbol));
     }
     let steady = |row: &&sphcut_sweep::Row| row.summary.get("steady.reached") == Some(&0.0);
@@ -115,6 +115,13 @@ fn over_all(points: &[Point], symbol: &str, what: &str) -> Option<String> {
         format!("{range} it {word} by {} ± {}", percent(change(speed.value).abs()), percent(half))
     };
     Some(format!("Over all conditions the {what} {symbol} goes {}: {says}.", powers.join(" and ")))
+}
+
+/// Those of `points` whose conditions are among the `others`: exponents are not the same everywhere.
+fn common(points: &[Point], others: &[Point]) -> Vec<Point> {
+    let is_among =
+        |a: &Point| others.iter().any(|b| same(a.at[0], b.at[0]) && same(a.at[1], b.at[1]));
+    points.iter().filter(|point| is_among(point)).copied().collect()
 }
 
 /// How far the simulated forces are from the measured ones where there are both.
