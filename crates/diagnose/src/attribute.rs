@@ -16,6 +16,10 @@ const SINGLE: f64 = 0.5;
 const PAIRS: f64 = 0.1;
 /// Single effects that are paired with all others.
 const PAIRED: usize = 3;
+/// Something is missing if "nothing is" is less probable than this.
+pub(crate) const ALARM: f64 = 0.05;
+/// An effect is named above this probability.
+pub(crate) const CLAIM: f64 = 0.9;
 /// Below this expected fall of chi^2 an effect cannot be told from nothing.
 pub(crate) const TESTABLE: f64 = 6.0;
 /// Explanations that are fitted again with the model itself: those above this probability, at most so many.

@@ -16,8 +16,6 @@ const SAME: f64 = 1e-6;
 pub struct Recording {
     /// The cut.
     pub condition: Condition,
-    /// When it was made: any number that rises.
-    pub order: Option<f64>,
     /// Number of cuts of which it is the mean.
     pub count: Option<f64>,
     /// What was measured, by channel.
@@ -149,7 +147,7 @@ impl Recordings {
 
     /// The noise of a channel is a share of the value, the same at all conditions unless it is stated value by value.
     ///
-    /// With repeats in n recordings of one condition, sorted by time in cut and order, s^2 = sum (y_(j+1) - y_j)^2 / 2
+    /// With repeats in n recordings of one condition, sorted by cut length and run order, s^2 = sum (y_(j+1) - y_j)^2 / 2
     /// over the logarithms (von Neumann, Ann. Math. Stat. 12 (1941) 367-395): a slow drift between repeats does not
     /// count as noise. Its degrees of freedom are 2 (n - 1)^2 / (3 n - 4). The variance used is s^2 nu / (nu - 2), the
     /// expectation of sigma^2 when s^2 has been seen (Jeffreys' prior); few repeats therefore mean caution.
@@ -197,12 +195,7 @@ impl Recordings {
                 .filter_map(|&k| {
                     let r = &self.recordings[k];
                     let count = r.count.unwrap_or(1.0).max(1.0);
-                    Some((
-                        r.condition.time_in_cut,
-                        r.order.unwrap_or(0.0),
-                        r.values[c]?.ln(),
-                        count,
-                    ))
+                    Some((r.condition.cut_length, r.condition.run_order, r.values[c]?.ln(), count))
                 })
                 .collect();
             if seen.len() < 2 {
@@ -244,17 +237,15 @@ mod tests {
     use sphcut_greybox::Random;
 
     fn recording(speed: f64, force: f64) -> Recording {
-        let condition =
-            Condition { cutting_speed: speed, uncut_chip_thickness: 1e-4, time_in_cut: 0.0 };
+        let condition = Condition {
+            cutting_speed: speed,
+            uncut_chip_thickness: 1e-4,
+            cut_length: 0.0,
+            run_order: 0.0,
+        };
         let mut values = [None; CHANNELS.len()];
         values[0] = Some(force);
-        Recording {
-            condition,
-            order: None,
-            count: None,
-            values,
-            deviations: [None; CHANNELS.len()],
-        }
+        Recording { condition, count: None, values, deviations: [None; CHANNELS.len()] }
     }
 
     fn repeated(scatter: f64, drift: f64) -> Vec<Recording> {
@@ -264,7 +255,9 @@ mod tests {
                 let speed = 1.0 + f64::from(k % 40);
                 let force =
                     (6.0 + 0.01 * speed + scatter * random.normal() + drift * f64::from(k)).exp();
-                Recording { order: Some(f64::from(k)), ..recording(speed, force) }
+                let mut one = recording(speed, force);
+                one.condition.run_order = f64::from(k);
+                one
             })
             .collect()
     }

@@ -44,6 +44,11 @@ impl Whitener {
         inverse.tr_mul(&inverse)
     }
 
+    /// L w: with a standard normal w a draw of the law.
+    pub fn colour(&self, white: &DVector<f64>) -> DVector<f64> {
+        &self.factor * white
+    }
+
     /// log |2 pi V|.
     pub fn log_determinant(&self) -> f64 {
         let diagonal = self.factor.diagonal();

@@ -15,6 +15,10 @@
 //! 3. [`Templates`] hold what each effect would change there, and all that is linear is integrated out.
 //! 4. [`locate`] says where the residual is more than chance.
 //! 5. [`attribute`] weighs the hypotheses, and [`judge`] says what may be claimed.
+//! 6. [`does_it_help`] leaves out blocks of conditions, a [`Simulator`] conceals known answers, and [`next_experiment`]
+//!    says which cuts would tell more.
+//!
+//! [`diagnose`] does all of it.
 //!
 //! The simulation enters through [`Predictor`] alone.
 //!
@@ -24,13 +28,18 @@
 
 mod attribute;
 mod channel;
+mod commissioning;
 mod data;
 mod error;
 mod fit;
 mod gaussian;
+mod help;
 mod locate;
+mod next_experiment;
 mod predictor;
 mod problem;
+mod self_test;
+mod session;
 mod templates;
 #[cfg(test)]
 mod twin;
@@ -38,11 +47,16 @@ mod verdict;
 
 pub use attribute::{Attribution, Hypothesis, Scored, attribute};
 pub use channel::{CHANNELS, Channel};
+pub use commissioning::{Batch, Bias, Comparison};
 pub use data::{Noise, NoiseSource, Recording, Recordings};
 pub use error::DiagnoseError;
 pub use fit::{Fit, fit};
+pub use help::{Held, Part, does_it_help};
 pub use locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
+pub use next_experiment::{NextExperiment, Rival, next_experiment};
 pub use predictor::{Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior};
 pub use problem::{InstrumentPriors, Problem, Row, Site};
+pub use self_test::{PositiveControl, Rate, Simulator};
+pub use session::{Diagnosis, Estimate, Request, diagnose};
 pub use templates::Templates;
 pub use verdict::{Finding, Gate, Verdict, judge};

@@ -18,7 +18,7 @@ const WINDOW: f64 = 0.15;
 pub struct Contrast {
     /// The channel.
     pub channel: Channel,
-    /// The pattern: `v`, `h`, `v^2`, `v h`, `h^2`, a corner, `order`, `time`.
+    /// The pattern: `v`, `h`, `v^2`, `v h`, `h^2`, a corner, `order`, `cut length`.
     pub pattern: &'static str,
     /// Standard deviations from 0; positive where the measured value lies above the model.
     pub score: f64,
@@ -132,7 +132,7 @@ fn patterns(
         ("low v, high h", &|row| corner(row, [-1.0, 1.0])),
         ("high v, high h", &|row| corner(row, [1.0, 1.0])),
         ("order", &|row| problem.rows[row].order),
-        ("time", &|row| places[row][2]),
+        ("cut length", &|row| places[row][2]),
     ];
     let rows: Vec<usize> =
         (0..problem.rows.len()).filter(|&row| is_of(problem, row, channel)).collect();

@@ -10,8 +10,10 @@ pub struct Condition {
     pub cutting_speed: f64,
     /// h in m.
     pub uncut_chip_thickness: f64,
-    /// How long the edge has cut before, in s.
-    pub time_in_cut: f64,
+    /// Length that the edge has cut before, in m.
+    pub cut_length: f64,
+    /// Place in the order of the runs: any number that rises; 0 where it is unknown.
+    pub run_order: f64,
 }
 
 /// A property of material or friction that differs from batch to batch: the model multiplies its value by exp(x), and

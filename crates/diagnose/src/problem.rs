@@ -7,6 +7,7 @@ use crate::gaussian::Whitener;
 use crate::predictor::{Active, Condition, Predictor};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Standard deviations of what instruments add. The defaults are those of `docs/diagnosis.md`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +85,7 @@ impl Problem {
     ) -> Result<Self, DiagnoseError> {
         let (mut sites, mut rows) = (Vec::new(), Vec::new());
         add_rows(recordings, (0, true), &mut sites, &mut rows);
-        let instrument = instrument_columns(&rows, 0, priors);
+        let instrument = instrument_columns(&rows, 0..rows.len(), priors);
         let variances = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.variance));
         Self::assemble(sites, rows, (1, instrument), DMatrix::from_diagonal(&variances), predictor)
     }
@@ -193,6 +194,21 @@ impl Problem {
         CHANNELS.into_iter().filter(used).collect()
     }
 
+    /// The problem of some of the rows.
+    ///
+    /// # Errors
+    /// A covariance that cannot be inverted.
+    pub fn select(&self, rows: &[usize]) -> Result<Self, DiagnoseError> {
+        let covariance = self.covariance.select_rows(rows).select_columns(rows);
+        Ok(Self {
+            rows: rows.iter().map(|&row| self.rows[row]).collect(),
+            instrument: self.instrument.select_rows(rows),
+            noise: Whitener::new(covariance.clone())?,
+            covariance,
+            ..self.clone()
+        })
+    }
+
     /// The same problem with other measured values.
     #[must_use]
     pub fn with_measured(&self, measured: &DVector<f64>) -> Self {
@@ -234,30 +250,27 @@ pub(crate) fn add_rows(
     }
 }
 
-/// Run orders from -1/2 to 1/2.
+/// Run orders from -1/2 to 1/2; 0 if all are the same.
 fn scaled_orders(recordings: &Recordings) -> Vec<f64> {
-    let known = recordings.all().iter().filter_map(|recording| recording.order);
-    let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), order| {
+    let orders = || recordings.all().iter().map(|recording| recording.condition.run_order);
+    let (low, high) = orders().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), order| {
         (low.min(order), high.max(order))
     });
     let middle = 0.5 * (low + high);
-    let scaled = |order: Option<f64>| {
-        order.filter(|_| high > low).map_or(0.0, |order| (order - middle) / (high - low))
-    };
-    recordings.all().iter().map(|recording| scaled(recording.order)).collect()
+    orders().map(|order| if high > low { (order - middle) / (high - low) } else { 0.0 }).collect()
 }
 
-/// Gain, offset and drift of each channel for the rows from `first` on: d log y = gain + offset / y + drift o.
+/// Gain, offset and drift of each channel for the rows of `range`: d log y = gain + offset / y + drift o.
 pub(crate) fn instrument_columns(
     rows: &[Row],
-    first: usize,
+    range: Range<usize>,
     priors: &InstrumentPriors,
 ) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
     for channel in CHANNELS {
         let column = |value: &dyn Fn(&Row) -> f64| {
             let of = |(k, row): (usize, &Row)| {
-                if k >= first && row.channel == channel { value(row) } else { 0.0 }
+                if range.contains(&k) && row.channel == channel { value(row) } else { 0.0 }
             };
             DVector::from_iterator(rows.len(), rows.iter().enumerate().map(of))
         };

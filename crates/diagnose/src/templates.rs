@@ -14,7 +14,7 @@ const NODES: [(usize, f64); 3] = [(7, 0.8), (5, 1.0), (3, 1.5)];
 const DRAWS: usize = 33;
 /// Amplitudes of the smooth discrepancy of "none of these", as shares of the value.
 pub(crate) const AMPLITUDES: [f64; 4] = [0.01, 0.02, 0.04, 0.08];
-/// Length over which it changes, in shares of the range of log v_c, log h and time in cut.
+/// Length over which it changes, in shares of the range of log v_c, log h and cut length.
 const LENGTH: f64 = 0.5;
 /// Steps after which the search for the parameters ends.
 const MOST_STEPS: usize = 40;
@@ -329,7 +329,7 @@ fn whitened_discrepancy(
     SymmetricEigen::new(0.5 * (&white + white.transpose()))
 }
 
-/// log v_c, log h and time in cut of each row, from 0 to 1 over all rows.
+/// log v_c, log h and cut length of each row, from 0 to 1 over all rows.
 pub(crate) fn scaled_places(problem: &Problem) -> Vec<[f64; 3]> {
     let raw: Vec<[f64; 3]> = (0..problem.rows.len())
         .map(|row| {
@@ -337,7 +337,7 @@ pub(crate) fn scaled_places(problem: &Problem) -> Vec<[f64; 3]> {
             [
                 condition.cutting_speed.ln(),
                 condition.uncut_chip_thickness.ln(),
-                condition.time_in_cut,
+                condition.cut_length,
             ]
         })
         .collect();

@@ -1,6 +1,6 @@
 //! What may be claimed.
 
-use crate::attribute::{Attribution, Hypothesis};
+use crate::attribute::{ALARM, Attribution, CLAIM, Hypothesis};
 use crate::channel::Channel;
 use crate::fit::Fit;
 use crate::gaussian::Whitener;
@@ -9,10 +9,6 @@ use crate::problem::Problem;
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Something is missing if "nothing is" is less probable than this.
-const ALARM: f64 = 0.05;
-/// An effect is named above this probability.
-const CLAIM: f64 = 0.9;
 /// Probability of a set.
 const SET: f64 = 0.95;
 /// Probability with which a right explanation fails the gate, over all channels.
@@ -127,7 +123,7 @@ pub fn judge(
 }
 
 /// Adds, one after the other, what covers most of the explanations that are left.
-fn smallest_set(attribution: &Attribution, effects: usize) -> (Vec<usize>, bool) {
+pub(crate) fn smallest_set(attribution: &Attribution, effects: usize) -> (Vec<usize>, bool) {
     let something: f64 = 1.0 - attribution.probability(&Hypothesis::Nothing);
     let none = attribution.probability(&Hypothesis::NoneOfThese);
     let (mut set, mut has_none, mut covered) = (Vec::new(), false, 0.0);

@@ -1,0 +1,317 @@
+//! Does the repair help, on conditions that it has not seen.
+
+use crate::channel::Channel;
+use crate::data::Recordings;
+use crate::error::DiagnoseError;
+use crate::fit::{Fit, active, fit};
+use crate::predictor::Predictor;
+use crate::problem::Problem;
+use nalgebra::DVector;
+use rayon::prelude::*;
+use sphcut_greybox::regressor::{Method, Regressor, Settings};
+use sphcut_greybox::validation::{Scoring, tune};
+use sphcut_greybox::{Random, Samples};
+
+/// Resamples of the interval of a ratio.
+const RESAMPLES: usize = 2000;
+/// Data-driven corrections that stand beside the repair.
+const METHODS: [Method; 3] = [Method::GaussianProcess, Method::SupportVector, Method::Boosting];
+/// Folds of the search for their settings.
+const FOLDS: usize = 4;
+
+/// What was held out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Blocks of conditions, one after the other: the quarters of the range of v_c and h.
+    Blocks,
+    /// The highest speeds.
+    HighestSpeed,
+    /// The thinnest chips.
+    ThinnestChip,
+}
+
+/// Errors on what was held out: mean of |log(prediction / measured)|.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held {
+    /// What was held out.
+    pub part: Part,
+    /// Number of values.
+    pub values: usize,
+    /// The base scenario as it is.
+    pub before: f64,
+    /// With its nuisances fitted again, nothing else.
+    pub refitted: f64,
+    /// With the effects put in and all fitted again.
+    pub repaired: f64,
+    /// Error of the repair over that of fitting the nuisances alone, with its 95 % interval.
+    pub ratio: [f64; 3],
+    /// The base scenario corrected by regression of its residual over v_c and h.
+    pub grey_box: Vec<(Method, f64)>,
+}
+
+impl Held {
+    /// Whether the repair helps beyond doubt: the interval of the ratio lies below 1.
+    #[must_use]
+    pub fn improves(&self) -> bool {
+        self.ratio[2] < 1.0
+    }
+}
+
+/// Absolute errors of a value by each prediction.
+struct Errors {
+    condition: usize,
+    plain: [f64; 3],
+    grey_box: Vec<f64>,
+}
+
+/// Leaves out one block after the other and predicts it by what the rest teaches, with `fit` as the repair.
+///
+/// # Errors
+/// A covariance that cannot be inverted.
+pub fn does_it_help(
+    problem: &Problem,
+    recordings: &Recordings,
+    predictor: &dyn Predictor,
+    repair: &Fit,
+    seed: u64,
+) -> Result<Vec<Held>, DiagnoseError> {
+    let condition_of = conditions(recordings);
+    let blocks = Blocks::of(problem, recordings);
+    let base = problem.predict(predictor, &DVector::zeros(problem.model_unknowns()), &[]);
+    let learners = Learners { problem, base, condition_of: &condition_of, seed };
+    let settings = learners.settings();
+    let context = Context { problem, predictor, repair, learners: &learners, settings: &settings };
+    let mut found = Vec::new();
+    for (part, folds) in blocks.parts() {
+        let each: Result<Vec<Vec<Errors>>, DiagnoseError> =
+            folds.par_iter().map(|fold| context.held_out(fold)).collect();
+        let errors = each?.into_iter().flatten().collect::<Vec<Errors>>();
+        if !errors.is_empty() {
+            found.push(summary(part, &errors, seed));
+        }
+    }
+    Ok(found)
+}
+
+/// The number of the condition (v_c, h) of each recording.
+fn conditions(recordings: &Recordings) -> Vec<usize> {
+    let mut of = vec![0; recordings.all().len()];
+    for (number, group) in crate::data::groups(recordings.all()).iter().enumerate() {
+        group.iter().for_each(|&k| of[k] = number);
+    }
+    of
+}
+
+/// Rank of the speed and the thickness of each diagnosed row among the different ones, from 0 to 1.
+struct Blocks {
+    rows: Vec<(usize, [f64; 2])>,
+}
+
+impl Blocks {
+    fn of(problem: &Problem, recordings: &Recordings) -> Self {
+        let rank = |axis: fn(&crate::Condition) -> f64| {
+            let mut values: Vec<f64> =
+                recordings.all().iter().map(|r| axis(&r.condition)).collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup_by(|a, b| (*a - *b).abs() <= 1e-6 * a.abs());
+            let last = (values.len().max(2) - 1) as f64;
+            move |condition: &crate::Condition| {
+                let below = values.iter().filter(|v| **v < axis(condition) * (1.0 - 1e-6)).count();
+                below as f64 / last
+            }
+        };
+        let (speed, size) = (rank(|c| c.cutting_speed), rank(|c| c.uncut_chip_thickness));
+        let rows = (0..problem.rows.len())
+            .filter(|&row| problem.is_diagnosed(row))
+            .map(|row| (row, [speed(problem.condition(row)), size(problem.condition(row))]))
+            .collect();
+        Self { rows }
+    }
+
+    fn those(&self, keep: impl Fn([f64; 2]) -> bool) -> Vec<usize> {
+        self.rows.iter().filter(|(_, place)| keep(*place)).map(|(row, _)| *row).collect()
+    }
+
+    fn parts(&self) -> Vec<(Part, Vec<Vec<usize>>)> {
+        let quarter = |fast: bool, thick: bool| {
+            self.those(|[v, h]| (v >= 0.5) == fast && (h >= 0.5) == thick)
+        };
+        let quarters = [(false, false), (false, true), (true, false), (true, true)];
+        vec![
+            (Part::Blocks, quarters.map(|(fast, thick)| quarter(fast, thick)).to_vec()),
+            (Part::HighestSpeed, vec![self.those(|[v, _]| v > 0.75)]),
+            (Part::ThinnestChip, vec![self.those(|[_, h]| h < 0.25)]),
+        ]
+    }
+}
+
+struct Context<'a> {
+    problem: &'a Problem,
+    predictor: &'a dyn Predictor,
+    repair: &'a Fit,
+    learners: &'a Learners<'a>,
+    settings: &'a [Task],
+}
+
+impl Context<'_> {
+    fn held_out(&self, held: &[usize]) -> Result<Vec<Errors>, DiagnoseError> {
+        let problem = self.problem;
+        let kept: Vec<usize> = (0..problem.rows.len()).filter(|row| !held.contains(row)).collect();
+        let few = kept.iter().filter(|&&row| problem.is_diagnosed(row)).count() < held.len() / 2;
+        if held.is_empty() || few {
+            return Ok(Vec::new());
+        }
+        let training = problem.select(&kept)?;
+        let nuisances = problem.unknowns();
+        let start = self.repair.unknowns.rows(0, nuisances).into_owned();
+        let null = fit(&training, self.predictor, &[], &start).ok_or(DiagnoseError::Singular)?;
+        let full = fit(&training, self.predictor, &self.repair.effects, &self.repair.unknowns)
+            .ok_or(DiagnoseError::Singular)?;
+        let base = &self.learners.base;
+        let predictions = [
+            base.clone(),
+            self.predicted(&training, &kept, &null),
+            self.predicted(&training, &kept, &full),
+        ];
+        let corrections = self.learners.corrections(self.settings, &kept, held);
+        let errors = held.iter().enumerate().map(|(k, &row)| {
+            let measured = problem.rows[row].log_value;
+            Errors {
+                condition: self.learners.condition_of[problem.rows[row].recording],
+                plain: [0, 1, 2].map(|p: usize| (predictions[p][row] - measured).abs()),
+                grey_box: corrections
+                    .iter()
+                    .map(|all| (base[row] + all[k] - measured).abs())
+                    .collect(),
+            }
+        });
+        Ok(errors.filter(|errors| errors.plain.iter().all(|e| e.is_finite())).collect())
+    }
+
+    /// log y of all rows by a fit of some, with what it says of the bias: Sigma_*k Sigma_kk^-1 r.
+    fn predicted(&self, training: &Problem, kept: &[usize], found: &Fit) -> DVector<f64> {
+        let problem = self.problem;
+        let nuisances = problem.unknowns();
+        let active =
+            active(self.predictor, &found.effects, &found.unknowns.as_slice()[nuisances..]);
+        let own = found.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
+        let white = training.noise.whiten_vector(found.residual.clone());
+        let weights = training.noise.unwhiten_transposed(white);
+        let bias = problem.covariance.select_columns(kept) * weights;
+        problem.predict(self.predictor, &found.unknowns, &active) + &problem.instrument * own + bias
+    }
+}
+
+/// A method with its settings for a channel.
+struct Task {
+    method: usize,
+    channel: Channel,
+    settings: Option<Settings>,
+}
+
+/// Regressions of the residual of the base scenario over v_c and h, channel by channel.
+struct Learners<'a> {
+    problem: &'a Problem,
+    base: DVector<f64>,
+    condition_of: &'a [usize],
+    seed: u64,
+}
+
+impl Learners<'_> {
+    fn rows<'r>(&'r self, rows: &'r [usize], channel: Channel) -> impl Iterator<Item = usize> + 'r {
+        let problem = self.problem;
+        let of =
+            move |row: &usize| problem.rows[*row].channel == channel && problem.is_diagnosed(*row);
+        rows.iter().copied().filter(of)
+    }
+
+    fn input(&self, row: usize) -> [f64; 2] {
+        let condition = self.problem.condition(row);
+        [condition.cutting_speed, condition.uncut_chip_thickness]
+    }
+
+    fn samples(&self, rows: &[usize], channel: Channel) -> Samples {
+        let rows: Vec<usize> = self.rows(rows, channel).collect();
+        let residual = |row: usize| self.problem.rows[row].log_value - self.base[row];
+        let group = |row: usize| self.condition_of[self.problem.rows[row].recording];
+        Samples {
+            inputs: rows.iter().map(|&row| self.input(row)).collect(),
+            targets: rows.iter().map(|&row| residual(row)).collect(),
+            groups: rows.iter().map(|&row| group(row)).collect(),
+        }
+    }
+
+    /// Settings are searched once, over all rows: what is held out has been seen by the search, which favours these methods.
+    fn settings(&self) -> Vec<Task> {
+        let all: Vec<usize> = (0..self.problem.rows.len()).collect();
+        let channels = self.problem.channels();
+        let tasks: Vec<(usize, Channel)> =
+            (0..METHODS.len()).flat_map(|m| channels.iter().map(move |&c| (m, c))).collect();
+        tasks
+            .into_par_iter()
+            .map(|(method, channel)| {
+                let samples = self.samples(&all, channel);
+                let enough = samples.len() >= 2 * FOLDS;
+                let settings = enough.then(|| {
+                    tune(METHODS[method], &samples, FOLDS, self.seed, Scoring::IfNeeded).settings
+                });
+                Task { method, channel, settings }
+            })
+            .collect()
+    }
+
+    /// For each method the correction of each held row.
+    fn corrections(&self, tasks: &[Task], kept: &[usize], held: &[usize]) -> Vec<Vec<f64>> {
+        let mut corrections = vec![vec![0.0; held.len()]; METHODS.len()];
+        for task in tasks {
+            let samples = self.samples(kept, task.channel);
+            let Some(settings) = task.settings.as_ref().filter(|_| samples.len() >= FOLDS) else {
+                continue;
+            };
+            let model = settings.fit(&samples, self.seed);
+            for (k, &row) in held.iter().enumerate() {
+                if self.problem.rows[row].channel == task.channel {
+                    corrections[task.method][k] = model.predict(self.input(row));
+                }
+            }
+        }
+        corrections
+    }
+}
+
+fn summary(part: Part, errors: &[Errors], seed: u64) -> Held {
+    let mean =
+        |of: &dyn Fn(&Errors) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
+    let [before, refitted, repaired] = [0, 1, 2].map(|p: usize| mean(&|e: &Errors| e.plain[p]));
+    let grey_box = METHODS
+        .iter()
+        .enumerate()
+        .map(|(m, &method)| (method, mean(&|e: &Errors| e.grey_box[m])))
+        .collect();
+    let [low, high] = ratio_interval(errors, seed);
+    let ratio = [repaired / refitted, low, high];
+    Held { part, values: errors.len(), before, refitted, repaired, ratio, grey_box }
+}
+
+/// 95 % interval of the ratio of the mean errors: whole conditions drawn with replacement, both errors of a value together
+/// (Efron and Tibshirani 1993, chapter 13).
+fn ratio_interval(errors: &[Errors], seed: u64) -> [f64; 2] {
+    let mut sums: Vec<(usize, [f64; 2])> = Vec::new();
+    for error in errors {
+        let both = [error.plain[1], error.plain[2]];
+        match sums.iter_mut().find(|(condition, _)| *condition == error.condition) {
+            Some((_, sum)) => (0..2).for_each(|k| sum[k] += both[k]),
+            None => sums.push((error.condition, both)),
+        }
+    }
+    let mut random = Random::new(seed, &[7]);
+    let mut ratios: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            let drawn = (0..sums.len()).map(|_| sums[random.below(sums.len())].1);
+            let total = drawn.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+            total[1] / total[0]
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    [ratios[RESAMPLES * 25 / 1000], ratios[RESAMPLES * 975 / 1000]]
+}

@@ -1,0 +1,230 @@
+//! A whole diagnosis, from recordings to what should be measured next.
+
+use crate::attribute::{Attribution, Hypothesis, attribute};
+use crate::commissioning::{Batch, Bias, Comparison};
+use crate::data::{Recordings, groups};
+use crate::error::DiagnoseError;
+use crate::fit::{Fit, fit};
+use crate::help::{Held, does_it_help};
+use crate::locate::{Location, locate};
+use crate::next_experiment::{NextExperiment, Rival, next_experiment};
+use crate::predictor::{Active, Condition, Predictor};
+use crate::problem::{InstrumentPriors, Problem};
+use crate::self_test::{PositiveControl, Rate, Simulator};
+use crate::templates::Templates;
+use crate::verdict::{Finding, Verdict, judge};
+use nalgebra::DVector;
+
+/// Candidates of the next experiment along v_c and h.
+const CANDIDATES: usize = 7;
+/// By how much the range of the candidates exceeds that of the data on each side, as a factor.
+const BEYOND: f64 = 1.5;
+/// Rivals among which the next experiment decides.
+const MOST_RIVALS: usize = 5;
+/// Half width of a 95 % interval in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// What a diagnosis starts from.
+#[derive(Debug, Clone)]
+pub struct Request<'a> {
+    /// The recordings.
+    pub recordings: &'a Recordings,
+    /// Cuts in which nothing is missing.
+    pub reference: Option<(&'a Recordings, Comparison, Batch)>,
+    /// What instruments add.
+    pub instruments: InstrumentPriors,
+    /// Simulated recordings of the null self-test.
+    pub self_test: usize,
+    /// Simulated recordings of the positive control.
+    pub control: usize,
+    /// Cuts of the next experiment.
+    pub batch: usize,
+    /// Lowest and highest v_c and h that can be cut; `None`: half beyond the recordings.
+    pub range: Option<[[f64; 2]; 2]>,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// A parameter with its 95 % interval. SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// The effect.
+    pub effect: usize,
+    /// Its place among the effect's parameters.
+    pub parameter: usize,
+    /// Most probable value.
+    pub value: f64,
+    /// 95 % interval.
+    pub interval: [f64; 2],
+}
+
+/// All that was found.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The regression.
+    pub problem: Problem,
+    /// The fit in which nothing is missing.
+    pub null: Fit,
+    /// Fits of the explanations that are left, the most probable first.
+    pub fits: Vec<Fit>,
+    /// Where.
+    pub location: Location,
+    /// How probable each explanation is.
+    pub attribution: Attribution,
+    /// What may be claimed.
+    pub finding: Finding,
+    /// Bias that the reference taught.
+    pub bias: Option<Bias>,
+    /// Place in `fits` of the repair: what is named, or the most probable of the set.
+    pub repair: Option<usize>,
+    /// Whether the repair helps.
+    pub help: Vec<Held>,
+    /// False alarms of simulated recordings in which nothing is missing.
+    pub false_alarms: Option<Rate>,
+    /// The repair's effects concealed and looked for.
+    pub control: Option<PositiveControl>,
+    /// What to measure next.
+    pub next: Option<NextExperiment>,
+}
+
+impl Diagnosis {
+    /// The parameters of a fit with their intervals.
+    #[must_use]
+    pub fn estimates(&self, predictor: &dyn Predictor, found: &Fit) -> Vec<Estimate> {
+        let mut place = self.problem.unknowns();
+        let mut estimates = Vec::new();
+        for &effect in &found.effects {
+            for (parameter, entry) in predictor.effects()[effect].parameters.iter().enumerate() {
+                let t = found.unknowns[place];
+                let half = NORMAL_95 * found.covariance[(place, place)].sqrt();
+                let at = |t: f64| entry.prior.value(t);
+                let (a, b) = (at(t - half), at(t + half));
+                let interval = [a.min(b), a.max(b)];
+                estimates.push(Estimate { effect, parameter, value: at(t), interval });
+                place += 1;
+            }
+        }
+        estimates
+    }
+}
+
+/// Locates, attributes, judges, repairs, tests itself and proposes.
+///
+/// # Errors
+/// Recordings at which the model has no answer, or that give no invertible covariance.
+pub fn diagnose(
+    request: &Request<'_>,
+    predictor: &dyn Predictor,
+) -> Result<Diagnosis, DiagnoseError> {
+    let (problem, bias) = match request.reference {
+        None => (Problem::new(request.recordings, predictor, &request.instruments)?, None),
+        Some(reference) => {
+            let (problem, bias) =
+                Problem::beside(request.recordings, reference, predictor, &request.instruments)?;
+            (problem, Some(bias))
+        }
+    };
+    let start = DVector::zeros(problem.unknowns());
+    let null = fit(&problem, predictor, &[], &start).ok_or(DiagnoseError::Singular)?;
+    let templates = Templates::new(&problem, predictor, &null)?;
+    let signal = templates.signal(&null);
+    let gains: Vec<f64> = (0..templates.effects()).map(|k| templates.expected_gain(k)).collect();
+    let mut attribution = attribute(&templates, &signal, &gains);
+    let fits = attribution.refine(&problem, predictor, &null);
+    let explained = attribution.scored.iter().find(|s| s.hypothesis != Hypothesis::NoneOfThese);
+    let best = match explained.map(|s| s.hypothesis.effects()) {
+        Some([]) | None => Some(&null),
+        Some(effects) => fits.iter().find(|found| found.effects == effects),
+    };
+    let finding = judge(&problem, predictor, best, &attribution);
+    let location = locate(&problem, &templates, &signal);
+    let repair = repair(&finding, &fits);
+    let help = match repair {
+        Some(k) => does_it_help(&problem, request.recordings, predictor, &fits[k], request.seed)?,
+        None => Vec::new(),
+    };
+    let simulator = Simulator::new(&problem, predictor, (&templates, &gains), &null);
+    let tested = simulator.as_ref().filter(|_| request.self_test > 0);
+    let false_alarms = tested.map(|s| s.false_alarms(request.self_test, request.seed));
+    let control = simulator.as_ref().zip(repair).filter(|_| request.control > 0).map(|(s, k)| {
+        let active: Vec<Active> = fits[k].active(predictor, problem.unknowns());
+        s.concealed(&active, request.control, request.seed)
+    });
+    let next = next(request, (&problem, predictor), &null, &fits, &attribution);
+    Ok(Diagnosis {
+        null,
+        fits,
+        location,
+        attribution,
+        finding,
+        bias,
+        repair,
+        help,
+        false_alarms,
+        control,
+        next,
+        problem,
+    })
+}
+
+/// The fit of what is named, or of the most probable explanation of the set.
+fn repair(finding: &Finding, fits: &[Fit]) -> Option<usize> {
+    match &finding.verdict {
+        Verdict::Named(named) => fits
+            .iter()
+            .position(|fit| fit.effects == *named)
+            .or_else(|| fits.iter().position(|fit| named.iter().all(|k| fit.effects.contains(k)))),
+        Verdict::OneOf => (!fits.is_empty()).then_some(0),
+        Verdict::NoAlarm | Verdict::NoneOfThese => None,
+    }
+}
+
+fn next(
+    request: &Request<'_>,
+    (problem, predictor): (&Problem, &dyn Predictor),
+    null: &Fit,
+    fits: &[Fit],
+    attribution: &Attribution,
+) -> Option<NextExperiment> {
+    let rivals: Vec<Rival<'_>> = attribution
+        .scored
+        .iter()
+        .filter_map(|scored| {
+            let fit = match &scored.hypothesis {
+                Hypothesis::Nothing => null,
+                Hypothesis::NoneOfThese => return None,
+                Hypothesis::Effects(effects) => fits.iter().find(|f| f.effects == *effects)?,
+            };
+            Some(Rival { probability: scored.probability, fit })
+        })
+        .take(MOST_RIVALS)
+        .collect();
+    let candidates = candidates(request);
+    next_experiment(problem, predictor, &rivals, &candidates, (request.batch, request.seed))
+}
+
+/// A grid, even in the logarithms, of cuts with the edge as it is at the end of the recordings.
+fn candidates(request: &Request<'_>) -> Vec<Condition> {
+    let all = request.recordings.all();
+    let of = |axis: fn(&Condition) -> f64| {
+        let values = groups(all).into_iter().map(move |group| axis(&all[group[0]].condition));
+        let ends =
+            values.fold([f64::INFINITY, 0.0_f64], |[low, high], x| [low.min(x), high.max(x)]);
+        [ends[0] / BEYOND, ends[1] * BEYOND]
+    };
+    let [speeds, sizes] =
+        request.range.unwrap_or_else(|| [of(|c| c.cutting_speed), of(|c| c.uncut_chip_thickness)]);
+    let last = all.iter().map(|r| r.condition.cut_length).fold(0.0, f64::max);
+    let at = |[low, high]: [f64; 2], k: usize| {
+        low * (high / low).powf(k as f64 / (CANDIDATES - 1) as f64)
+    };
+    let places = (0..CANDIDATES).flat_map(|i| (0..CANDIDATES).map(move |j| (i, j)));
+    places
+        .map(|(i, j)| Condition {
+            cutting_speed: at(speeds, i),
+            uncut_chip_thickness: at(sizes, j),
+            cut_length: last,
+            run_order: 0.0,
+        })
+        .collect()
+}
