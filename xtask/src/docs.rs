@@ -23,6 +23,7 @@ pub fn docs(root: &Path, mode: Mode) -> Result<(), String> {
     pages.push(("docs/scenario.md", sphcut_scenario::reference()));
     pages.push(("docs/recordings_keys.md", sphcut_scenario::recordings_reference()));
     pages.push(("docs/identification_keys.md", sphcut_scenario::identification_reference()));
+    pages.push(("docs/diagnosis_keys.md", sphcut_scenario::diagnosis_reference()));
     pages.push(("docs/sweep_keys.md", sphcut_scenario::sweep_reference()));
     pages.push(("docs/catalogue.md", catalogue::page()));
     settle(root, &pages, mode)

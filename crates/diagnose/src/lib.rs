@@ -28,6 +28,7 @@
 
 mod attribute;
 mod channel;
+mod closed_form;
 mod commissioning;
 mod data;
 mod error;
@@ -47,6 +48,7 @@ mod verdict;
 
 pub use attribute::{Attribution, Hypothesis, Scored, attribute};
 pub use channel::{CHANNELS, Channel};
+pub use closed_form::ClosedForm;
 pub use commissioning::{Batch, Bias, Comparison};
 pub use data::{Noise, NoiseSource, Recording, Recordings};
 pub use error::DiagnoseError;

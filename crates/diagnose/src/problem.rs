@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Standard deviations of what instruments add. The defaults are those of `docs/diagnosis.md`.
+/// Standard deviations of what instruments add.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstrumentPriors {
     /// Of the gain of each channel, as a share.
@@ -18,12 +18,6 @@ pub struct InstrumentPriors {
     pub offset: f64,
     /// Of the drift of each channel from the first recording to the last, as a share.
     pub drift: f64,
-}
-
-impl Default for InstrumentPriors {
-    fn default() -> Self {
-        Self { gain: 0.01, offset: 3.0, drift: 0.02 }
-    }
 }
 
 /// A condition at which the model is asked.

@@ -14,6 +14,8 @@ const NUISANCES: [Nuisance; 2] = [
     Nuisance { key: "friction_coefficient", deviation: 0.15 },
 ];
 
+pub const INSTRUMENTS: InstrumentPriors = InstrumentPriors { gain: 0.01, offset: 3.0, drift: 0.02 };
+
 /// What an effect adds to log F_c and log F_f at x = ln(v_c / 2 m/s), y = ln(h / 0.1 mm).
 type Shape = fn(f64, f64, f64) -> [f64; 2];
 
@@ -87,7 +89,7 @@ impl Twin {
         let mut random = Random::new(seed, &[3]);
         let mut cuts = self.cuts(&mut random);
         let hidden: Vec<f64> = NUISANCES.iter().map(|n| n.deviation * random.normal()).collect();
-        let priors = InstrumentPriors::default();
+        let priors = INSTRUMENTS;
         let instruments: Vec<[f64; 3]> = USED
             .iter()
             .map(|_| [priors.gain, priors.offset, priors.drift].map(|s| s * random.normal()))
@@ -105,7 +107,7 @@ impl Twin {
     }
 
     pub fn problem(&self, recordings: &Recordings) -> Problem {
-        Problem::new(recordings, self, &InstrumentPriors::default()).unwrap()
+        Problem::new(recordings, self, &INSTRUMENTS).unwrap()
     }
 }
 
@@ -331,7 +333,7 @@ mod whole {
         Request {
             recordings,
             reference: None,
-            instruments: InstrumentPriors::default(),
+            instruments: INSTRUMENTS,
             self_test: 0,
             control: 0,
             batch: 3,

@@ -8,6 +8,8 @@
 mod bodies;
 mod columns;
 mod cut;
+mod cut_table;
+mod diagnosis;
 mod document;
 mod effects;
 mod ending;
@@ -58,6 +60,8 @@ pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem};
 
 pub use columns::TableProblem;
+pub use cut_table::{CutTableRow, MEASURED, read_cut_table};
+pub use diagnosis::{DiagnosisCase, ReferenceCuts, load_diagnosis};
 pub use force_table::{ForceTableRow, read_force_table};
 pub use measured::{
     MeasuredForces, MeasuredSpringback, read_measured_forces, read_measured_springback,
@@ -69,7 +73,9 @@ pub use identification::{Identification, StatedMaterial, TestCurve, load_identif
 pub use recordings::{
     RecordingChannel, RecordingCut, RecordingFile, Recordings, ResponseLine, load_recordings,
 };
-pub use reference::{identification_reference, recordings_reference, reference, sweep_reference};
+pub use reference::{
+    diagnosis_reference, identification_reference, recordings_reference, reference, sweep_reference,
+};
 pub use scenario::{Scenario, load, parse};
 pub use schema::{schema, taplo};
 pub use sweep::{Axis, Design, Held, KeyPath, Levels, Sweep, Unfit, load_sweep, multiple};

@@ -55,6 +55,15 @@ What `sphcut identify` reads; [identification.md](identification.md) says what i
 
 ";
 
+const DIAGNOSIS_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
+
+# Files of diagnoses: all keys
+
+What `sphcut diagnose` reads; [diagnosis.md](diagnosis.md) says what it does. Quantities are written as in
+[scenarios](scenario.md): a number and a unit in quotes.
+
+";
+
 const SWEEP_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
 
 # Files of sweeps: all keys
@@ -123,6 +132,12 @@ pub fn recordings_reference() -> String {
 pub fn identification_reference() -> String {
     let lists = ["curves", "compression", "bar_test"];
     beside(IDENTIFICATION_HEAD, &sections::identification_sections(), &lists)
+}
+
+/// The reference of the keys of a file of a diagnosis as Markdown.
+#[must_use]
+pub fn diagnosis_reference() -> String {
+    beside(DIAGNOSIS_HEAD, &sections::diagnosis_sections(), &[])
 }
 
 /// The reference of the keys of a file of a sweep as Markdown.

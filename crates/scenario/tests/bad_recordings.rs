@@ -1,47 +1,15 @@
-//! Every file in `tests/bad_recordings` says in its leading comments which problems it has, all of them:
-//! `# error: LINE:COLUMN message`. `UPDATE_GENERATED=1` writes the comments of files that have none.
+//! The bad files of `tests/bad_recordings`, and good ones.
 
-use sphcut_scenario::{Colours, LoadOptions, load_recordings};
-use std::path::{Path, PathBuf};
+use sphcut_scenario::{LoadOptions, load_recordings};
+use std::path::Path;
 
-fn files() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_recordings");
-    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
-        .collect();
-    files.sort();
-    files
-}
-
-fn found(path: &Path) -> Vec<String> {
-    let problems = load_recordings(path, &LoadOptions::default()).expect_err("a bad file");
-    for problem in &problems {
-        let shown = problem.render(Colours::Plain);
-        assert!(shown.contains('^'), "nothing underlined in\n{shown}");
-    }
-    problems.iter().map(|p| format!("{}:{} {}", p.line, p.column, p.mistake.message())).collect()
-}
+mod shared;
 
 #[test]
 fn every_bad_file_is_refused_with_the_messages_it_names() {
-    assert!(files().len() >= 12);
-    for path in files() {
-        let text = std::fs::read_to_string(&path).unwrap();
-        let expected: Vec<&str> =
-            text.lines().filter_map(|line| line.strip_prefix("# error: ")).collect();
-        if expected.is_empty() && std::env::var_os("UPDATE_GENERATED").is_some() {
-            let count = found(&path).len();
-            let blank = "# error: \n".repeat(count);
-            std::fs::write(&path, format!("{blank}{text}")).unwrap();
-            let lines: String =
-                found(&path).iter().map(|line| format!("# error: {line}\n")).collect();
-            std::fs::write(&path, format!("{lines}{text}")).unwrap();
-            continue;
-        }
-        assert_eq!(found(&path), expected, "{}", path.display());
-    }
+    shared::refuses("bad_recordings", 12, &|path| {
+        load_recordings(path, &LoadOptions::default()).expect_err("a bad file")
+    });
 }
 
 #[test]

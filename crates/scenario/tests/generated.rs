@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 use sphcut_scenario::{
-    identification_reference, recordings_reference, reference, schema, sweep_reference, taplo,
+    diagnosis_reference, identification_reference, recordings_reference, reference, schema,
+    sweep_reference, taplo,
 };
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
@@ -30,6 +31,7 @@ fn the_reference_page_is_current() {
     is_current("../../docs/scenario.md", &reference());
     is_current("../../docs/recordings_keys.md", &recordings_reference());
     is_current("../../docs/identification_keys.md", &identification_reference());
+    is_current("../../docs/diagnosis_keys.md", &diagnosis_reference());
     is_current("../../docs/sweep_keys.md", &sweep_reference());
 }
 

@@ -33,7 +33,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("postprocess", &["record", "sph", "physics"]),
     ("sweep", &["scenario", "record", "sph", "physics"]),
     ("greybox", &["record", "physics"]),
-    ("diagnose", &["greybox", "postprocess", "sweep", "physics"]),
+    ("diagnose", &["analytic", "greybox", "postprocess", "sweep", "physics"]),
     ("report", &["greybox", "postprocess", "record", "identify", "sweep", "sph", "physics"]),
     ("verification", &["scenario", "greybox", "sweep", "postprocess", "record", "sph", "physics"]),
     (

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod cut;
+mod diagnosis;
 mod heat_source;
 mod identification;
 mod material;
@@ -14,6 +15,10 @@ pub(crate) use bodies::{
 };
 pub(crate) use cut::{
     boundaries, compliance, compliance_of, passes, process, run_out, tool, window, workpiece,
+};
+pub(crate) use diagnosis::{
+    SCATTER, diagnosis_checks, diagnosis_measured, diagnosis_next, diagnosis_priors,
+    diagnosis_reference, diagnosis_root, diagnosis_sections,
 };
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use identification::{

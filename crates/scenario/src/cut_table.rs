@@ -1,0 +1,194 @@
+//! What was measured of many cuts as a table: comma-separated, a header with units, a cut per line.
+
+use crate::columns::{self, ColumnRule, TableProblem};
+use sphcut_physics::Quantity;
+
+/// Columns of what may be measured, in the order of the arrays of [`CutTableRow`].
+pub const MEASURED: [&str; 7] =
+    ["F_c", "F_f", "F_p", "T_interface", "chip_thickness", "contact_length", "springback"];
+/// Columns beside them, which come first.
+const OTHERS: usize = 7;
+
+/// One line of the table in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CutTableRow {
+    /// v_c in m/s.
+    pub cutting_speed: f64,
+    /// h in m.
+    pub uncut_chip_thickness: f64,
+    /// Length that the edge had cut before, in m.
+    pub cut_length: Option<f64>,
+    /// Place in the order of the cuts.
+    pub order: Option<f64>,
+    /// Number of cuts of which the line is the mean.
+    pub count: Option<f64>,
+    /// b in m.
+    pub width_of_cut: Option<f64>,
+    /// What was measured.
+    pub values: [Option<f64>; MEASURED.len()],
+    /// Standard deviations between cuts.
+    pub deviations: [Option<f64>; MEASURED.len()],
+}
+
+const fn column(
+    name: &'static str,
+    quantity: Quantity,
+    unit: &'static str,
+    (required, positive): (bool, bool),
+) -> ColumnRule {
+    ColumnRule { name, quantity, unit, required, positive }
+}
+
+const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len()] = [
+    column("v_c", Quantity::Speed, "m/min", (true, true)),
+    column("h", Quantity::Length, "mm", (true, true)),
+    column("cut_length", Quantity::Length, "m", (false, false)),
+    column("order", Quantity::Dimensionless, "", (false, false)),
+    column("n", Quantity::Dimensionless, "", (false, true)),
+    column("b", Quantity::Length, "mm", (false, true)),
+    column("time", Quantity::Time, "s", (false, false)),
+    column(MEASURED[0], Quantity::Force, "N", (false, true)),
+    column(MEASURED[1], Quantity::Force, "N", (false, true)),
+    column(MEASURED[2], Quantity::Force, "N", (false, true)),
+    column(MEASURED[3], Quantity::Temperature, "degC", (false, true)),
+    column(MEASURED[4], Quantity::Length, "mm", (false, true)),
+    column(MEASURED[5], Quantity::Length, "mm", (false, true)),
+    column(MEASURED[6], Quantity::Length, "um", (false, true)),
+    column("F_c_sd", Quantity::Force, "N", (false, true)),
+    column("F_f_sd", Quantity::Force, "N", (false, true)),
+    column("F_p_sd", Quantity::Force, "N", (false, true)),
+    column("T_interface_sd", Quantity::TemperatureDifference, "K", (false, true)),
+    column("chip_thickness_sd", Quantity::Length, "mm", (false, true)),
+    column("contact_length_sd", Quantity::Length, "mm", (false, true)),
+    column("springback_sd", Quantity::Length, "um", (false, true)),
+];
+
+/// Reads a table with the columns `v_c` and `h` and at least one of [`MEASURED`]; if it has them, also standard deviations
+/// (`F_c_sd` and so on), `n`, `order`, `cut_length` and `b`; in any order, each with its unit in brackets: `v_c [m/min]`. A
+/// cell of what was not measured is empty. A column `time` is read over. Empty lines and lines that begin with `#` are
+/// skipped.
+///
+/// # Errors
+/// The first mistake with its line and column.
+pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
+    let lines = columns::read(text, &COLUMNS, "no line with measured values follows the header")?;
+    let part = |values: &[Option<f64>], from: usize| {
+        let mut part = [None; MEASURED.len()];
+        part.copy_from_slice(&values[from..from + MEASURED.len()]);
+        part
+    };
+    let mut rows = Vec::with_capacity(lines.len());
+    for (line, values) in lines {
+        let (Some(cutting_speed), Some(uncut_chip_thickness)) = (values[0], values[1]) else {
+            return Err(columns::whole(line, "a needed column is missing"));
+        };
+        if values[2].is_some_and(|length| length < 0.0) {
+            return Err(columns::whole(line, "a cut length is never below 0"));
+        }
+        rows.push(CutTableRow {
+            cutting_speed,
+            uncut_chip_thickness,
+            cut_length: values[2],
+            order: values[3],
+            count: values[4],
+            width_of_cut: values[5],
+            values: part(&values, OTHERS),
+            deviations: part(&values, OTHERS + MEASURED.len()),
+        });
+    }
+    if rows.iter().all(|row| row.values.iter().all(Option::is_none)) {
+        let message = format!("nothing was measured: there is none of {}", MEASURED.join(", "));
+        return Err(columns::whole(1, message));
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn units_any_order_and_missing_cells() {
+        let text = "h [um],T_interface [degC],v_c [m/s],F_c [kN],T_interface_sd [K],order,cut_length [m],F_c_sd [N]\n\
+                    100,500,2.5,0.6,5,1,30,4\n60,,2.5,0.4,,2,60,\n";
+        let rows = read_cut_table(text).unwrap();
+        assert_eq!((rows[0].cutting_speed, rows[0].uncut_chip_thickness), (2.5, 100e-6));
+        assert_eq!(rows[0].values[0], Some(600.0));
+        assert_eq!((rows[0].values[3], rows[0].deviations[3]), (Some(773.15), Some(5.0)));
+        assert_eq!((rows[0].order, rows[0].cut_length), (Some(1.0), Some(30.0)));
+        assert_eq!((rows[1].values[3], rows[1].deviations[0]), (None, None));
+    }
+
+    #[test]
+    fn mistakes_are_told_with_line_and_column() {
+        let good = "v_c [m/min],h [mm],F_c [N]\n";
+        for (text, expected) in [
+            (String::new(), "line 1: the table is empty"),
+            (good.to_owned(), "line 1: no line with measured values follows the header"),
+            (good.replace("h [mm]", "n"), "line 1: the column `h [mm]` is missing"),
+            (good.replace("[N]", "[mm]"), "line 1, column 3 `F_c`: `mm`: this is a length"),
+            (
+                good.replace(" [N]", ""),
+                "line 1, column 3 `F_c`: the unit is missing: write `F_c [N]`",
+            ),
+            (
+                format!("{},F_c [kN]\n", good.trim_end()),
+                "line 1, column 4 `F_c`: the column is there twice",
+            ),
+            (good.replace("F_c", "F_x"), "line 1, column 3 `F_x`: no such column; did you mean"),
+            (format!("{good}150,0.1,-5\n"), "line 2, column 3 `F_c`: `-5`: must be above 0"),
+            (format!("{good}150,0.1,inf\n"), "line 2, column 3 `F_c`: `inf`"),
+            (format!("{good}150,,5\n"), "line 2, column 2 `h`: ``: not a number"),
+            (format!("{good}150,0.1\n"), "line 2: 2 cells, but the header has 3"),
+            (format!("{good}150,0.1,\n"), "line 1: nothing was measured"),
+            (
+                "v_c [m/min],h [mm],T_interface [degC],T_interface_sd [degC]\n".to_owned(),
+                "line 1, column 4 `T_interface_sd`: `degC`: this is a temperature",
+            ),
+            (
+                "v_c [m/min],h [mm],F_c [N],cut_length [m]\n150,0.1,5,-1\n".to_owned(),
+                "line 2: a cut length is never below 0",
+            ),
+        ] {
+            let message = read_cut_table(&text).unwrap_err().to_string();
+            assert!(message.starts_with(expected), "{message}\nnot: {expected}");
+        }
+    }
+
+    proptest! {
+        /// Numbers written in other units come back as they were, whatever the order of the columns.
+        #[test]
+        fn what_was_written_is_read(
+            cells in proptest::collection::vec((0.1..500.0f64, 0.01..2.0f64, 1.0..9e3f64), 1..20),
+            turned in any::<bool>(),
+        ) {
+            let mut text = if turned { "F_c [kN],h [um],v_c [m/s]\n" } else { "v_c [m/min],h [mm],F_c [N]\n" }.to_owned();
+            for (v, h, f) in &cells {
+                text += &if turned {
+                    format!("{},{},{}\n", f / 1e3, h * 1e3, v / 60.0)
+                } else {
+                    format!("{v},{h},{f}\n")
+                };
+            }
+            let rows = read_cut_table(&text).unwrap();
+            prop_assert_eq!(rows.len(), cells.len());
+            for (row, (v, h, f)) in rows.iter().zip(&cells) {
+                prop_assert!((row.cutting_speed * 60.0 / v - 1.0).abs() < 1e-12);
+                prop_assert!((row.uncut_chip_thickness * 1e3 / h - 1.0).abs() < 1e-12);
+                prop_assert!((row.values[0].unwrap() / f - 1.0).abs() < 1e-12);
+            }
+        }
+
+        /// No text makes the reader panic, and what it takes is finite and above 0.
+        #[test]
+        fn any_text_is_read_or_refused(text in "(v_c \\[m/min\\],h \\[mm\\],F_c \\[N\\]\n)?[-0-9.,eE\nnaif# ]{0,60}") {
+            if let Ok(rows) = read_cut_table(&text) {
+                for row in rows {
+                    prop_assert!(row.cutting_speed > 0.0 && row.cutting_speed.is_finite());
+                    prop_assert!(row.values.iter().flatten().all(|y| *y > 0.0 && y.is_finite()));
+                }
+            }
+        }
+    }
+}

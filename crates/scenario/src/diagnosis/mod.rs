@@ -1,0 +1,236 @@
+//! A file of a diagnosis: what was measured, the scenario that is to explain it, priors and checks.
+
+use crate::LoadOptions;
+use crate::cut_table::{CutTableRow, read_cut_table};
+use crate::document::{self, contradiction};
+use crate::files::{Surroundings, file_mistake};
+use crate::findings::Findings;
+use crate::problem::Problem;
+use crate::reader;
+use crate::record::Record;
+use crate::scenario::{Scenario, load};
+use crate::section::Section;
+use crate::sections;
+use std::path::{Path, PathBuf};
+
+/// Largest table in bytes.
+const LARGEST: u64 = 16 << 20;
+/// Relative difference up to which two widths of cut are the same.
+const SAME_WIDTH: f64 = 1e-3;
+
+/// A checked file of a diagnosis. SI units.
+#[derive(Debug, Clone)]
+pub struct DiagnosisCase {
+    /// What was measured.
+    pub title: String,
+    /// Where it comes from.
+    pub source: String,
+    /// The cut as it is simulated so far.
+    pub base: Scenario,
+    /// Its file.
+    pub base_path: PathBuf,
+    /// What is to be explained.
+    pub measured: Vec<CutTableRow>,
+    /// Cuts in which nothing is missing.
+    pub reference: Option<ReferenceCuts>,
+    /// Standard deviation of each quantity of material and friction as a share, by its key.
+    pub scatter: Vec<(&'static str, f64)>,
+    /// Standard deviations of gain (share), offset (N) and drift (share).
+    pub instruments: [f64; 3],
+    /// Simulated recordings of the self-test and of the positive control.
+    pub checks: [usize; 2],
+    /// Seed.
+    pub seed: u64,
+    /// Cuts that are proposed.
+    pub next_cuts: usize,
+    /// Lowest and highest v_c and h that can be cut.
+    pub next_range: [[Option<f64>; 2]; 2],
+}
+
+/// Cuts in which nothing is missing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReferenceCuts {
+    /// The cuts.
+    pub rows: Vec<CutTableRow>,
+    /// Whether only the difference of the two tables counts.
+    pub difference: bool,
+    /// Whether material and instruments are the same.
+    pub same_batch: bool,
+}
+
+/// Reads the file of a diagnosis at `path`, the scenario and the tables it names.
+///
+/// # Errors
+/// All mistakes of the file, in its order; those of the scenario where it has some.
+pub fn load_diagnosis(path: &Path, options: &LoadOptions) -> Result<DiagnosisCase, Vec<Problem>> {
+    let mut of_base = Vec::new();
+    let root = sections::diagnosis_root();
+    let case = document::load(path, options, &root, |findings, root, around| {
+        read_document(findings, root, around, options, &mut of_base)
+    });
+    if of_base.is_empty() { case } else { Err(of_base) }
+}
+
+fn read_document(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    surroundings: &Surroundings,
+    options: &LoadOptions,
+    of_base: &mut Vec<Problem>,
+) -> Option<DiagnosisCase> {
+    let written = |findings: &mut Findings, key: &str, section: &Section| {
+        Some(reader::read(findings, &root.source, root.table(key)?, section, 2))
+    };
+    // A section that is not there has the defaults of all its keys.
+    let empty = toml::de::DeTable::new();
+    let or_defaults = |findings: &mut Findings, key: &str, section: &Section| {
+        let place = root.table(key).unwrap_or((&empty, root.heading.clone()));
+        values(&reader::read(findings, &root.source, place, section, 2))
+    };
+    let measured = written(findings, "measured", &sections::diagnosis_measured());
+    let reference = written(findings, "reference", &sections::diagnosis_reference());
+    let priors = or_defaults(findings, "priors", &sections::diagnosis_priors());
+    let checks = or_defaults(findings, "checks", &sections::diagnosis_checks());
+    let next = next_range(findings, root, &empty);
+    let base = base(findings, root, surroundings, (options, of_base));
+    let rows = |findings: &mut Findings, record: &Record<'_>| table(findings, record, surroundings);
+    let measured_rows = measured.as_ref().and_then(|record| rows(findings, record));
+    let reference = match &reference {
+        None => None,
+        Some(record) => Some(ReferenceCuts {
+            rows: rows(findings, record)?,
+            difference: record.text("use")? == "difference",
+            same_batch: record.switch("same_batch")?,
+        }),
+    };
+    let (base, base_path) = base?;
+    let measured_rows = measured_rows?;
+    let width = base.setup.width_of_cut;
+    if let Some(other) = measured_rows
+        .iter()
+        .filter_map(|row| row.width_of_cut)
+        .find(|other| (other / width - 1.0).abs() > SAME_WIDTH)
+    {
+        let message = format!(
+            "the table was cut {} mm wide and the scenario cuts {} mm: forces of the two cannot be compared",
+            other * 1e3,
+            width * 1e3
+        );
+        contradiction(
+            findings,
+            measured.as_ref()?,
+            "file",
+            message,
+            "set width_of_cut in the scenario",
+        );
+    }
+    let (next, next_range) = next?;
+    let number = |all: &Values, key: &str| all.iter().find(|(k, _)| *k == key).map(|(_, x)| *x);
+    let count = |all: &Values, key: &str| number(all, key).map(|x| x as usize);
+    let scatter: Option<Vec<(&'static str, f64)>> =
+        sections::SCATTER.iter().map(|&key| Some((key, number(&priors, key)?))).collect();
+    Some(DiagnosisCase {
+        title: root.text("title")?.to_owned(),
+        source: root.text("source")?.to_owned(),
+        base,
+        base_path,
+        measured: measured_rows,
+        reference,
+        scatter: scatter?,
+        instruments: [
+            number(&priors, "gain")?,
+            number(&priors, "offset")?,
+            number(&priors, "drift")?,
+        ],
+        checks: [count(&checks, "self_test")?, count(&checks, "control")?],
+        seed: number(&checks, "seed")? as u64,
+        next_cuts: count(&next, "cuts")?,
+        next_range,
+    })
+}
+
+type Values = Vec<(&'static str, f64)>;
+
+fn values(record: &Record<'_>) -> Values {
+    let all = record.items.iter();
+    all.filter_map(|(key, _)| {
+        Some((*key, record.number(key).or_else(|| record.count(key).map(|n| n as f64))?))
+    })
+    .collect()
+}
+
+type Ends = [[Option<f64>; 2]; 2];
+
+fn next_range(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    empty: &toml::de::DeTable<'_>,
+) -> Option<(Values, Ends)> {
+    let place = root.table("next");
+    let section = sections::diagnosis_next();
+    let record = match place {
+        Some(place) => reader::read(findings, &root.source, place, &section, 2),
+        None => {
+            let place = (empty, root.heading.clone());
+            let record = reader::read(findings, &root.source, place, &section, 2);
+            return Some((values(&record), Ends::default()));
+        }
+    };
+    let mut ends = Ends::default();
+    let keys = [["lowest_speed", "highest_speed"], ["thinnest", "thickest"]];
+    for (end, keys) in ends.iter_mut().zip(keys) {
+        *end = keys.map(|key| record.number(key));
+        if let [Some(low), Some(high)] = *end
+            && high <= low
+        {
+            let message = format!("`{}` does not lie above `{}`", keys[1], keys[0]);
+            contradiction(findings, &record, keys[1], message, "");
+        }
+    }
+    Some((values(&record), ends))
+}
+
+fn base(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    surroundings: &Surroundings,
+    (options, of_base): (&LoadOptions, &mut Vec<Problem>),
+) -> Option<(Scenario, PathBuf)> {
+    let path = match surroundings.path(root.text("scenario")?) {
+        Ok(path) => path,
+        Err(mistake) => {
+            findings.problem(&root.source, root.span("scenario"), *mistake);
+            return None;
+        }
+    };
+    match load(&path, options) {
+        Ok(base) if base.setup.uncut_chip_thickness.is_none() => {
+            let help = "name a scenario with [workpiece], [tool] and [process]";
+            contradiction(findings, root, "scenario", "the scenario is no cut", help);
+            None
+        }
+        Ok(base) => Some((base, path)),
+        Err(problems) => {
+            *of_base = problems;
+            None
+        }
+    }
+}
+
+fn table(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    surroundings: &Surroundings,
+) -> Option<Vec<CutTableRow>> {
+    let named = record.text("file")?;
+    let read = surroundings.read(named, LARGEST).and_then(|text| {
+        read_cut_table(&text).map_err(|problem| file_mistake(named, problem.to_string(), ""))
+    });
+    match read {
+        Ok(rows) => Some(rows),
+        Err(mistake) => {
+            findings.problem(&record.source, record.span("file"), *mistake);
+            None
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Sections of a file of a diagnosis.
+
+use super::{default, positive};
+use crate::section::{Field, Kind, Presence, Section};
+use sphcut_physics::Quantity;
+
+/// What the data without a missing effect are used for.
+pub(crate) const USES: &[&str] = &["bias_field", "difference"];
+
+/// Priors of the material and of friction, as keys of `[priors]`.
+pub(crate) const SCATTER: [&str; 6] = [
+    "initial_yield",
+    "hardening_modulus",
+    "hardening_exponent",
+    "rate_coefficient",
+    "softening_exponent",
+    "friction_coefficient",
+];
+
+/// Every section, for the reference page.
+pub(crate) fn diagnosis_sections() -> Vec<Section> {
+    vec![
+        diagnosis_root(),
+        diagnosis_measured(),
+        diagnosis_reference(),
+        diagnosis_priors(),
+        diagnosis_checks(),
+        diagnosis_next(),
+    ]
+}
+
+/// The top of the file.
+pub(crate) fn diagnosis_root() -> Section {
+    let table = |key, presence, meaning| Field::new(key, Kind::Table, presence, meaning);
+    Section::new(
+        "",
+        "A diagnosis: what was measured, and the scenario that is to explain it.",
+        vec![
+            Field::new("title", Kind::Text, Presence::Required, "one line that says what was measured")
+                .example("\"Orthogonal cuts of AISI 1045\""),
+            Field::new(
+                "source",
+                Kind::Text,
+                Presence::Required,
+                "where the measurements come from; goes into the patch of the scenario",
+            )
+            .example("\"own tests\""),
+            Field::new(
+                "scenario",
+                Kind::Path,
+                Presence::Required,
+                "the cut as it is simulated so far, relative to this file; its speed and thickness are replaced by those of the table",
+            )
+            .example("\"cut.toml\""),
+            table("measured", Presence::Required, "the cuts that are to be explained")
+                .example("[measured] with file"),
+            table("reference", Presence::Optional, "cuts in which nothing is missing: a fresh edge of known radius, an uncoated tool"),
+            table("priors", Presence::Derived("scatter between batches"), "what may differ without being a discovery"),
+            table("checks", Presence::Derived("200 and 50 recordings"), "how the diagnosis tests itself"),
+            table("next", Presence::Derived("4 cuts, half beyond the table"), "what could be measured next"),
+        ],
+    )
+}
+
+fn file() -> Field {
+    Field::new(
+        "file",
+        Kind::Path,
+        Presence::Required,
+        "v_c [m/min],h [mm] and any of F_c [N],F_f [N],F_p [N],T_interface [degC],chip_thickness [mm],contact_length [mm],\
+         springback [um] in any order and units, a line per cut; beside them their standard deviations (F_c_sd [N]), n, order, \
+         cut_length [m]. Repeats or standard deviations are needed: they say what is noise",
+    )
+    .example("\"cuts.csv\"")
+}
+
+/// `[measured]`.
+pub(crate) fn diagnosis_measured() -> Section {
+    Section::new("measured", "The cuts that are to be explained.", vec![file()])
+}
+
+/// `[reference]`.
+pub(crate) fn diagnosis_reference() -> Section {
+    Section::new(
+        "reference",
+        "Cuts in which nothing is missing. They teach what the simulation gets wrong by itself, which would else be taken for \
+         missing physics.",
+        vec![
+            file(),
+            Field::new(
+                "use",
+                Kind::Choice(USES.to_vec()),
+                default("bias_field"),
+                "bias_field: a smooth bias over speed and thickness is learnt. difference: only what differs between the two \
+                 tables at the same speed and thickness is diagnosed",
+            ),
+            Field::new(
+                "same_batch",
+                Kind::Switch,
+                default("false"),
+                "whether both tables come from the same bar and the same calibration of the instruments",
+            ),
+        ],
+    )
+}
+
+/// `[priors]`.
+pub(crate) fn diagnosis_priors() -> Section {
+    let share = |key, text, meaning| {
+        Field::new(key, positive(Quantity::Dimensionless, 1.0), default(text), meaning)
+    };
+    Section::new(
+        "priors",
+        "Standard deviations of what is fitted again under every explanation.",
+        vec![
+            share(SCATTER[0], "8 %", "A from batch to batch"),
+            share(SCATTER[1], "8 %", "B from batch to batch"),
+            share(SCATTER[2], "10 %", "n from batch to batch"),
+            share(SCATTER[3], "25 %", "C from batch to batch"),
+            share(SCATTER[4], "12 %", "m from batch to batch"),
+            share(SCATTER[5], "15 %", "mu"),
+            share("gain", "1 %", "gain of each channel"),
+            Field::new(
+                "offset",
+                positive(Quantity::Force, 1e6),
+                default("3 N"),
+                "zero of each force",
+            ),
+            share("drift", "2 %", "drift of each channel from the first cut to the last"),
+        ],
+    )
+}
+
+/// `[checks]`.
+pub(crate) fn diagnosis_checks() -> Section {
+    let count = |key, max, text, meaning| {
+        Field::new(key, Kind::Count { min: 0, max }, default(text), meaning)
+    };
+    Section::new(
+        "checks",
+        "How the diagnosis tests itself.",
+        vec![
+            count(
+                "self_test",
+                10_000,
+                "200",
+                "simulated recordings with nothing missing, for the rate of false alarms",
+            ),
+            count(
+                "control",
+                10_000,
+                "50",
+                "simulated recordings in which the claimed effect is concealed",
+            ),
+            count("seed", i64::MAX, "1", "seed of everything random"),
+        ],
+    )
+}
+
+/// `[next]`.
+pub(crate) fn diagnosis_next() -> Section {
+    let speed = |key, meaning| {
+        Field::new(
+            key,
+            positive(Quantity::Speed, 1e4),
+            Presence::Derived("half beyond the table"),
+            meaning,
+        )
+    };
+    let length = |key, meaning| {
+        Field::new(
+            key,
+            positive(Quantity::Length, 1.0),
+            Presence::Derived("half beyond the table"),
+            meaning,
+        )
+    };
+    Section::new(
+        "next",
+        "What could be measured next.",
+        vec![
+            Field::new(
+                "cuts",
+                Kind::Count { min: 1, max: 12 },
+                default("4"),
+                "how many cuts are proposed",
+            ),
+            speed("lowest_speed", "lowest v_c that can be cut"),
+            speed("highest_speed", "highest v_c that can be cut"),
+            length("thinnest", "lowest h that can be cut"),
+            length("thickest", "highest h that can be cut"),
+        ],
+    )
+}
