@@ -77,6 +77,9 @@ pub enum Command {
     /// Identify flow-stress laws from split Hopkinson bar and compression tests, and write material files.
     #[command(after_help = IDENTIFY_HELP)]
     Identify(IdentifyArguments),
+    /// Find which physics a simulation left out, from measurements over speed and thickness.
+    #[command(after_help = DIAGNOSE_HELP)]
+    Diagnose(DiagnoseArguments),
     /// Write the snapshots of a run as VTKHDF for ParaView.
     Export {
         /// Folder of the run, with `run.h5` inside.
@@ -181,6 +184,17 @@ What appears in the output folder:
 
 See docs/identification.md, and docs/identification_keys.md for all keys.";
 
+const DIAGNOSE_HELP: &str = "\
+Example:
+  sphcut diagnose scenarios/diagnosis/example.toml --out missing --closed-form
+
+What appears in the output folder:
+  diagnosis.html        one page: where, what, repair, does it help, can it be trusted, what next
+  diagnosis.json        the same as numbers
+  scenario.patch.toml   the missing effect with its parameters, where one is named
+
+See docs/diagnosis.md, and docs/diagnosis_keys.md for all keys.";
+
 const COMPLETIONS_HELP: &str = "\
 Examples:
   sphcut completions bash > ~/.local/share/bash-completion/completions/sphcut
@@ -277,6 +291,26 @@ pub struct IdentifyArguments {
     /// Output folder.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Replace an existing result.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `diagnose`.
+#[derive(Debug, Args)]
+pub struct DiagnoseArguments {
+    /// The file of the diagnosis (TOML).
+    #[command(flatten)]
+    pub scene: ScenarioArguments,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Explain with the closed-form model instead of runs of the particle solver.
+    #[arg(long)]
+    pub closed_form: bool,
+    /// Threads [default: all].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
     /// Replace an existing result.
     #[arg(long)]
     pub force: bool,

@@ -4,8 +4,8 @@ use crate::arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
 use sphcut_record::{Provenance, Setting};
 use sphcut_scenario::{
-    Colours, Identification, LoadOptions, Mistake, OutsideFiles, Problem, Recordings, Scenario,
-    Sweep,
+    Colours, DiagnosisCase, Identification, LoadOptions, Mistake, OutsideFiles, Problem,
+    Recordings, Scenario, Sweep,
 };
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
@@ -26,6 +26,12 @@ pub fn recordings(arguments: &ScenarioArguments) -> Result<Recordings, Failure> 
 /// Reads and checks a file of material tests.
 pub fn identification(arguments: &ScenarioArguments) -> Result<Identification, Failure> {
     sphcut_scenario::load_identification(&arguments.scenario, &options(arguments))
+        .map_err(|problems| refused(arguments, &problems))
+}
+
+/// Reads and checks a file of a diagnosis.
+pub fn diagnosis(arguments: &ScenarioArguments) -> Result<DiagnosisCase, Failure> {
+    sphcut_scenario::load_diagnosis(&arguments.scenario, &options(arguments))
         .map_err(|problems| refused(arguments, &problems))
 }
 

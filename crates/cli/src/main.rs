@@ -4,6 +4,7 @@ mod arguments;
 mod calibrate_friction;
 mod catalogue;
 mod check;
+mod diagnose;
 mod digest;
 mod export;
 mod failure;
@@ -50,6 +51,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Report { run } => report::report(&run),
         Command::Springback(arguments) => springback::springback(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
+        Command::Diagnose(arguments) => diagnose::diagnose(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Store(arguments) => store::store(&arguments),
         Command::Recordings(arguments) => recordings::recordings(&arguments),

@@ -34,13 +34,18 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("sweep", &["scenario", "record", "sph", "physics"]),
     ("greybox", &["record", "physics"]),
     ("diagnose", &["analytic", "greybox", "postprocess", "sweep", "physics"]),
-    ("report", &["greybox", "postprocess", "record", "identify", "sweep", "sph", "physics"]),
+    (
+        "report",
+        &["diagnose", "greybox", "postprocess", "record", "identify", "sweep", "sph", "physics"],
+    ),
     ("verification", &["scenario", "greybox", "sweep", "postprocess", "record", "sph", "physics"]),
     (
         "cli",
         &[
             "verification",
             "report",
+            "diagnose",
+            "analytic",
             "greybox",
             "postprocess",
             "sweep",

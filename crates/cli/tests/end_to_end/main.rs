@@ -4,6 +4,7 @@ mod calibrate_friction;
 mod cluster;
 mod commands;
 mod common;
+mod diagnose;
 mod greybox;
 mod identify;
 mod measuring;

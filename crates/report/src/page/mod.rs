@@ -2,6 +2,7 @@
 
 mod calibration;
 mod charts;
+mod diagnosis;
 mod greybox;
 mod identification;
 mod measures;
@@ -11,6 +12,7 @@ mod sweep;
 mod tables;
 
 pub use calibration::{calibration_words, render_calibration};
+pub use diagnosis::{DiagnosisPage, diagnosis_words, render_diagnosis};
 pub use greybox::{greybox_words, render_comparison, render_greybox};
 pub use identification::{IdentificationPage, identification_words, render_identification};
 pub use recordings::{RecordingsPage, recordings_words, render_recordings};

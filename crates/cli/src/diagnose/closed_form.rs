@@ -1,0 +1,93 @@
+//! A scenario as a cut of the closed-form model.
+
+use crate::failure::Failure;
+use sphcut_analytic::{Cut, FlowStress, Linear, Physics, Tool, Workpiece};
+use sphcut_physics::TemperatureTable;
+use sphcut_physics::flow_stress::JohnsonCook;
+use sphcut_scenario::Scenario;
+
+/// Conductivity of the tool in W/(m K) where the scenario has no heat in it: cemented carbide.
+const CARBIDE: f64 = 100.0;
+/// Oxley's constant of the shear zone, share of the zone's heat at the shear plane, mean over largest interface temperature:
+/// his values for plain carbon steel (Oxley 1989).
+const OXLEY: [f64; 3] = [5.9, 0.9, 0.9];
+/// Slopes of properties are taken up to this temperature in K.
+const WARM: f64 = 1000.0;
+
+/// The cut of `scenario`: material, rake, edge radius, width and friction. Its speed and thickness are those of the recordings.
+pub fn cut(scenario: &Scenario) -> Result<Cut, Failure> {
+    let setup = &scenario.setup;
+    let cannot = |what: &str| {
+        Failure::input(format!("the closed-form model cannot take the scenario: {what}"))
+    };
+    let number = |section: &str, key: &str| {
+        let entry = scenario.description.iter().find(|e| e.section == section && e.key == key);
+        entry.and_then(|entry| entry.number)
+    };
+    let material = setup.materials.first().ok_or_else(|| cannot("it has no material"))?;
+    if material.flow_stress.key != "johnson_cook" {
+        let what = format!("its flow stress is `{}`, not `johnson_cook`", material.flow_stress.key);
+        return Err(cannot(&what));
+    }
+    if !setup.effects.is_empty() {
+        return Err(cannot("it has effects of the flow stress already"));
+    }
+    let tool = setup.tool.as_ref().ok_or_else(|| cannot("it has no tool"))?;
+    if !["coulomb", "shear_capped_coulomb"].contains(&tool.friction.key) {
+        let what = format!("its friction is `{}`, not Coulomb's", tool.friction.key);
+        return Err(cannot(&what));
+    }
+    let friction = |key: &str| {
+        tool.friction_values.iter().find(|(parameter, _)| parameter.key == key).map(|(_, x)| x)
+    };
+    let rake_angle =
+        number("tool", "rake_angle").ok_or_else(|| cannot("its tool has no rake angle"))?;
+    let law = |key: &str| material.flow_stress_values.get(key);
+    let flow_stress = JohnsonCook {
+        initial_yield: law("initial_yield"),
+        hardening_modulus: law("hardening_modulus"),
+        hardening_exponent: law("hardening_exponent"),
+        rate_coefficient: law("rate_coefficient"),
+        softening_exponent: law("softening_exponent"),
+        reference_rate: law("reference_rate"),
+        reference_temperature: law("reference_temperature"),
+        melting_temperature: law("melting_temperature"),
+    };
+    // Tabor (1951): the hardness is three times the flow stress at a strain of 0.08.
+    let indented = flow_stress.initial_yield
+        + flow_stress.hardening_modulus * 0.08_f64.powf(flow_stress.hardening_exponent);
+    let property = |value: f64, table: &Option<TemperatureTable>| {
+        let Some(table) = table else { return Linear::constant(value) };
+        let (from, to) = (293.15, WARM.min(table.max().max(294.15)));
+        let slope = (table.value(to) - table.value(from)) / (to - from);
+        Linear { value: table.value(from), slope, temperature: from }
+    };
+    Ok(Cut {
+        workpiece: Workpiece {
+            melting_temperature: flow_stress.melting_temperature,
+            initial_temperature: number("workpiece", "temperature").unwrap_or(293.15),
+            hardness: 3.0 * indented,
+            flow_stress: FlowStress::JohnsonCook(flow_stress),
+            density: material.density,
+            specific_heat: property(material.specific_heat, &material.tables.specific_heat),
+            conductivity: property(
+                material.thermal_conductivity,
+                &material.tables.thermal_conductivity,
+            ),
+        },
+        tool: Tool {
+            rake_angle,
+            edge_radius: tool.edge_radius.unwrap_or(0.0),
+            conductivity: CARBIDE,
+        },
+        width_of_cut: setup.width_of_cut,
+        friction_coefficient: friction("friction_coefficient")
+            .ok_or_else(|| cannot("its friction has no coefficient"))?,
+        shear_friction_factor: friction("shear_friction_factor").unwrap_or(1.0),
+        rate_constant: OXLEY[0],
+        taylor_quinney: number("heat", "taylor_quinney").unwrap_or(0.9),
+        plane_heat_share: OXLEY[1],
+        interface_share: OXLEY[2],
+        physics: Physics::LIBRARY,
+    })
+}

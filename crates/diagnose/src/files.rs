@@ -1,0 +1,209 @@
+//! `diagnosis.json`.
+
+use crate::attribute::Hypothesis;
+use crate::data::{NoiseSource, Recordings};
+use crate::fit::Fit;
+use crate::help::{Held, Part};
+use crate::predictor::{Condition, Predictor};
+use crate::self_test::Rate;
+use crate::session::Diagnosis;
+use crate::verdict::Verdict;
+use serde_json::{Value, json};
+
+/// Version of the schema of `diagnosis.json`.
+const SCHEMA_VERSION: &str = "1.0";
+
+impl Verdict {
+    /// Its name in files.
+    #[must_use]
+    pub const fn key(&self) -> &'static str {
+        match self {
+            Self::NoAlarm => "no_alarm",
+            Self::Named(_) => "named",
+            Self::OneOf => "one_of",
+            Self::NoneOfThese => "none_of_these",
+        }
+    }
+}
+
+impl Part {
+    /// Its name in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Blocks => "blocks",
+            Self::HighestSpeed => "highest_speed",
+            Self::ThinnestChip => "thinnest_chip",
+        }
+    }
+}
+
+/// Where a diagnosis comes from.
+#[derive(Debug, Clone, Copy)]
+pub struct Provenance<'a> {
+    /// What was measured.
+    pub title: &'a str,
+    /// Where it comes from.
+    pub source: &'a str,
+    /// The model that explains.
+    pub model: &'a str,
+    /// Version of the program.
+    pub version: &'a str,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// All figures; SI units.
+#[must_use]
+pub fn diagnosis_json(
+    provenance: &Provenance<'_>,
+    found: &Diagnosis,
+    recordings: &Recordings,
+    predictor: &dyn Predictor,
+) -> String {
+    let effects = predictor.effects();
+    let keys = |list: &[usize]| list.iter().map(|&k| effects[k].key).collect::<Vec<_>>();
+    let finding = &found.finding;
+    let named = if let Verdict::Named(named) = &finding.verdict { keys(named) } else { Vec::new() };
+    let page = json!({
+        "schema_version": SCHEMA_VERSION,
+        "program_version": provenance.version,
+        "title": provenance.title,
+        "source": provenance.source,
+        "model": provenance.model,
+        "seed": provenance.seed,
+        "recordings": recordings.all().len(),
+        "noise": recordings.noise().iter().map(|noise| json!({
+            "channel": noise.channel.key(),
+            "deviation": noise.deviation,
+            "degrees_of_freedom": noise.freedom.is_finite().then_some(noise.freedom),
+            "source": match noise.source { NoiseSource::Repeats => "repeats", NoiseSource::Stated => "stated" },
+        })).collect::<Vec<_>>(),
+        "verdict": finding.verdict.key(),
+        "named": named,
+        "family": finding.family(),
+        "probability_of_nothing_missing": finding.nothing,
+        "probability_of_none_of_these": finding.none_of_these,
+        "set": keys(&finding.set),
+        "set_has_none_of_these": finding.set_has_none,
+        "families": finding.families.iter().map(|(name, p)| json!({ "family": name, "probability": p })).collect::<Vec<_>>(),
+        "effects": effects.iter().enumerate().map(|(k, effect)| json!({
+            "effect": effect.key,
+            "probability": finding.inclusion[k],
+            "expected_fall_of_chi_square": found.attribution.expected_gains[k],
+            "testable": found.attribution.is_testable(k),
+        })).collect::<Vec<_>>(),
+        "explanations": found.attribution.scored.iter().map(|scored| json!({
+            "explanation": match &scored.hypothesis {
+                Hypothesis::Nothing => json!("nothing_missing"),
+                Hypothesis::NoneOfThese => json!("none_of_these"),
+                Hypothesis::Effects(list) => json!(keys(list)),
+            },
+            "prior": scored.prior,
+            "log_evidence": scored.log_evidence,
+            "probability": scored.probability,
+        })).collect::<Vec<_>>(),
+        "estimates": found.fits.iter().map(|fit| estimates(found, fit, predictor)).collect::<Vec<_>>(),
+        "nuisances": nuisances(found, predictor),
+        "channels": finding.gates.iter().map(|gate| json!({
+            "channel": gate.channel.key(),
+            "chi_square": gate.chi_square,
+            "degrees_of_freedom": gate.freedom,
+            "chance": gate.chance,
+            "followed": gate.passed,
+        })).collect::<Vec<_>>(),
+        "bias": found.bias.map(|bias| json!({ "amplitude": bias.amplitude, "length": bias.length })),
+        "where": found.location.contrasts.iter().map(|contrast| json!({
+            "channel": contrast.channel.key(),
+            "pattern": contrast.pattern,
+            "score": contrast.score,
+            "chance": contrast.chance,
+            "discovered": contrast.discovered,
+        })).collect::<Vec<_>>(),
+        "maps": found.location.maps.iter().map(|(channel, points)| json!({
+            "channel": channel.key(),
+            "cutting_speed": points.iter().map(|p| p.cutting_speed).collect::<Vec<_>>(),
+            "uncut_chip_thickness": points.iter().map(|p| p.uncut_chip_thickness).collect::<Vec<_>>(),
+            "score": points.iter().map(|p| p.score).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
+        "held_out": found.help.iter().map(held).collect::<Vec<_>>(),
+        "false_alarms": found.false_alarms.map(rate),
+        "positive_control": found.control.as_ref().map(|control| json!({
+            "effects": keys(&control.effects),
+            "alarms": rate(control.alarms),
+            "named": rate(control.named),
+            "in_set": rate(control.in_set),
+        })),
+        "next": found.next.as_ref().map(|next| json!({
+            "cuts": next.conditions.iter().map(condition).collect::<Vec<_>>(),
+            "expected_probability_of_the_right_one": { "now": next.expected[0], "after": next.expected[1] },
+            "with_one_more_channel": next.with_channel.iter().map(|(channel, p)| json!({
+                "channel": channel.key(), "after": p,
+            })).collect::<Vec<_>>(),
+        })),
+    });
+    format!("{page:#}\n")
+}
+
+fn condition(condition: &Condition) -> Value {
+    json!({
+        "cutting_speed": condition.cutting_speed,
+        "uncut_chip_thickness": condition.uncut_chip_thickness,
+    })
+}
+
+fn estimates(found: &Diagnosis, fit: &Fit, predictor: &dyn Predictor) -> Value {
+    let effects = predictor.effects();
+    json!({
+        "explanation": fit.effects.iter().map(|&k| effects[k].key).collect::<Vec<_>>(),
+        "parameters": found.estimates(predictor, fit).iter().map(|estimate| {
+            let parameter = &effects[estimate.effect].parameters[estimate.parameter];
+            json!({
+                "effect": effects[estimate.effect].key,
+                "parameter": parameter.key,
+                "unit": parameter.unit,
+                "value": estimate.value,
+                "interval": estimate.interval,
+            })
+        }).collect::<Vec<_>>(),
+    })
+}
+
+/// The factors on material and friction when nothing is missing, and under the most probable repair.
+fn nuisances(found: &Diagnosis, predictor: &dyn Predictor) -> Vec<Value> {
+    let factors = |fit: &Fit| found.problem.nuisances(&fit.unknowns, 0);
+    let (null, repaired) = (factors(&found.null), found.repair.map(|k| factors(&found.fits[k])));
+    predictor
+        .nuisances()
+        .iter()
+        .enumerate()
+        .map(|(k, nuisance)| {
+            json!({
+                "quantity": nuisance.key,
+                "prior": nuisance.deviation,
+                "factor_when_nothing_is_missing": (null[k].exp()),
+                "factor_with_the_repair": repaired.as_ref().map(|all| all[k].exp()),
+            })
+        })
+        .collect()
+}
+
+fn rate(rate: Rate) -> Value {
+    json!({ "hits": rate.hits, "trials": rate.trials, "interval": rate.interval() })
+}
+
+fn held(held: &Held) -> Value {
+    json!({
+        "part": held.part.key(),
+        "values": held.values,
+        "before": held.before,
+        "nuisances_fitted_again": held.refitted,
+        "repaired": held.repaired,
+        "ratio": held.ratio[0],
+        "ratio_interval": [held.ratio[1], held.ratio[2]],
+        "improves": held.improves(),
+        "grey_box": held.grey_box.iter().map(|(method, error)| json!({
+            "method": method.key(), "error": error,
+        })).collect::<Vec<_>>(),
+    })
+}

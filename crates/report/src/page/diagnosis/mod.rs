@@ -1,0 +1,332 @@
+//! `diagnosis.html`: which physics a simulation left out.
+
+mod words;
+
+pub use words::diagnosis_words;
+
+use super::greybox::maps::{Colours, Map};
+use super::greybox::{figure, page as whole};
+use crate::text::{minus, percent, three_digits};
+use maud::{Markup, html};
+use sphcut_diagnose::{
+    Diagnosis, Hypothesis, MapPoint, Noise, NoiseSource, Predictor, Provenance, Recordings, Scored,
+};
+use sphcut_greybox::{Hull, Input};
+use words::{family, listed, parameters, part, pattern, rate};
+
+/// Explanations that are shown.
+const MOST_EXPLANATIONS: usize = 10;
+/// Patterns that are shown.
+const MOST_PATTERNS: usize = 12;
+
+/// What the page shows.
+#[derive(Clone, Copy)]
+pub struct DiagnosisPage<'a> {
+    /// Where it comes from.
+    pub provenance: Provenance<'a>,
+    /// What was found.
+    pub diagnosis: &'a Diagnosis,
+    /// What was measured.
+    pub recordings: &'a Recordings,
+    /// The model that explains.
+    pub predictor: &'a dyn Predictor,
+}
+
+/// The text of `diagnosis.html`; nothing is loaded.
+#[must_use]
+pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
+    let provenance = &page.provenance;
+    let lead = html! {
+        (page.recordings.all().len()) " recordings, explained with " (provenance.model) "; " (provenance.source) "."
+    };
+    let sentences = diagnosis_words(page);
+    let alarm = page.diagnosis.finding.is_alarm();
+    let body = html! {
+        section.warnings[alarm].clean[!alarm] role="note" {
+            @if let [verdict, rest @ ..] = sentences.as_slice() {
+                h2 { (verdict) }
+                ul { @for sentence in rest { li { (sentence) } } }
+            }
+        }
+        (where_it_is(page))
+        (what_it_is(page))
+        (repair(page))
+        (does_it_help(page))
+        (trust(page))
+        (next(page))
+        (method(page))
+    };
+    whole(&format!("What is missing: {}", provenance.title), &lead, provenance.version, &body)
+}
+
+fn where_it_is(page: &DiagnosisPage<'_>) -> Markup {
+    let location = &page.diagnosis.location;
+    let size = location.maps.iter().flat_map(|(_, points)| points).map(|p| p.score.abs());
+    let size = size.fold(4.0, f64::max);
+    html! {
+        section {
+            h2 { "Where" }
+            p { "The residual after material, friction and instruments have been fitted, in standard deviations: what is left that chance does not \
+                explain. Beyond \u{b1}3 is rare by chance at a single place. A place is evidence, not an explanation: the fit moves an effect to where it \
+                cannot follow it." }
+            div.pair { @for (channel, points) in &location.maps {
+                (figure(&map(page, points, size, channel.title()),
+                    &format!("{}: measured above the model is red, below is blue. Dots: recordings.", channel.title())))
+            } }
+            div.scroll { table {
+                caption { "Patterns of the residual. A discovery survives Benjamini and Hochberg: of all discoveries one in twenty is expected to be false." }
+                thead { tr {
+                    th scope="col" { "Channel" } th scope="col" { "Pattern" }
+                    th.n scope="col" { "Standard deviations" } th scope="col" { "Discovery" }
+                } }
+                tbody { @for contrast in location.contrasts.iter().take(MOST_PATTERNS) { tr {
+                    th scope="row" { (contrast.channel.title()) } td { (pattern(contrast.pattern)) }
+                    td.n { (minus(&format!("{:+.1}", contrast.score))) }
+                    td { @if contrast.discovered { "yes" } @else { "no" } }
+                } } }
+            } }
+        }
+    }
+}
+
+/// A map of the scores, interpolated between its points.
+fn map(page: &DiagnosisPage<'_>, points: &[MapPoint], size: f64, title: &str) -> String {
+    let problem = &page.diagnosis.problem;
+    let inputs: Vec<Input> = problem
+        .sites
+        .iter()
+        .filter(|site| site.diagnosed)
+        .map(|site| [site.condition.cutting_speed, site.condition.uncut_chip_thickness])
+        .collect();
+    let hull = Hull::around(&inputs);
+    let shape = page.diagnosis.location.shape;
+    let surface = |input: Input| interpolated(points, shape, input);
+    Map {
+        title: title.to_owned(),
+        description: format!("Residual of the {title} over cutting speed and uncut chip thickness"),
+        quantity: "standard deviations".to_owned(),
+        colours: Colours::around_zero([size].into_iter()),
+        hull: &hull,
+        inputs: &inputs,
+        surface: Some(&surface),
+        points: inputs.iter().map(|&input| (input, surface(input))).collect(),
+    }
+    .svg()
+}
+
+/// Bilinear in the logarithms of v_c and h; the border goes on outside.
+fn interpolated(points: &[MapPoint], [columns, rows]: [usize; 2], [v, h]: Input) -> f64 {
+    let (first, last) = (points[0], points[points.len() - 1]);
+    let place = |x: f64, low: f64, high: f64, count: usize| {
+        let share = if high > low { (x / low).ln() / (high / low).ln() } else { 0.0 };
+        (share * (count - 1) as f64).clamp(0.0, (count - 1) as f64)
+    };
+    let x = place(v, first.cutting_speed, last.cutting_speed, columns);
+    let y = place(h, first.uncut_chip_thickness, last.uncut_chip_thickness, rows);
+    let (i, j) = ((x as usize).min(columns - 2), (y as usize).min(rows - 2));
+    let (s, t) = (x - i as f64, y - j as f64);
+    let at = |i: usize, j: usize| points[j * columns + i].score;
+    (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(i + 1, j))
+        + t * ((1.0 - s) * at(i, j + 1) + s * at(i + 1, j + 1))
+}
+
+fn titles(page: &DiagnosisPage<'_>, scored: &Scored) -> String {
+    match &scored.hypothesis {
+        Hypothesis::Nothing => "nothing is missing".to_owned(),
+        Hypothesis::NoneOfThese => "something smooth that is none of the effects".to_owned(),
+        Hypothesis::Effects(list) => {
+            let names: Vec<String> =
+                list.iter().map(|&k| page.predictor.effects()[k].title.to_owned()).collect();
+            names.join(" + ")
+        }
+    }
+}
+
+fn what_it_is(page: &DiagnosisPage<'_>) -> Markup {
+    let found = page.diagnosis;
+    let finding = &found.finding;
+    let effects = page.predictor.effects();
+    html! {
+        section {
+            h2 { "What" }
+            div.scroll { table {
+                caption { "The most probable explanations. Under each of them material, friction and instruments are fitted anew. An alarm needs \
+                    less than 5 % for \u{201c}nothing is missing\u{201d}; a name needs more than 90 %." }
+                thead { tr {
+                    th scope="col" { "Explanation" } th.n scope="col" { "Probability" } th scope="col" { "Most probable size (95 % interval)" }
+                } }
+                tbody { @for scored in found.attribution.scored.iter().take(MOST_EXPLANATIONS) { tr {
+                    th scope="row" { (titles(page, scored)) }
+                    td.n { (percent(scored.probability)) }
+                    td { @if let Some(fit) = found.fits.iter().find(|fit| fit.effects == scored.hypothesis.effects()) {
+                        (parameters(page, fit).join("; "))
+                    } }
+                } } }
+            } }
+            @if finding.is_alarm() && !finding.families.is_empty() {
+                p { "By family: " (listed(&finding.families.iter().map(|(name, p)| format!("{} {}", family(name), percent(*p))).collect::<Vec<_>>())) "." }
+            }
+            div.scroll { table {
+                caption { "Every effect: the probability that it is among what is missing, and by how much \u{3c7}\u{b2} would fall on average if it were missing \
+                    at a typical strength and were put in. Below 6 these data cannot test it." }
+                thead { tr {
+                    th scope="col" { "Effect" } th scope="col" { "Family" } th.n scope="col" { "Probability" }
+                    th.n scope="col" { "Expected fall of \u{3c7}\u{b2}" } th scope="col" { "Testable" }
+                } }
+                tbody { @for (k, effect) in effects.iter().enumerate() { tr {
+                    th scope="row" { (effect.title) } td { (family(effect.family)) }
+                    td.n { (percent(finding.inclusion[k])) }
+                    td.n { (three_digits(found.attribution.expected_gains[k])) }
+                    td { @if found.attribution.is_testable(k) { "yes" } @else { "not with these data" } }
+                } } }
+            } }
+        }
+    }
+}
+
+fn repair(page: &DiagnosisPage<'_>) -> Markup {
+    let found = page.diagnosis;
+    let repaired = found.repair.map(|k| &found.fits[k]);
+    let factors = |unknowns| found.problem.nuisances(unknowns, 0);
+    let null = factors(&found.null.unknowns);
+    let after = repaired.map(|fit| factors(&fit.unknowns));
+    let factor = |log: f64| minus(&format!("{:+.1} %", log.exp_m1() * 100.0));
+    html! {
+        section {
+            h2 { "Repair" }
+            @match &found.finding.verdict {
+                sphcut_diagnose::Verdict::Named(_) => p { "The file scenario.patch.toml beside this page has the effect, its parameters with intervals, and the keys of the \
+                    scenario where the particle solver knows the effect. The patched scenario has not been run in the particle solver." },
+                sphcut_diagnose::Verdict::OneOf => p { "No patch is written: which effect is missing cannot be told. The sizes of all candidates stand above; what would tell them apart stands below." },
+                sphcut_diagnose::Verdict::NoneOfThese => p { "No patch is written: no effect explains the data." },
+                sphcut_diagnose::Verdict::NoAlarm => p { "There is nothing to repair." },
+            }
+            div.scroll { table {
+                caption { "What the fit changes of material and friction. A value far beyond its scatter says that the fit bends something to make up for what is missing." }
+                thead { tr {
+                    th scope="col" { "Quantity" } th.n scope="col" { "Scatter assumed" } th.n scope="col" { "Nothing missing" }
+                    @if after.is_some() { th.n scope="col" { "With the repair" } }
+                } }
+                tbody { @for (k, nuisance) in page.predictor.nuisances().iter().enumerate() { tr {
+                    th scope="row" { code { (nuisance.key) } }
+                    td.n { (percent(nuisance.deviation)) }
+                    td.n { (factor(null[k])) }
+                    @if let Some(after) = &after { td.n { (factor(after[k])) } }
+                } } }
+            } }
+        }
+    }
+}
+
+fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
+    let help = &page.diagnosis.help;
+    html! {
+        section {
+            h2 { "Does it help" }
+            @if let [first, ..] = help.as_slice() {
+                div.scroll { table {
+                    caption { "Mean error (of the logarithm, about the relative error) on recordings that the fit has not seen. Grey box: the scenario \
+                        as it is, corrected by regression of its error over speed and thickness; its settings were searched with the left-out recordings in view, which favours it." }
+                    thead { tr {
+                        th scope="col" { "Left out" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
+                        th.n scope="col" { "Nuisances fitted again" } th.n scope="col" { "Repaired" }
+                        th.n scope="col" { "Repaired / fitted again" }
+                        @for (method, _) in &first.grey_box { th.n scope="col" { "Grey box: " (method.name()) } }
+                    } }
+                    tbody { @for held in help { tr {
+                        th scope="row" { (part(held.part)) } td.n { (held.values) }
+                        td.n { (percent(held.before)) } td.n { (percent(held.refitted)) } td.n { (percent(held.repaired)) }
+                        td.n { (three_digits(held.ratio[0])) " (" (three_digits(held.ratio[1])) " to " (three_digits(held.ratio[2])) ")" }
+                        @for (_, error) in &held.grey_box { td.n { (percent(*error)) } }
+                    } } }
+                } }
+                p { "The repair helps beyond doubt where the whole interval of the ratio lies below 1." }
+            } @else {
+                p { "There is no repair to test." }
+            }
+        }
+    }
+}
+
+fn trust(page: &DiagnosisPage<'_>) -> Markup {
+    let found = page.diagnosis;
+    let names = |list: &[usize]| -> String {
+        listed(
+            &list.iter().map(|&k| page.predictor.effects()[k].title.to_owned()).collect::<Vec<_>>(),
+        )
+    };
+    html! {
+        section {
+            h2 { "Can this be trusted" }
+            table { tbody {
+                @if let Some(alarms) = found.false_alarms { tr {
+                    th scope="row" { "Alarms in simulated recordings with nothing missing" } td { (rate(alarms)) }
+                } }
+                @if let Some(control) = &found.control {
+                    tr { th scope="row" { "Alarms where \u{201c}" (names(&control.effects)) "\u{201d} was concealed at the size found" } td { (rate(control.alarms)) } }
+                    tr { th scope="row" { "\u{2026} named, and nothing else" } td { (rate(control.named)) } }
+                    tr { th scope="row" { "\u{2026} in the 95 % set" } td { (rate(control.in_set)) } }
+                }
+                @for noise in page.recordings.noise() { tr {
+                    th scope="row" { "Noise of a single " (noise.channel.title()) }
+                    td { (percent(noise.deviation)) ", " (origin(noise)) }
+                } }
+                @for gate in &found.finding.gates { tr.over[!gate.passed] {
+                    th scope="row" { "Best explanation and " (gate.channel.title()) }
+                    td { "\u{3c7}\u{b2} = " (three_digits(gate.chi_square)) " for " (three_digits(gate.freedom)) " values (chance " (percent(gate.chance)) ")"
+                        @if !gate.passed { ": not followed" } }
+                } }
+                @if let Some(bias) = found.bias { tr {
+                    th scope="row" { "Bias of the model by the reference cuts" }
+                    td { @if bias.length > 0.0 { (percent(bias.amplitude)) ", changing over " (percent(bias.length)) " of the range" } @else { "cancelled: only the difference of the two states counts" } }
+                } }
+            } }
+        }
+    }
+}
+
+fn origin(noise: &Noise) -> String {
+    match noise.source {
+        NoiseSource::Stated => "as stated".to_owned(),
+        NoiseSource::Repeats => {
+            format!("from repeats ({} degrees of freedom)", three_digits(noise.freedom))
+        }
+    }
+}
+
+fn next(page: &DiagnosisPage<'_>) -> Markup {
+    let proposal = &page.diagnosis.next;
+    html! {
+        section {
+            h2 { "What to measure next" }
+            @if let Some(next) = proposal {
+                p { "The cuts on which the explanations that are left differ most. The probability of the right one among them is "
+                    (percent(next.expected[0])) " now and is expected to be " (percent(next.expected[1])) " after these cuts." }
+                div.scroll { table {
+                    thead { tr { th scope="col" { "Cut" } th.n scope="col" { "v_c in m/min" } th.n scope="col" { "h in mm" } } }
+                    tbody { @for (k, cut) in next.conditions.iter().enumerate() { tr {
+                        th scope="row" { (k + 1) }
+                        td.n { (three_digits(cut.cutting_speed * 60.0)) } td.n { (three_digits(cut.uncut_chip_thickness * 1e3)) }
+                    } } }
+                } }
+                @if !next.with_channel.is_empty() {
+                    p { "With one more channel measured on these cuts (to 3 %): "
+                        (listed(&next.with_channel.iter().map(|(channel, p)| format!("{} {}", channel.title(), percent(*p))).collect::<Vec<_>>())) "." }
+                }
+            } @else {
+                p { "One explanation is left; no cut would change that." }
+            }
+        }
+    }
+}
+
+fn method(page: &DiagnosisPage<'_>) -> Markup {
+    html! {
+        section {
+            h2 { "How this was found" }
+            p { "Every explanation is fitted together with the scatter of material, friction and instruments, and weighed by its evidence; \
+                a pair of effects has to earn its second one. \u{201c}None of these\u{201d} is a smooth difference of 1 to 8 % without a name. \
+                docs/diagnosis.md has formulas, sources and limits; diagnosis.json has every number. Seed " (page.provenance.seed) "." }
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The verdict in plain words.
+
+use super::DiagnosisPage;
+use crate::text::{percent, three_digits};
+use sphcut_diagnose::{Channel, Estimate, Fit, Held, Part, Rate, Verdict};
+
+/// A pattern in words.
+pub(super) fn pattern(pattern: &str) -> &str {
+    match pattern {
+        "v" => "a slope over the cutting speed",
+        "h" => "a slope over the uncut chip thickness",
+        "v^2" => "a bend over the cutting speed",
+        "h^2" => "a bend over the uncut chip thickness",
+        "v h" => "a twist over speed and thickness",
+        "low v, low h" => "slow cuts of thin chips",
+        "high v, low h" => "fast cuts of thin chips",
+        "low v, high h" => "slow cuts of thick chips",
+        "high v, high h" => "fast cuts of thick chips",
+        "order" => "a slope over the order of the cuts",
+        "cut length" => "a slope over the length that the edge has cut",
+        other => other,
+    }
+}
+
+pub(super) fn part(part: Part) -> &'static str {
+    match part {
+        Part::Blocks => "quarters of the range of speed and thickness, one after the other",
+        Part::HighestSpeed => "the highest speeds (beyond the rest)",
+        Part::ThinnestChip => "the thinnest chips (beyond the rest)",
+    }
+}
+
+pub(super) fn family(key: &str) -> &str {
+    match key {
+        "rate_size" => "rate and size",
+        "instrument" => "machine and instrument",
+        other => other,
+    }
+}
+
+/// `2.5 % (0.8 % to 5.8 %)`.
+pub(super) fn rate(rate: Rate) -> String {
+    let [low, high] = rate.interval();
+    format!(
+        "{} of {}: {} (95 % interval {} to {})",
+        rate.hits,
+        rate.trials,
+        percent(rate.share()),
+        percent(low),
+        percent(high)
+    )
+}
+
+/// Scale and unit for people.
+pub(super) fn shown(unit: &str, value: f64) -> (f64, &str) {
+    match unit {
+        "m" if value.abs() < 1e-3 => (1e6, "\u{b5}m"),
+        "m" => (1e3, "mm"),
+        "Pa" => (1e-6, "MPa"),
+        "rad" => (180.0 / std::f64::consts::PI, "\u{b0}"),
+        other => (1.0, other),
+    }
+}
+
+/// `39.1 µm (35.2 to 42.9)`.
+pub(super) fn estimate(page: &DiagnosisPage<'_>, estimate: &Estimate) -> String {
+    let parameter = &page.predictor.effects()[estimate.effect].parameters[estimate.parameter];
+    let (scale, unit) = shown(parameter.unit, estimate.interval[1]);
+    let [low, high] = estimate.interval.map(|x| three_digits(x * scale));
+    let blank = if unit.is_empty() { "" } else { " " };
+    format!(
+        "{} = {}{blank}{unit} ({low} to {high})",
+        parameter.symbol,
+        three_digits(estimate.value * scale)
+    )
+}
+
+pub(super) fn parameters(page: &DiagnosisPage<'_>, fit: &Fit) -> Vec<String> {
+    page.diagnosis.estimates(page.predictor, fit).iter().map(|e| estimate(page, e)).collect()
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub(super) fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// What can be said, one entry per thought.
+#[must_use]
+pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
+    let mut words = vec![verdict(page)];
+    words.extend(whereabouts(page));
+    words.extend(page.diagnosis.help.first().map(|held| help(page, held)));
+    if let Some(found) = page.diagnosis.false_alarms {
+        let alarm = if page.diagnosis.finding.is_alarm() { "this alarm" } else { "an alarm" };
+        words.push(format!(
+            "Of simulated recordings with this design and this noise, in which nothing is missing, {} raised an alarm: that is how much {alarm} may be chance.",
+            rate(found)
+        ));
+    }
+    if page.diagnosis.bias.is_none() && page.diagnosis.finding.is_alarm() {
+        words.push(
+            "There are no reference cuts: what the model itself gets wrong looks like missing physics too. Cuts in which nothing is missing (fresh edge, \
+             known radius) would tell the two apart."
+                .to_owned(),
+        );
+    }
+    let untestable = page.diagnosis.finding.untestable.len();
+    if untestable > 0 {
+        words.push(format!(
+            "{untestable} of {} effects cannot be tested with these data; that none of them was found says nothing.",
+            page.predictor.effects().len()
+        ));
+    }
+    words
+}
+
+fn verdict(page: &DiagnosisPage<'_>) -> String {
+    let finding = &page.diagnosis.finding;
+    let titles = |list: &[usize]| -> Vec<String> {
+        list.iter().map(|&k| page.predictor.effects()[k].title.to_owned()).collect()
+    };
+    match &finding.verdict {
+        Verdict::NoAlarm => format!(
+            "These data do not show that anything is missing: the scatter of material, friction and instruments explains them (probability that nothing is missing: {}).",
+            percent(finding.nothing)
+        ),
+        Verdict::Named(named) => {
+            let fit = page.diagnosis.repair.map(|k| &page.diagnosis.fits[k]);
+            let values = fit.map_or_else(Vec::new, |fit| parameters(page, fit));
+            let probable = named.iter().map(|&k| finding.inclusion[k]).fold(1.0, f64::min);
+            format!(
+                "Something is missing, and it has a name: {} (probability {}). Its size: {}.",
+                listed(&titles(named)),
+                percent(probable),
+                listed(&values)
+            )
+        }
+        Verdict::OneOf => {
+            let mut set = titles(&finding.set);
+            if finding.set_has_none {
+                set.push("something that is none of the effects".to_owned());
+            }
+            let family = finding.family().map_or_else(String::new, |name| {
+                format!(" Its family is known: {}.", family(name))
+            });
+            format!(
+                "Something is missing, but these data cannot tell which: with 95 % probability at least one of {}.{family}",
+                listed(&set)
+            )
+        }
+        Verdict::NoneOfThese => {
+            let failed: Vec<String> = finding
+                .gates
+                .iter()
+                .filter(|gate| !gate.passed)
+                .map(|gate| gate.channel.title().to_owned())
+                .collect();
+            let why = if failed.is_empty() {
+                format!(
+                    "a smooth difference that has no name explains them better (probability {})",
+                    percent(finding.none_of_these)
+                )
+            } else {
+                format!("the best of them does not follow the {}", listed(&failed))
+            };
+            format!(
+                "Something is missing that none of the effects explains: {why}. No patch is written; the maps show where it is."
+            )
+        }
+    }
+}
+
+fn whereabouts(page: &DiagnosisPage<'_>) -> Option<String> {
+    let found: Vec<_> = page.diagnosis.location.contrasts.iter().filter(|c| c.discovered).collect();
+    let first = found.first()?;
+    let direction = if first.score > 0.0 { "above" } else { "below" };
+    let channels: Vec<Channel> = page.diagnosis.problem.channels();
+    let touched = channels.iter().filter(|c| found.iter().any(|f| f.channel == **c));
+    let names: Vec<String> = touched.map(|c| c.title().to_owned()).collect();
+    Some(format!(
+        "Where: {} patterns beyond chance, in the {}. The strongest is {} of the {} ({} standard deviations {direction} the model).",
+        found.len(),
+        listed(&names),
+        pattern(first.pattern),
+        first.channel.title(),
+        three_digits(first.score.abs())
+    ))
+}
+
+fn help(page: &DiagnosisPage<'_>, held: &Held) -> String {
+    let how = if held.improves() {
+        "the repair helps beyond doubt"
+    } else if held.ratio[1] > 1.0 {
+        "the repair makes it worse"
+    } else {
+        "whether the repair helps is not certain"
+    };
+    let repair = match page.diagnosis.finding.verdict {
+        Verdict::OneOf => "with the most probable of the set",
+        _ => "with the repair",
+    };
+    format!(
+        "On conditions left out, the mean error is {} as simulated, {} with material and friction fitted again, {} {repair}: {how} (ratio to fitting again {}, 95 % interval {} to {}).",
+        percent(held.before),
+        percent(held.refitted),
+        percent(held.repaired),
+        three_digits(held.ratio[0]),
+        three_digits(held.ratio[1]),
+        three_digits(held.ratio[2])
+    )
+}
