@@ -36,7 +36,10 @@ pub fn folder(name: &str) -> PathBuf {
 /// A sweep with `runs` runs.
 pub fn sweep(folder: &Path, runs: usize) -> Sweep {
     std::fs::write(folder.join("base.toml"), BASE).unwrap();
-    let values: Vec<String> = (0..runs).map(|run| format!("\"{} K\"", 300 + run)).collect();
+    // A kelvin apart, or less where that would leave the range of temperatures.
+    let step = if runs > 5000 { 0.01 } else { 1.0 };
+    let values: Vec<String> =
+        (0..runs).map(|run| format!("\"{} K\"", 300.0 + step * run as f64)).collect();
     let text = format!(
         "title = \"t\"\nbase = \"base.toml\"\n[[vary]]\nkey = \"body[1].temperature\"\nvalues = [{}]\n",
         values.join(", ")
