@@ -8,6 +8,8 @@ pub const MEASURED: [&str; 7] =
     ["F_c", "F_f", "F_p", "T_interface", "chip_thickness", "contact_length", "springback"];
 /// Columns beside them, which come first.
 const OTHERS: usize = 7;
+/// Columns that `sphcut sweep` writes and that are read over.
+const READ_OVER: usize = 3;
 
 /// One line of the table in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +41,7 @@ const fn column(
     ColumnRule { name, quantity, unit, required, positive }
 }
 
-const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len()] = [
+const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + READ_OVER] = [
     column("v_c", Quantity::Speed, "m/min", (true, true)),
     column("h", Quantity::Length, "mm", (true, true)),
     column("cut_length", Quantity::Length, "m", (false, false)),
@@ -61,11 +63,14 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len()] = [
     column("chip_thickness_sd", Quantity::Length, "mm", (false, true)),
     column("contact_length_sd", Quantity::Length, "mm", (false, true)),
     column("springback_sd", Quantity::Length, "um", (false, true)),
+    column("F_c_ci95", Quantity::Force, "N", (false, false)),
+    column("F_f_ci95", Quantity::Force, "N", (false, false)),
+    column("F_p_ci95", Quantity::Force, "N", (false, false)),
 ];
 
 /// Reads a table with the columns `v_c` and `h` and at least one of [`MEASURED`]; if it has them, also standard deviations
 /// (`F_c_sd` and so on), `n`, `order`, `cut_length` and `b`; in any order, each with its unit in brackets: `v_c [m/min]`. A
-/// cell of what was not measured is empty. A column `time` is read over. Empty lines and lines that begin with `#` are
+/// cell of what was not measured is empty. A column `time`, and the half widths of intervals that `sphcut sweep` writes, are read over. Empty lines and lines that begin with `#` are
 /// skipped.
 ///
 /// # Errors
@@ -118,6 +123,18 @@ mod tests {
         assert_eq!((rows[0].values[3], rows[0].deviations[3]), (Some(773.15), Some(5.0)));
         assert_eq!((rows[0].order, rows[0].cut_length), (Some(1.0), Some(30.0)));
         assert_eq!((rows[1].values[3], rows[1].deviations[0]), (None, None));
+    }
+
+    #[test]
+    fn what_a_sweep_writes_is_read() {
+        let text = include_str!("../../../validation/aisi1045_sweep/simulated.csv");
+        let rows = read_cut_table(text).unwrap();
+        assert_eq!(rows.len(), 110);
+        let known = |k: usize| rows.iter().filter(|row| row.values[k].is_some()).count();
+        // F_c and F_f of all, no passive force in the plane, temperature and contact of most.
+        assert_eq!((known(0), known(1), known(2)), (110, 110, 0));
+        assert!(known(3) > 100 && known(5) > 100);
+        assert_eq!(crate::read_force_table(text).unwrap().len(), 110);
     }
 
     #[test]

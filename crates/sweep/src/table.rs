@@ -197,7 +197,15 @@ impl Table {
                 number("temperature.interface_mean_k").map(|kelvin| kelvin - ZERO_CELSIUS),
             ];
             let conditions = [speed, thickness, width].map(|number| number.to_string());
-            let forces = forces.iter().flatten().map(|force| short(*force));
+            // In the plane there is no passive force to know.
+            let is_known = |place: usize, force: &[f64; 2]| place < 2 || force[0] != 0.0;
+            let forces = forces.iter().enumerate().flat_map(|(place, force)| {
+                if is_known(place, force) {
+                    force.map(short)
+                } else {
+                    [String::new(), String::new()]
+                }
+            });
             let beside = beside.map(|number| number.map_or_else(String::new, short));
             line(&mut text, conditions.into_iter().chain(forces).chain(beside));
             cuts += 1;
