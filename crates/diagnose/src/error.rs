@@ -44,6 +44,18 @@ pub enum DiagnoseError {
     },
     /// Noise and priors give no covariance that can be inverted.
     Singular,
+    /// The closed-form model does not have what a scenario has.
+    Scenario {
+        /// What it has.
+        what: String,
+    },
+    /// A table of the file of a diagnosis cannot be used.
+    Table {
+        /// Its section.
+        section: &'static str,
+        /// Why.
+        reason: Box<Self>,
+    },
 }
 
 impl fmt::Display for DiagnoseError {
@@ -77,6 +89,10 @@ impl fmt::Display for DiagnoseError {
                 channel.title()
             ),
             Self::Singular => write!(f, "noise and priors give no covariance that can be inverted"),
+            Self::Scenario { what } => {
+                write!(f, "the closed-form model cannot take the scenario: {what}")
+            }
+            Self::Table { section, reason } => write!(f, "the table of [{section}]: {reason}"),
         }
     }
 }

@@ -18,7 +18,7 @@
 //! 6. [`does_it_help`] leaves out blocks of conditions, a [`Simulator`] conceals known answers, and [`next_experiment`]
 //!    says which cuts would tell more.
 //!
-//! [`diagnose`] does all of it.
+//! [`diagnose`] does all of it, [`diagnose_case`] for a file.
 //!
 //! The simulation enters through [`Predictor`] alone.
 //!
@@ -27,8 +27,10 @@
 //! MacKay, Neural Computation 4 (1992) 415-447, for the evidence; `docs/diagnosis.md` for what was measured with it.
 
 mod attribute;
+mod case;
 mod channel;
 mod closed_form;
+mod closed_form_cut;
 mod commissioning;
 mod data;
 mod error;
@@ -48,8 +50,10 @@ mod twin;
 mod verdict;
 
 pub use attribute::{Attribution, Hypothesis, Scored, attribute};
+pub use case::diagnose_case;
 pub use channel::{CHANNELS, Channel};
 pub use closed_form::ClosedForm;
+pub use closed_form_cut::closed_form_cut;
 pub use commissioning::{Batch, Bias, Comparison};
 pub use data::{Noise, NoiseSource, Recording, Recordings};
 pub use error::DiagnoseError;

@@ -33,12 +33,15 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("postprocess", &["record", "sph", "physics"]),
     ("sweep", &["scenario", "record", "sph", "physics"]),
     ("greybox", &["record", "physics"]),
-    ("diagnose", &["analytic", "greybox", "postprocess", "sweep", "physics"]),
+    ("diagnose", &["analytic", "scenario", "greybox", "postprocess", "sweep", "physics"]),
     (
         "report",
         &["diagnose", "greybox", "postprocess", "record", "identify", "sweep", "sph", "physics"],
     ),
-    ("verification", &["scenario", "greybox", "sweep", "postprocess", "record", "sph", "physics"]),
+    (
+        "verification",
+        &["diagnose", "scenario", "greybox", "sweep", "postprocess", "record", "sph", "physics"],
+    ),
     (
         "cli",
         &[

@@ -1,17 +1,14 @@
 //! `sphcut diagnose`: which physics a simulation left out.
 
-mod closed_form;
 mod patch;
 
 use crate::arguments::DiagnoseArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use sphcut_diagnose::{
-    Batch, Channel, ClosedForm, Comparison, Condition, Diagnosis, InstrumentPriors, Predictor,
-    Provenance, Recording, Recordings, Request, diagnose as infer, diagnosis_json,
+    ClosedForm, DiagnoseError, Provenance, closed_form_cut, diagnose_case, diagnosis_json,
 };
 use sphcut_report::{DiagnosisPage, diagnosis_words, render_diagnosis};
-use sphcut_scenario::{CutTableRow, DiagnosisCase, MEASURED};
 
 const PAGE: &str = "diagnosis.html";
 const NUMBERS: &str = "diagnosis.json";
@@ -35,10 +32,10 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         )
         .advise("use --closed-form: a diagnosis with the closed-form model of docs/analytic_model.md"));
     }
-    let model = ClosedForm::new(closed_form::cut(&case.base)?, &case.scatter);
+    let mistaken = |error: DiagnoseError| Failure::input(error.to_string());
+    let model = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
     let pool = loading::pool(loading::threads(arguments.threads))?;
-    let recordings = recordings(&case.measured, &model, "measured")?;
-    let found = pool.install(|| run(&case, &recordings, &model))?;
+    let (recordings, found) = pool.install(|| diagnose_case(&case, &model)).map_err(mistaken)?;
     std::fs::create_dir_all(out)
         .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
     let provenance = Provenance {
@@ -64,85 +61,4 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     diagnosis_words(&page).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("report  {}", files[0].display()));
     Ok(ExitCode::Done)
-}
-
-fn run(
-    case: &DiagnosisCase,
-    measured: &Recordings,
-    model: &ClosedForm,
-) -> Result<Diagnosis, Failure> {
-    let reference = case.reference.as_ref();
-    let cuts = reference.map(|cuts| recordings(&cuts.rows, model, "reference")).transpose()?;
-    let reference = cuts.as_ref().zip(reference).map(|(cuts, stated)| {
-        let comparison =
-            if stated.difference { Comparison::Difference } else { Comparison::BiasField };
-        (cuts, comparison, if stated.same_batch { Batch::Same } else { Batch::Another })
-    });
-    let [gain, offset, drift] = case.instruments;
-    let request = Request {
-        recordings: measured,
-        reference,
-        instruments: InstrumentPriors { gain, offset, drift },
-        self_test: case.checks[0],
-        control: case.checks[1],
-        batch: case.next_cuts,
-        range: range(case),
-        seed: case.seed,
-    };
-    infer(&request, model).map_err(|error| Failure::input(error.to_string()))
-}
-
-/// The range that can be cut, where the case says any of its ends; the others half beyond the table.
-fn range(case: &DiagnosisCase) -> Option<[[f64; 2]; 2]> {
-    if case.next_range.iter().flatten().all(Option::is_none) {
-        return None;
-    }
-    let axes: [fn(&CutTableRow) -> f64; 2] =
-        [|row| row.cutting_speed, |row| row.uncut_chip_thickness];
-    Some([0, 1].map(|k: usize| {
-        let values = || case.measured.iter().map(axes[k]);
-        let low = values().fold(f64::INFINITY, f64::min) / 1.5;
-        let high = values().fold(0.0, f64::max) * 1.5;
-        let [stated_low, stated_high] = case.next_range[k];
-        [stated_low.unwrap_or(low), stated_high.unwrap_or(high)]
-    }))
-}
-
-fn recordings(
-    rows: &[CutTableRow],
-    model: &ClosedForm,
-    section: &str,
-) -> Result<Recordings, Failure> {
-    let cuts = rows.iter().map(|row| {
-        let mut recording = Recording {
-            condition: Condition {
-                cutting_speed: row.cutting_speed,
-                uncut_chip_thickness: row.uncut_chip_thickness,
-                cut_length: row.cut_length.unwrap_or(0.0),
-                run_order: row.order.unwrap_or(0.0),
-            },
-            count: row.count,
-            values: [None; MEASURED.len()],
-            deviations: [None; MEASURED.len()],
-        };
-        for (k, key) in MEASURED.iter().enumerate() {
-            let channel = Channel::from_key(key).expect("a test compares the names of both");
-            recording.values[channel.index()] = row.values[k];
-            recording.deviations[channel.index()] = row.deviations[k];
-        }
-        recording
-    });
-    Recordings::new(cuts.collect(), model.channels())
-        .map_err(|error| Failure::input(format!("the table of [{section}]: {error}")))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_column_of_the_table_is_a_channel() {
-        let channels: Vec<&str> = sphcut_diagnose::CHANNELS.iter().map(|c| c.key()).collect();
-        assert_eq!(channels, MEASURED);
-    }
 }

@@ -1,6 +1,6 @@
 //! A scenario as a cut of the closed-form model.
 
-use crate::failure::Failure;
+use crate::error::DiagnoseError;
 use sphcut_analytic::{Cut, FlowStress, Linear, Physics, Tool, Workpiece};
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::flow_stress::JohnsonCook;
@@ -15,12 +15,14 @@ const OXLEY: [f64; 3] = [5.9, 0.9, 0.9];
 /// Slopes of properties are taken up to this temperature in K.
 const WARM: f64 = 1000.0;
 
-/// The cut of `scenario`: material, rake, edge radius, width and friction. Its speed and thickness are those of the recordings.
-pub fn cut(scenario: &Scenario) -> Result<Cut, Failure> {
+/// The cut of `scenario` for the closed-form model: material, rake, edge radius, width and friction. Its speed and thickness
+/// are those of the recordings.
+///
+/// # Errors
+/// A scenario with something that the model does not have.
+pub fn closed_form_cut(scenario: &Scenario) -> Result<Cut, DiagnoseError> {
     let setup = &scenario.setup;
-    let cannot = |what: &str| {
-        Failure::input(format!("the closed-form model cannot take the scenario: {what}"))
-    };
+    let cannot = |what: &str| DiagnoseError::Scenario { what: what.to_owned() };
     let number = |section: &str, key: &str| {
         let entry = scenario.description.iter().find(|e| e.section == section && e.key == key);
         entry.and_then(|entry| entry.number)

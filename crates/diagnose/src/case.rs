@@ -1,0 +1,97 @@
+//! The file of a diagnosis, carried out.
+
+use crate::channel::Channel;
+use crate::commissioning::{Batch, Comparison};
+use crate::data::{Recording, Recordings};
+use crate::error::DiagnoseError;
+use crate::predictor::{Condition, Predictor};
+use crate::problem::InstrumentPriors;
+use crate::session::{Diagnosis, Request, diagnose};
+use sphcut_scenario::{CutTableRow, DiagnosisCase, MEASURED};
+
+/// The recordings of a case and what they say against `model`.
+///
+/// # Errors
+/// A table that cannot be used; all that [`diagnose`] may meet.
+pub fn diagnose_case(
+    case: &DiagnosisCase,
+    model: &dyn Predictor,
+) -> Result<(Recordings, Diagnosis), DiagnoseError> {
+    let measured = recordings(&case.measured, model, "measured")?;
+    let reference = case.reference.as_ref();
+    let cuts = reference.map(|cuts| recordings(&cuts.rows, model, "reference")).transpose()?;
+    let reference = cuts.as_ref().zip(reference).map(|(cuts, stated)| {
+        let comparison =
+            if stated.difference { Comparison::Difference } else { Comparison::BiasField };
+        (cuts, comparison, if stated.same_batch { Batch::Same } else { Batch::Another })
+    });
+    let [gain, offset, drift] = case.instruments;
+    let request = Request {
+        recordings: &measured,
+        reference,
+        instruments: InstrumentPriors { gain, offset, drift },
+        self_test: case.checks[0],
+        control: case.checks[1],
+        batch: case.next_cuts,
+        range: range(case),
+        seed: case.seed,
+    };
+    let found = diagnose(&request, model)?;
+    Ok((measured, found))
+}
+
+/// The range that can be cut, where the case says any of its ends; the others half beyond the table.
+fn range(case: &DiagnosisCase) -> Option<[[f64; 2]; 2]> {
+    if case.next_range.iter().flatten().all(Option::is_none) {
+        return None;
+    }
+    let axes: [fn(&CutTableRow) -> f64; 2] =
+        [|row| row.cutting_speed, |row| row.uncut_chip_thickness];
+    Some([0, 1].map(|k: usize| {
+        let values = || case.measured.iter().map(axes[k]);
+        let low = values().fold(f64::INFINITY, f64::min) / 1.5;
+        let high = values().fold(0.0, f64::max) * 1.5;
+        let [stated_low, stated_high] = case.next_range[k];
+        [stated_low.unwrap_or(low), stated_high.unwrap_or(high)]
+    }))
+}
+
+/// The lines of a table as recordings of what `model` predicts.
+fn recordings(
+    rows: &[CutTableRow],
+    model: &dyn Predictor,
+    section: &'static str,
+) -> Result<Recordings, DiagnoseError> {
+    let cuts = rows.iter().map(|row| {
+        let mut recording = Recording {
+            condition: Condition {
+                cutting_speed: row.cutting_speed,
+                uncut_chip_thickness: row.uncut_chip_thickness,
+                cut_length: row.cut_length.unwrap_or(0.0),
+                run_order: row.order.unwrap_or(0.0),
+            },
+            count: row.count,
+            values: [None; MEASURED.len()],
+            deviations: [None; MEASURED.len()],
+        };
+        for (k, key) in MEASURED.iter().enumerate() {
+            let channel = Channel::from_key(key).expect("a test compares the names of both");
+            recording.values[channel.index()] = row.values[k];
+            recording.deviations[channel.index()] = row.deviations[k];
+        }
+        recording
+    });
+    Recordings::new(cuts.collect(), model.channels())
+        .map_err(|reason| DiagnoseError::Table { section, reason: Box::new(reason) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_column_of_the_table_is_a_channel() {
+        let channels: Vec<&str> = crate::CHANNELS.iter().map(|c| c.key()).collect();
+        assert_eq!(channels, MEASURED);
+    }
+}
