@@ -2,6 +2,7 @@
 
 mod draw;
 mod files;
+mod run;
 mod score;
 mod seal;
 mod truth;
@@ -26,6 +27,27 @@ pub enum Conceal {
         /// The physics that the cuts obey.
         #[arg(long, value_enum, default_value_t = Truths::Opponents)]
         physics: Truths,
+    },
+    /// Diagnose all cases with the closed-form model, as `sphcut diagnose` does, and write what is claimed.
+    Run {
+        /// Folder of the cases.
+        #[arg(long)]
+        cases: PathBuf,
+        /// File for the claims; beside it `NAME.details.jsonl` with every probability and held-out error.
+        #[arg(long)]
+        out: PathBuf,
+        /// Leave the commissioning sets unread.
+        #[arg(long)]
+        without_reference: bool,
+        /// Try each repair on cuts that it has not seen.
+        #[arg(long)]
+        held_out: bool,
+        /// Threads; every one takes cases of its own.
+        #[arg(long, default_value_t = 1)]
+        threads: usize,
+        /// Only the first so many cases.
+        #[arg(long)]
+        first: Option<usize>,
     },
     /// Open the answers and score the claims.
     Score {
@@ -55,6 +77,15 @@ pub enum Truths {
 pub fn run(what: &Conceal) -> Result<(), String> {
     match what {
         Conceal::Draw { out, key, cases, physics } => draw_all(out, key, *cases, *physics),
+        Conceal::Run { cases, out, without_reference, held_out, threads, first } => {
+            let mut folders = run::folders(cases)?;
+            folders.truncate(first.unwrap_or(usize::MAX));
+            let asked =
+                run::Asked { with_reference: !*without_reference, held_out: *held_out };
+            let (claims, details) = run::all(&folders, asked, *threads)?;
+            write(out, &claims)?;
+            write(&out.with_extension("details.jsonl"), &details)
+        }
         Conceal::Score { cases, key, claims } => score_all(cases, key, claims),
     }
 }

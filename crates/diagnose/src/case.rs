@@ -17,6 +17,18 @@ pub fn diagnose_case(
     case: &DiagnosisCase,
     model: &dyn Predictor,
 ) -> Result<(Recordings, Diagnosis), DiagnoseError> {
+    diagnose_case_as(case, model, |_| {})
+}
+
+/// The same with a request that `change` has changed: what is not wanted is left out there.
+///
+/// # Errors
+/// As [`diagnose_case`].
+pub fn diagnose_case_as(
+    case: &DiagnosisCase,
+    model: &dyn Predictor,
+    change: impl FnOnce(&mut Request<'_>),
+) -> Result<(Recordings, Diagnosis), DiagnoseError> {
     let measured = recordings(&case.measured, model, "measured")?;
     let reference = case.reference.as_ref();
     let cuts = reference.map(|cuts| recordings(&cuts.rows, model, "reference")).transpose()?;
@@ -26,16 +38,18 @@ pub fn diagnose_case(
         (cuts, comparison, if stated.same_batch { Batch::Same } else { Batch::Another })
     });
     let [gain, offset, drift] = case.instruments;
-    let request = Request {
+    let mut request = Request {
         recordings: &measured,
         reference,
         instruments: InstrumentPriors { gain, offset, drift },
         self_test: case.checks[0],
         control: case.checks[1],
+        held_out: true,
         batch: case.next_cuts,
         range: range(case),
         seed: case.seed,
     };
+    change(&mut request);
     let found = diagnose(&request, model)?;
     Ok((measured, found))
 }

@@ -4,6 +4,10 @@ use crate::channel::Channel;
 use crate::predictor::{Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior};
 use sphcut_analytic::{ActiveEffect, Cut, EFFECTS, FlowStress, Scale, predict};
 
+/// Effects of the registry that the regression already holds as nuisances of every instrument: they are fitted under every
+/// explanation and cannot be one.
+const NUISANCES_OF_INSTRUMENTS: [&str; 3] = ["gain", "offset", "drift"];
+
 /// What the model predicts of what may be recorded.
 const PREDICTED: [Channel; 5] = [
     Channel::CuttingForce,
@@ -13,12 +17,14 @@ const PREDICTED: [Channel; 5] = [
     Channel::ContactLength,
 ];
 
-/// A cut in closed form, with every effect of its registry as a candidate.
+/// A cut in closed form, with the effects of its registry as candidates.
 #[derive(Debug, Clone)]
 pub struct ClosedForm {
     cut: Cut,
     nuisances: Vec<Nuisance>,
     effects: Vec<Effect>,
+    /// The same, as the registry has them.
+    entries: Vec<&'static sphcut_analytic::Effect>,
 }
 
 impl ClosedForm {
@@ -27,7 +33,12 @@ impl ClosedForm {
     pub fn new(cut: Cut, scatter: &[(&'static str, f64)]) -> Self {
         let nuisances =
             scatter.iter().map(|&(key, deviation)| Nuisance { key, deviation }).collect();
-        Self { cut, nuisances, effects: EFFECTS.iter().map(candidate).collect() }
+        let entries: Vec<&sphcut_analytic::Effect> = EFFECTS
+            .iter()
+            .filter(|effect| !NUISANCES_OF_INSTRUMENTS.contains(&effect.key))
+            .collect();
+        let effects = entries.iter().copied().map(candidate).collect();
+        Self { cut, nuisances, effects, entries }
     }
 
     /// The cut with its nuisances.
@@ -103,7 +114,7 @@ impl Predictor for ClosedForm {
             run_order: condition.run_order,
         };
         let effects: Result<Vec<ActiveEffect>, _> =
-            active.iter().map(|one| ActiveEffect::of(&EFFECTS[one.effect], &one.values)).collect();
+            active.iter().map(|one| ActiveEffect::of(self.entries[one.effect], &one.values)).collect();
         let seen = effects.and_then(|effects| predict(&self.changed(nuisances), &at, &effects));
         match seen {
             Ok(seen) => [
@@ -167,9 +178,20 @@ mod tests {
             instruments: InstrumentPriors { gain: 0.01, offset: 3.0, drift: 0.02 },
             self_test: 0,
             control: 0,
+            held_out: true,
             batch: 4,
             range: None,
             seed: 1,
+        }
+    }
+
+    #[test]
+    fn what_every_instrument_has_is_no_explanation() {
+        let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+        assert_eq!(model.effects().len() + 3, EFFECTS.len());
+        for key in NUISANCES_OF_INSTRUMENTS {
+            assert!(EFFECTS.iter().any(|effect| effect.key == key), "{key}");
+            assert!(!model.effects().iter().any(|effect| effect.key == key), "{key}");
         }
     }
 
@@ -190,7 +212,7 @@ mod tests {
     #[test]
     fn effects_concealed_in_the_model_itself_are_found() {
         let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
-        let place = |key: &str| EFFECTS.iter().position(|effect| effect.key == key).unwrap();
+        let place = |key: &str| model.effects().iter().position(|e| e.key == key).unwrap();
         for (key, value) in [("edge_radius", 20e-6), ("viscous_drag", 0.3)] {
             let effect = place(key);
             let active = [Active { effect, values: vec![value] }];

@@ -50,7 +50,7 @@ mod twin;
 mod verdict;
 
 pub use attribute::{Attribution, Hypothesis, Scored, attribute};
-pub use case::diagnose_case;
+pub use case::{diagnose_case, diagnose_case_as};
 pub use channel::{CHANNELS, Channel};
 pub use closed_form::ClosedForm;
 pub use closed_form_cut::closed_form_cut;

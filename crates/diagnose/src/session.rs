@@ -37,7 +37,9 @@ pub struct Request<'a> {
     pub self_test: usize,
     /// Simulated recordings of the positive control.
     pub control: usize,
-    /// Cuts of the next experiment.
+    /// Whether the repair is tried on what it has not seen.
+    pub held_out: bool,
+    /// Cuts of the next experiment; 0: none is planned.
     pub batch: usize,
     /// Lowest and highest v_c and h that can be cut; `None`: half beyond the recordings.
     pub range: Option<[[f64; 2]; 2]>,
@@ -139,7 +141,7 @@ pub fn diagnose(
     let finding = judge(&problem, predictor, best, &attribution);
     let location = locate(&problem, &templates, &signal);
     let repair = repair(&finding, &fits);
-    let help = match repair {
+    let help = match repair.filter(|_| request.held_out) {
         Some(k) => does_it_help(&problem, request.recordings, predictor, &fits[k], request.seed)?,
         None => Vec::new(),
     };
@@ -150,7 +152,9 @@ pub fn diagnose(
         let active: Vec<Active> = fits[k].active(predictor, problem.unknowns());
         s.concealed(&active, request.control, request.seed)
     });
-    let next = next(request, (&problem, predictor), &null, &fits, &attribution);
+    let next = (request.batch > 0)
+        .then(|| next(request, (&problem, predictor), &null, &fits, &attribution))
+        .flatten();
     Ok(Diagnosis {
         null,
         fits,

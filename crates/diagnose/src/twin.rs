@@ -336,6 +336,7 @@ mod whole {
             instruments: INSTRUMENTS,
             self_test: 0,
             control: 0,
+            held_out: true,
             batch: 3,
             range: None,
             seed: 1,

@@ -3,9 +3,12 @@
 use super::draw::{Case, Recorded, STRATA};
 use super::truth::{NUISANCES, base};
 use serde_json::{Value, json};
-use sphcut_analytic::{Channel, find};
+use sphcut_analytic::{Channel, Linear, find};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+
+/// The shipped material that [`base`] is of.
+const MATERIAL: &str = "aisi1045_table5";
 
 /// Name, unit and SI value of the unit of a channel's column.
 const fn column(channel: Channel) -> (&'static str, &'static str, f64) {
@@ -23,7 +26,8 @@ const fn column(channel: Channel) -> (&'static str, &'static str, f64) {
 /// Name and text of every file of a case; nothing in them depends on what is hidden but the values.
 pub fn of(case: &Case) -> Vec<(&'static str, String)> {
     let mut files = vec![
-        ("case.toml", case_toml(case)),
+        ("diagnosis.toml", diagnosis_toml(case)),
+        ("cut.toml", cut_toml()),
         ("recordings.csv", table(&case.channels, &case.recordings)),
     ];
     if !case.commissioning.is_empty() {
@@ -32,26 +36,43 @@ pub fn of(case: &Case) -> Vec<(&'static str, String)> {
     files
 }
 
-fn case_toml(case: &Case) -> String {
-    let base = base();
+/// What `sphcut diagnose` reads.
+fn diagnosis_toml(case: &Case) -> String {
     let mut text = format!(
-        "# A sealed case: is something missing from the base, and what?\nname = \"{}\"\nrecordings = \"recordings.csv\"\n",
+        "# A sealed case: is something missing from the base, and what?\ntitle = \"{}\"\nsource = \"cargo xtask conceal\"\n\
+         scenario = \"cut.toml\"\n\n[measured]\nfile = \"recordings.csv\"\n",
         case.name
     );
     if !case.commissioning.is_empty() {
-        text += "# Cuts in which nothing is missing: the same batch of material, the same instruments, fresh inserts.\n\
-                 commissioning = \"commissioning.csv\"\ncommissioning_batch = \"same\"\n";
+        text += "\n# Cuts in which nothing is missing: the same batch of material, the same instruments, fresh inserts.\n\
+                 [reference]\nfile = \"commissioning.csv\"\nsame_batch = true\n";
     }
-    let _ = write!(
-        text,
-        "\n[base]\nmodel = \"analytic\"\nmaterial = \"aisi_1045\"\nwidth_of_cut = \"{} mm\"\nrake_angle = \"{:.4} rad\"\n\
-         edge_radius = \"{:.1} um\"\nfriction_coefficient = {}\n",
-        base.width_of_cut * 1e3,
-        base.tool.rake_angle,
+    text
+}
+
+/// The base as a scenario; what the closed-form model does not read has no meaning here.
+fn cut_toml() -> String {
+    let base = base();
+    // Two points of each line.
+    let line = |of: &Linear, unit: &str| {
+        let point = |t: f64| format!("[\"{t} K\", \"{} {unit}\"]", of.at(t));
+        format!("[{}, {}]", point(293.15), point(1000.0))
+    };
+    format!(
+        "title = \"The base of the sealed cases\"\n\n[workpiece]\nmaterial = \"{MATERIAL}\"\nlength = \"10 mm\"\nheight = \"0.5 mm\"\n\
+         temperature = \"{} K\"\n\n[workpiece.override]\nspecific_heat = {}\nthermal_conductivity = {}\n\n[tool]\nrake_angle = \"{} deg\"\nclearance_angle = \"7 deg\"\nedge_radius = \"{:.1} um\"\n\n\
+         [tool.friction]\nlaw = \"shear_capped_coulomb\"\nfriction_coefficient = {}\nshear_friction_factor = {:.1}\n\n\
+         [process]\ncutting_speed = \"150 m/min\"\nuncut_chip_thickness = \"0.1 mm\"\nwidth_of_cut = \"{} mm\"\n\n\
+         [boundaries]\nbottom = \"fixed\"\nback = \"fixed\"\n\n[resolution]\npreset = \"draft\"\n\n[stop]\ntravel = \"4 mm\"\n",
+        base.workpiece.initial_temperature,
+        line(&base.workpiece.specific_heat, "J/(kg K)"),
+        line(&base.workpiece.conductivity, "W/(m K)"),
+        base.tool.rake_angle.to_degrees(),
         base.tool.edge_radius * 1e6,
         base.friction_coefficient,
-    );
-    text
+        base.shear_friction_factor,
+        base.width_of_cut * 1e3,
+    )
 }
 
 fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
@@ -163,6 +184,7 @@ mod tests {
     use super::super::Truths;
     use super::super::draw::{Kind, Plan, cases};
     use super::super::truth::Hidden;
+    use sphcut_analytic::{Cut, predict};
     use super::*;
 
     #[test]
@@ -190,6 +212,43 @@ mod tests {
             }
         }
         assert!(drawn.iter().any(|case| case.plan.kind == Kind::Pair));
+    }
+
+    #[test]
+    fn cases_are_read_as_diagnoses_and_state_the_base() {
+        let folder = std::env::temp_dir().join(format!("sphcut-conceal-{}", std::process::id()));
+        for case in &cases(7, 4, Truths::Opponents).unwrap() {
+            let at = folder.join(&case.name);
+            std::fs::create_dir_all(&at).unwrap();
+            for (name, text) in of(case) {
+                std::fs::write(at.join(name), text).unwrap();
+            }
+            let read = super::super::run::load(&at.join("diagnosis.toml")).unwrap();
+            assert_eq!(read.measured.len(), case.recordings.len());
+            let values = |recorded: &Recorded| recorded.values.iter().flatten().count();
+            let written: usize = case.recordings.iter().map(values).sum();
+            let found = read.measured.iter().flat_map(|row| row.values).flatten().count();
+            assert_eq!(found, written);
+            let reference = read.reference.map_or(0, |cuts| cuts.rows.len());
+            assert_eq!(reference, case.commissioning.len());
+            for (one, row) in case.recordings.iter().zip(&read.measured) {
+                let speed = one.condition.cutting_speed;
+                assert!((row.cutting_speed / speed - 1.0).abs() < 1e-6);
+                assert!(row.order == Some(one.condition.run_order));
+            }
+            // The scenario beside it states the base. Its hardness is Tabor's estimate, which only the opponent's edge reads.
+            let mut stated = sphcut_diagnose::closed_form_cut(&read.base).unwrap();
+            stated.workpiece.hardness = base().workpiece.hardness;
+            for one in case.recordings.iter().step_by(9) {
+                let seen = |cut: &Cut| predict(cut, &one.condition, &[]).unwrap();
+                let (theirs, ours) = (seen(&stated), seen(&base()));
+                for channel in [Channel::CuttingForce, Channel::InterfaceTemperature] {
+                    let ratio = theirs.get(channel) / ours.get(channel);
+                    assert!((ratio - 1.0).abs() < 1e-6, "{channel:?} {ratio}");
+                }
+            }
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

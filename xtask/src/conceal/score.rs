@@ -29,7 +29,7 @@ pub enum Verdict {
     NoneOfThese,
 }
 
-const HEAD: &str = "case,verdict,named,ranking,set,family,value,low,high";
+pub const HEAD: &str = "case,verdict,named,ranking,set,family,value,low,high";
 
 /// Reads the claims.
 pub fn claims(text: &str) -> Result<Vec<Claim>, String> {

@@ -1,0 +1,170 @@
+//! The diagnosis over a folder of cases: claims for the score, and beside them every probability and held-out error.
+
+use super::score::HEAD;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use sphcut_diagnose::{
+    ClosedForm, Diagnosis, Predictor, Verdict, closed_form_cut, diagnose_case_as,
+};
+use sphcut_scenario::{Colours, DiagnosisCase, LoadOptions};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// What is asked of every case.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    /// Whether the commissioning sets are read.
+    pub with_reference: bool,
+    /// Whether each repair is tried on cuts that it has not seen.
+    pub held_out: bool,
+}
+
+/// A line of the claims, and what lies behind it.
+#[derive(Debug, Clone)]
+pub struct Claimed {
+    pub line: String,
+    pub details: Value,
+}
+
+/// The folders of all cases, in order.
+pub fn folders(cases: &Path) -> Result<Vec<PathBuf>, String> {
+    let entries = std::fs::read_dir(cases).map_err(|e| format!("{}: {e}", cases.display()))?;
+    let mut found: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.join("diagnosis.toml").is_file())
+        .collect();
+    found.sort();
+    if found.is_empty() {
+        return Err(format!("{} holds no case", cases.display()));
+    }
+    Ok(found)
+}
+
+/// Claims and details, a line per case each, on `threads` threads.
+pub fn all(
+    folders: &[PathBuf],
+    asked: Asked,
+    threads: usize,
+) -> Result<(String, String), String> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let done = AtomicUsize::new(0);
+    let one = |folder: &PathBuf| {
+        let claimed = claim(folder, asked).map_err(|e| format!("{}: {e}", folder.display()));
+        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+        if count.is_multiple_of(10) {
+            eprintln!("{count} of {}", folders.len());
+        }
+        claimed
+    };
+    let found: Result<Vec<Claimed>, String> =
+        pool.map_err(|e| e.to_string())?.install(|| folders.par_iter().map(one).collect());
+    let (mut claims, mut details) = (format!("{HEAD}\n"), String::new());
+    for claimed in found? {
+        let _ = writeln!(claims, "{}", claimed.line);
+        let _ = writeln!(details, "{}", claimed.details);
+    }
+    Ok((claims, details))
+}
+
+/// Reads a case as `sphcut diagnose` does and diagnoses it, without self-test, control and next experiment.
+fn claim(folder: &Path, asked: Asked) -> Result<Claimed, String> {
+    let start = Instant::now();
+    let case = load(&folder.join("diagnosis.toml"))?;
+    let name = folder.file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = name.ok_or("a folder without a name")?;
+    let cut = closed_form_cut(&case.base).map_err(|error| error.to_string())?;
+    let model = ClosedForm::new(cut, &case.scatter);
+    let found = diagnose_case_as(&case, &model, |request| {
+        if !asked.with_reference {
+            request.reference = None;
+        }
+        (request.self_test, request.control, request.batch) = (0, 0, 0);
+        request.held_out = asked.held_out;
+    });
+    let (_, found) = found.map_err(|error| error.to_string())?;
+    Ok(written(&name, &found, &model, start.elapsed().as_secs_f64()))
+}
+
+/// The checked file of a case.
+pub fn load(path: &Path) -> Result<DiagnosisCase, String> {
+    sphcut_scenario::load_diagnosis(path, &LoadOptions::default()).map_err(|problems| {
+        problems.iter().map(|problem| problem.render(Colours::Plain)).collect::<String>()
+    })
+}
+
+/// What is claimed of a case.
+fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> Claimed {
+    let effects = model.effects();
+    let finding = &found.finding;
+    let key = |k: &usize| effects[*k].key;
+    let mut order: Vec<usize> = (0..effects.len()).collect();
+    order.sort_by(|&a, &b| finding.inclusion[b].total_cmp(&finding.inclusion[a]));
+    let ranking: Vec<&str> = order.iter().map(key).collect();
+    let (verdict, named) = match &finding.verdict {
+        Verdict::NoAlarm => ("nothing", Vec::new()),
+        Verdict::Named(named) => ("named", named.clone()),
+        Verdict::OneOf => ("one_of", Vec::new()),
+        Verdict::NoneOfThese => ("none_of_these", Vec::new()),
+    };
+    let mut set: Vec<&str> = finding.set.iter().map(key).collect();
+    if finding.set_has_none {
+        set.push("none");
+    }
+    if !finding.is_alarm() {
+        set.clear();
+    }
+    let family = finding.families.first().map_or("", |(family, _)| family);
+    let estimate = named.first().and_then(|first| {
+        let all = found.estimates(model, &found.fits[found.repair?]);
+        all.into_iter().find(|e| e.effect == *first && e.parameter == 0)
+    });
+    let estimate = estimate.map_or(",,".to_owned(), |e| {
+        format!("{:.6e},{:.6e},{:.6e}", e.value, e.interval[0], e.interval[1])
+    });
+    let names: Vec<&str> = named.iter().map(key).collect();
+    let line = format!(
+        "{name},{verdict},{},{},{},{family},{estimate}",
+        names.join(";"),
+        ranking.join(";"),
+        set.join(";")
+    );
+    let inclusion: Vec<Value> =
+        order.iter().map(|&k| json!([effects[k].key, finding.inclusion[k]])).collect();
+    let held: Vec<Value> = found
+        .help
+        .iter()
+        .map(|held| {
+            let grey: Vec<f64> = held.grey_box.iter().map(|(_, error)| *error).collect();
+            json!({ "part": held.part.key(), "values": held.values, "before": held.before,
+                    "refitted": held.refitted, "repaired": held.repaired, "ratio": held.ratio,
+                    "grey_box": grey })
+        })
+        .collect();
+    let gates: Vec<Value> =
+        finding.gates.iter().map(|gate| json!([gate.channel.key(), gate.chance])).collect();
+    let top: Vec<Value> = found
+        .attribution
+        .scored
+        .iter()
+        .take(12)
+        .map(|s| {
+            let keys: Vec<&str> = s.hypothesis.effects().iter().map(key).collect();
+            json!([format!("{:?}", s.hypothesis), keys, s.probability, s.log_evidence])
+        })
+        .collect();
+    let details = json!({
+        "case": name,
+        "nothing": finding.nothing,
+        "none_of_these": finding.none_of_these,
+        "inclusion": inclusion,
+        "family": finding.families.first().map(|(name, p)| json!([name, p])),
+        "bias": found.bias.map(|bias| [bias.amplitude, bias.length]),
+        "gates": gates,
+        "explanations": top,
+        "held": held,
+        "seconds": seconds,
+    });
+    Claimed { line, details }
+}
