@@ -80,8 +80,7 @@ pub fn run(what: &Conceal) -> Result<(), String> {
         Conceal::Run { cases, out, without_reference, held_out, threads, first } => {
             let mut folders = run::folders(cases)?;
             folders.truncate(first.unwrap_or(usize::MAX));
-            let asked =
-                run::Asked { with_reference: !*without_reference, held_out: *held_out };
+            let asked = run::Asked { with_reference: !*without_reference, held_out: *held_out };
             let (claims, details) = run::all(&folders, asked, *threads)?;
             write(out, &claims)?;
             write(&out.with_extension("details.jsonl"), &details)

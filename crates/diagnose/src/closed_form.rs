@@ -17,6 +17,9 @@ const PREDICTED: [Channel; 5] = [
     Channel::ContactLength,
 ];
 
+/// The only effect left that depends on what was cut before.
+const GROWS: &str = "flank_wear";
+
 /// A cut in closed form, with the effects of its registry as candidates.
 #[derive(Debug, Clone)]
 pub struct ClosedForm {
@@ -101,6 +104,10 @@ impl Predictor for ClosedForm {
         &PREDICTED
     }
 
+    fn follows_series(&self, active: &[Active]) -> bool {
+        active.iter().any(|one| self.entries[one.effect].key == GROWS)
+    }
+
     fn log_observables(
         &self,
         condition: &Condition,
@@ -113,8 +120,10 @@ impl Predictor for ClosedForm {
             cut_length: condition.cut_length,
             run_order: condition.run_order,
         };
-        let effects: Result<Vec<ActiveEffect>, _> =
-            active.iter().map(|one| ActiveEffect::of(self.entries[one.effect], &one.values)).collect();
+        let effects: Result<Vec<ActiveEffect>, _> = active
+            .iter()
+            .map(|one| ActiveEffect::of(self.entries[one.effect], &one.values))
+            .collect();
         let seen = effects.and_then(|effects| predict(&self.changed(nuisances), &at, &effects));
         match seen {
             Ok(seen) => [
@@ -183,6 +192,25 @@ mod tests {
             range: None,
             seed: 1,
         }
+    }
+
+    #[test]
+    fn only_wear_depends_on_what_was_cut_before() {
+        let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+        let early = Condition {
+            cutting_speed: 2.0,
+            uncut_chip_thickness: 1e-4,
+            cut_length: 10.0,
+            run_order: 1.0,
+        };
+        let late = Condition { cut_length: 500.0, run_order: 30.0, ..early };
+        for (effect, entry) in model.effects().iter().enumerate() {
+            let values = entry.parameters.iter().map(|p| p.prior.value(0.5)).collect();
+            let active = [Active { effect, values }];
+            let at = |condition| model.log_observables(condition, &[0.0; 6], &active);
+            assert_eq!(at(&early) != at(&late), model.follows_series(&active), "{}", entry.key);
+        }
+        assert!(!model.follows_series(&[]));
     }
 
     #[test]

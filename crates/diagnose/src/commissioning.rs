@@ -1,11 +1,13 @@
 //! Cuts in which nothing is missing: what the model gets wrong by itself.
 
+use crate::channel::Channel;
 use crate::data::{Recordings, same_cut};
 use crate::error::DiagnoseError;
 use crate::fit::fit;
-use crate::gaussian::Whitener;
-use crate::predictor::{Condition, Predictor};
+use crate::law::{Factor, Law, principal};
+use crate::predictor::Predictor;
 use crate::problem::{InstrumentPriors, Problem, add_rows, instrument_columns};
+use crate::templates::SMOOTH;
 use nalgebra::{DMatrix, DVector};
 
 /// Amplitudes of the bias that are tried, as shares of the value.
@@ -14,6 +16,8 @@ const AMPLITUDES: [f64; 7] = [0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 const LENGTHS: [f64; 3] = [0.3, 0.6, 1.2];
 /// Amplitude with which the nuisances are fitted before the bias is known.
 const FIRST: f64 = 0.04;
+/// Rounds in which each channel finds its bias while the others keep theirs.
+const ROUNDS: usize = 3;
 /// Standard deviation of the bias of each condition when two states are compared: as good as unknown.
 const UNKNOWN: f64 = 1.0;
 
@@ -53,7 +57,7 @@ impl Problem {
     ///
     /// The bias of the model is common to both, so its posterior from the reference goes into the diagnosis with its
     /// uncertainty: all rows are one normal law, in which the effects act on the rows of `recordings` alone. Amplitude and
-    /// length of the bias are those of the greatest evidence of the reference (Kennedy and O'Hagan 2001).
+    /// length of the bias of each channel are those of the greatest evidence of the reference (Kennedy and O'Hagan 2001).
     ///
     /// # Errors
     /// A condition at which the model has no answer.
@@ -62,7 +66,7 @@ impl Problem {
         (reference, comparison, batch): (&Recordings, Comparison, Batch),
         predictor: &dyn Predictor,
         priors: &InstrumentPriors,
-    ) -> Result<(Self, Bias), DiagnoseError> {
+    ) -> Result<(Self, Vec<(Channel, Bias)>), DiagnoseError> {
         let (mut sites, mut rows) = (Vec::new(), Vec::new());
         let other = usize::from(batch == Batch::Another);
         add_rows(recordings, (0, true), &mut sites, &mut rows);
@@ -76,82 +80,153 @@ impl Problem {
                 &instrument_columns(&rows, own..count, priors),
             ),
         };
-        let variances = DVector::from_iterator(count, rows.iter().map(|row| row.variance));
-        let noise = DMatrix::from_diagonal(&variances);
         let parts = (other + 1, instrument);
-        let plain = Self::assemble(sites, rows, parts, noise, predictor)?;
-        let (bias, kernel) = match comparison {
-            Comparison::BiasField => {
-                let bias = plain.most_probable_bias(own..count, predictor)?;
-                (bias, plain.bias_covariance(bias))
-            }
+        let plain = Self::assemble(sites, rows, parts, predictor)?;
+        let channels = plain.channels();
+        let biases: Vec<(Channel, Bias)> = match comparison {
+            Comparison::BiasField => plain.most_probable_biases(own..count, predictor)?,
             Comparison::Difference => {
-                (Bias { amplitude: UNKNOWN, length: 0.0 }, plain.difference_covariance())
+                let unknown = Bias { amplitude: UNKNOWN, length: 0.0 };
+                channels.into_iter().map(|channel| (channel, unknown)).collect()
             }
         };
-        Ok((plain.with_covariance(kernel)?, bias))
+        let factors = biases.iter().map(|&(channel, bias)| plain.bias_factor(channel, bias));
+        let factors = factors.collect();
+        Ok((plain.with_common(factors)?, biases))
     }
 
-    fn with_covariance(mut self, kernel: DMatrix<f64>) -> Result<Self, DiagnoseError> {
-        self.covariance += kernel;
-        self.noise = Whitener::new(self.covariance.clone())?;
+    fn with_common(mut self, factors: Vec<Factor>) -> Result<Self, DiagnoseError> {
+        self.covariance.factors.extend(factors);
+        self.noise = Law::new(&self.covariance)?;
         Ok(self)
     }
 
-    fn most_probable_bias(
+    /// Amplitude and length of each channel, in turns, by the evidence of the reference. With the law N_c of noise and bias of a
+    /// channel, the derivative G_c by the nuisances and the deviation d_c,
+    ///
+    /// ```text
+    /// -2 log Z = sum log |2 pi N_c| + d_c' N_c^-1 d_c + log |I + A| - b' (I + A)^-1 b
+    /// ```
+    ///
+    /// with A = sum G_c' N_c^-1 G_c and b = sum G_c' N_c^-1 d_c.
+    fn most_probable_biases(
         &self,
         reference: std::ops::Range<usize>,
         predictor: &dyn Predictor,
-    ) -> Result<Bias, DiagnoseError> {
-        let rows: Vec<usize> = reference.collect();
-        let kernel =
-            |bias: Bias| self.bias_covariance(bias).select_rows(&rows).select_columns(&rows);
-        let plain = self.select(&rows)?;
+    ) -> Result<Vec<(Channel, Bias)>, DiagnoseError> {
+        let rows: Vec<usize> = reference.clone().collect();
+        let channels = self.channels();
         let first = Bias { amplitude: FIRST, length: LENGTHS[1] };
+        let factors = channels.iter().map(|&channel| self.bias_factor(channel, first)).collect();
+        let known = self.clone().with_common(factors)?.select(&rows)?;
         let start = DVector::zeros(self.unknowns());
-        let known = plain.clone().with_covariance(kernel(first))?;
         let found = fit(&known, predictor, &[], &start).ok_or(DiagnoseError::Singular)?;
         let deviation = &found.residual + &found.jacobian * &found.unknowns;
-        let nuisances = &plain.covariance + &found.jacobian * found.jacobian.transpose();
-        let mut best = (f64::NEG_INFINITY, first);
-        for amplitude in AMPLITUDES {
-            for length in LENGTHS {
-                let bias = Bias { amplitude, length };
-                let law = Whitener::new(&nuisances + kernel(bias))?;
-                let white = law.whiten_vector(deviation.clone());
-                let evidence = -0.5 * (white.norm_squared() + law.log_determinant());
-                if evidence > best.0 {
-                    best = (evidence, bias);
-                }
+        let seen: Vec<DVector<f64>> =
+            found.jacobian.column_iter().map(|c| c.into_owned()).chain([deviation]).collect();
+        let seen = DMatrix::from_columns(&seen);
+        let tried: Result<Vec<Vec<Tried>>, DiagnoseError> = channels
+            .iter()
+            .map(|&channel| {
+                let is_own = |row: &usize| self.rows[*row].channel == channel;
+                let own: Vec<usize> = reference.clone().filter(is_own).collect();
+                let places: Vec<usize> = own.iter().map(|row| row - reference.start).collect();
+                self.tried(channel, &own, &seen.select_rows(&places))
+            })
+            .collect();
+        let tried = tried?;
+        let place = |all: &Vec<Tried>| all.iter().position(|t| t.bias == first).unwrap_or(0);
+        let mut chosen: Vec<usize> = tried.iter().map(place).collect();
+        for _ in 0..ROUNDS {
+            for c in 0..channels.len() {
+                let evidence = |k: usize| {
+                    let pick = |other: usize| if other == c { k } else { chosen[other] };
+                    let all = (0..channels.len()).map(|other| &tried[other][pick(other)]);
+                    log_evidence(all, found.unknowns.len())
+                };
+                let best = (0..tried[c].len()).max_by(|&a, &b| evidence(a).total_cmp(&evidence(b)));
+                chosen[c] = best.unwrap_or(0);
             }
         }
-        Ok(best.1)
+        Ok((0..channels.len()).map(|c| (channels[c], tried[c][chosen[c]].bias)).collect())
     }
 
-    fn over_conditions(
+    /// What each bias makes of some rows of a channel and of what is seen there: the derivatives by the nuisances and the
+    /// deviation.
+    fn tried(
         &self,
-        of: impl Fn(&Condition, &Condition, [f64; 2]) -> f64,
-    ) -> DMatrix<f64> {
-        let places = crate::templates::scaled_places(self);
-        DMatrix::from_fn(self.rows.len(), self.rows.len(), |i, j| {
-            if self.rows[i].channel != self.rows[j].channel {
-                return 0.0;
+        channel: Channel,
+        rows: &[usize],
+        seen: &DMatrix<f64>,
+    ) -> Result<Vec<Tried>, DiagnoseError> {
+        let mut all = Vec::new();
+        for length in LENGTHS {
+            for amplitude in AMPLITUDES {
+                let bias = Bias { amplitude, length };
+                let mut covariance = self.covariance.clone();
+                covariance.factors.push(self.bias_factor(channel, bias));
+                let law = Law::new(&covariance.select(rows))?;
+                let white = law.whiten(seen.clone());
+                let log_determinant = law.log_determinant();
+                all.push(Tried { bias, products: white.tr_mul(&white), log_determinant });
             }
-            let apart = [0, 1].map(|axis| places[i][axis] - places[j][axis]);
-            of(self.condition(i), self.condition(j), apart)
-        })
+        }
+        Ok(all)
     }
 
-    fn bias_covariance(&self, bias: Bias) -> DMatrix<f64> {
+    /// The rows of a channel have the bias of their condition in common.
+    pub(crate) fn bias_factor(&self, channel: Channel, bias: Bias) -> Factor {
+        let places = crate::templates::scaled_places(self);
+        let rows: Vec<usize> =
+            (0..self.rows.len()).filter(|&row| self.rows[row].channel == channel).collect();
+        let mut cuts: Vec<usize> = Vec::new();
+        let of_row: Vec<usize> = rows
+            .iter()
+            .map(|&row| {
+                let is_same = |cut: &usize| same_cut(self.condition(*cut), self.condition(row));
+                cuts.iter().position(is_same).unwrap_or_else(|| {
+                    cuts.push(row);
+                    cuts.len() - 1
+                })
+            })
+            .collect();
         let Bias { amplitude, length } = bias;
-        self.over_conditions(|_, _, [x, y]| {
-            amplitude * amplitude * (-0.5 * (x * x + y * y) / (length * length)).exp()
-        })
+        let kernel = DMatrix::from_fn(cuts.len(), cuts.len(), |i, j| {
+            let apart = |axis: usize| places[cuts[i]][axis] - places[cuts[j]][axis];
+            let square = apart(0).powi(2) + apart(1).powi(2);
+            let same = f64::from(i == j);
+            if length > 0.0 { (-0.5 * square / (length * length)).exp() } else { same }
+        });
+        let (values, vectors) = principal(kernel, SMOOTH);
+        let columns = DMatrix::from_fn(rows.len(), values.len(), |i, k| {
+            amplitude * values[k].sqrt() * vectors[(of_row[i], k)]
+        });
+        Factor { rows, columns }
     }
+}
 
-    fn difference_covariance(&self) -> DMatrix<f64> {
-        self.over_conditions(|a, b, _| UNKNOWN * UNKNOWN * f64::from(same_cut(a, b)))
+/// A bias of a channel with the products of the whitened columns of its nuisances and of its deviation.
+struct Tried {
+    bias: Bias,
+    products: DMatrix<f64>,
+    log_determinant: f64,
+}
+
+/// log of the evidence of all channels together.
+fn log_evidence<'a>(all: impl Iterator<Item = &'a Tried>, unknowns: usize) -> f64 {
+    let mut products = DMatrix::zeros(unknowns + 1, unknowns + 1);
+    let mut sum = 0.0;
+    for tried in all {
+        products += &tried.products;
+        sum += tried.log_determinant;
     }
+    let normal =
+        products.view((0, 0), (unknowns, unknowns)) + DMatrix::identity(unknowns, unknowns);
+    let slope = products.view((0, unknowns), (unknowns, 1)).into_owned();
+    let square = products[(unknowns, unknowns)];
+    let Some(factor) = normal.cholesky() else { return f64::NEG_INFINITY };
+    let determinant: f64 = factor.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
+    -0.5 * (sum + square + determinant - slope.dot(&factor.solve(&slope)))
 }
 
 /// Columns of both, side by side.

@@ -112,7 +112,9 @@ pub fn diagnosis_json(
             "chance": gate.chance,
             "followed": gate.passed,
         })).collect::<Vec<_>>(),
-        "bias": found.bias.map(|bias| json!({ "amplitude": bias.amplitude, "length": bias.length })),
+        "bias": found.biases.iter().map(|(channel, bias)| json!({
+            "channel": channel.key(), "amplitude": bias.amplitude, "length": bias.length,
+        })).collect::<Vec<_>>(),
         "where": found.location.contrasts.iter().map(|contrast| json!({
             "channel": contrast.channel.key(),
             "pattern": contrast.pattern,

@@ -18,30 +18,10 @@ impl Whitener {
         Ok(Self { factor })
     }
 
-    /// L^-1 x of each column.
-    pub fn whiten(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
-        let solved = self.factor.solve_lower_triangular_mut(&mut columns);
-        debug_assert!(solved, "a Cholesky factor has no zero on its diagonal");
-        columns
-    }
-
     /// L^-1 x.
     pub fn whiten_vector(&self, mut vector: DVector<f64>) -> DVector<f64> {
         self.factor.solve_lower_triangular_mut(&mut vector);
         vector
-    }
-
-    /// L'^-1 w: V^-1 x of a whitened w = L^-1 x.
-    pub fn unwhiten_transposed(&self, mut vector: DVector<f64>) -> DVector<f64> {
-        self.factor.tr_solve_lower_triangular_mut(&mut vector);
-        vector
-    }
-
-    /// V^-1.
-    pub fn precision(&self) -> DMatrix<f64> {
-        let size = self.factor.nrows();
-        let inverse = self.whiten(DMatrix::identity(size, size));
-        inverse.tr_mul(&inverse)
     }
 
     /// L w: with a standard normal w a draw of the law.

@@ -197,7 +197,9 @@ impl Context<'_> {
         let own = found.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
         let white = training.noise.whiten_vector(found.residual.clone());
         let weights = training.noise.unwhiten_transposed(white);
-        let bias = problem.covariance.select_columns(kept) * weights;
+        let mut spread = DVector::zeros(problem.rows.len());
+        kept.iter().zip(weights.iter()).for_each(|(&row, weight)| spread[row] = *weight);
+        let bias = problem.covariance.common(&spread);
         problem.predict(self.predictor, &found.unknowns, &active) + &problem.instrument * own + bias
     }
 }

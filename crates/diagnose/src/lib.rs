@@ -38,6 +38,7 @@ mod files;
 mod fit;
 mod gaussian;
 mod help;
+mod law;
 mod locate;
 mod next_experiment;
 mod predictor;

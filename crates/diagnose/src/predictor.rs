@@ -132,6 +132,13 @@ pub trait Predictor: Sync {
     /// Channels it predicts.
     fn channels(&self) -> &[Channel];
 
+    /// Whether the answer with these effects depends on the cut length or on the place in the order of the runs. If not, cuts
+    /// with the same v_c and h are asked once.
+    fn follows_series(&self, active: &[Active]) -> bool {
+        let _ = active;
+        true
+    }
+
     /// Logarithm of each of [`Predictor::channels`]' quantities in SI units, in that order; a value that is not finite
     /// where there is no answer. `nuisances` holds x of each nuisance, the logarithm of a factor.
     fn log_observables(

@@ -3,7 +3,7 @@
 use crate::channel::{CHANNELS, Channel};
 use crate::data::Recordings;
 use crate::error::DiagnoseError;
-use crate::gaussian::Whitener;
+use crate::law::{Covariance, Law};
 use crate::predictor::{Active, Condition, Predictor};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -60,11 +60,14 @@ pub struct Problem {
     pub batches: usize,
     /// What one standard deviation of each instrument unknown adds to each row.
     pub instrument: DMatrix<f64>,
-    pub(crate) covariance: DMatrix<f64>,
-    pub(crate) noise: Whitener,
+    /// Of noise and bias.
+    pub(crate) covariance: Covariance,
+    pub(crate) noise: Law,
     /// For each channel its place in the predictor's answer.
     places: [Option<usize>; CHANNELS.len()],
     deviations: Vec<f64>,
+    /// For each site the first with the same v_c, h and batch: among those in the same part of the data, and among all.
+    first: Vec<[usize; 2]>,
 }
 
 impl Problem {
@@ -80,26 +83,27 @@ impl Problem {
         let (mut sites, mut rows) = (Vec::new(), Vec::new());
         add_rows(recordings, (0, true), &mut sites, &mut rows);
         let instrument = instrument_columns(&rows, 0..rows.len(), priors);
-        let variances = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.variance));
-        Self::assemble(sites, rows, (1, instrument), DMatrix::from_diagonal(&variances), predictor)
+        Self::assemble(sites, rows, (1, instrument), predictor)
     }
 
-    /// From its parts; `covariance` is that of noise and bias.
+    /// From its parts, without a bias.
     pub(crate) fn assemble(
         sites: Vec<Site>,
         rows: Vec<Row>,
         (batches, instrument): (usize, DMatrix<f64>),
-        covariance: DMatrix<f64>,
         predictor: &dyn Predictor,
     ) -> Result<Self, DiagnoseError> {
         let mut places = [None; CHANNELS.len()];
         for (place, channel) in predictor.channels().iter().enumerate() {
             places[channel.index()] = Some(place);
         }
-        let noise = Whitener::new(covariance.clone())?;
+        let variances = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.variance));
+        let covariance = Covariance { variances, factors: Vec::new() };
+        let noise = Law::new(&covariance)?;
+        let first = (0..sites.len()).map(|site| first_of(&sites, site)).collect();
         let deviations = predictor.nuisances().iter().map(|nuisance| nuisance.deviation).collect();
         let problem =
-            Self { sites, rows, batches, instrument, covariance, noise, places, deviations };
+            Self { first, sites, rows, batches, instrument, covariance, noise, places, deviations };
         let base = problem.predict(predictor, &DVector::zeros(problem.model_unknowns()), &[]);
         match (0..problem.rows.len()).find(|&k| !base[k].is_finite()) {
             None => Ok(problem),
@@ -138,15 +142,30 @@ impl Problem {
         unknowns: &DVector<f64>,
         active: &[Active],
     ) -> DVector<f64> {
-        let answers: Vec<Vec<f64>> =
-            self.sites.par_iter().map(|site| self.ask(predictor, site, unknowns, active)).collect();
-        DVector::from_iterator(
-            self.rows.len(),
-            self.rows.iter().map(|row| {
-                let place = self.places[row.channel.index()];
-                place.map_or(f64::NAN, |place| answers[row.site][place])
-            }),
-        )
+        // Where cuts have the same answer the first of them is asked.
+        let asked: Vec<usize> = (0..self.sites.len())
+            .map(|site| {
+                let own = if self.sites[site].diagnosed { active } else { &[] };
+                if predictor.follows_series(own) {
+                    site
+                } else {
+                    self.first[site][usize::from(active.is_empty())]
+                }
+            })
+            .collect();
+        let answers: Vec<Option<Vec<f64>>> = (0..self.sites.len())
+            .into_par_iter()
+            .map(|site| {
+                let asked = asked[site] == site;
+                asked.then(|| self.ask(predictor, &self.sites[site], unknowns, active))
+            })
+            .collect();
+        let of = |row: &Row| {
+            let place = self.places[row.channel.index()]?;
+            answers[asked[row.site]].as_ref().map(|answer| answer[place])
+        };
+        let values = self.rows.iter().map(|row| of(row).unwrap_or(f64::NAN));
+        DVector::from_iterator(self.rows.len(), values)
     }
 
     fn ask(
@@ -193,11 +212,11 @@ impl Problem {
     /// # Errors
     /// A covariance that cannot be inverted.
     pub fn select(&self, rows: &[usize]) -> Result<Self, DiagnoseError> {
-        let covariance = self.covariance.select_rows(rows).select_columns(rows);
+        let covariance = self.covariance.select(rows);
         Ok(Self {
             rows: rows.iter().map(|&row| self.rows[row]).collect(),
             instrument: self.instrument.select_rows(rows),
-            noise: Whitener::new(covariance.clone())?,
+            noise: Law::new(&covariance)?,
             covariance,
             ..self.clone()
         })
@@ -212,6 +231,19 @@ impl Problem {
         }
         other
     }
+}
+
+fn first_of(sites: &[Site], site: usize) -> [usize; 2] {
+    let own = &sites[site];
+    let is_same = |other: &Site| {
+        other.batch == own.batch
+            && other.condition.cutting_speed == own.condition.cutting_speed
+            && other.condition.uncut_chip_thickness == own.condition.uncut_chip_thickness
+    };
+    let first = |keep: &dyn Fn(&Site) -> bool| {
+        sites.iter().position(|other| is_same(other) && keep(other)).unwrap_or(site)
+    };
+    [first(&|other| other.diagnosed == own.diagnosed), first(&|_| true)]
 }
 
 /// Appends the rows of `recordings`, cuts of the same condition sharing a site.

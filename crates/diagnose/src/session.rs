@@ -1,6 +1,7 @@
 //! A whole diagnosis, from recordings to what should be measured next.
 
 use crate::attribute::{Attribution, Hypothesis, attribute};
+use crate::channel::Channel;
 use crate::commissioning::{Batch, Bias, Comparison};
 use crate::data::{Recordings, groups};
 use crate::error::DiagnoseError;
@@ -75,8 +76,10 @@ pub struct Diagnosis {
     pub attribution: Attribution,
     /// What may be claimed.
     pub finding: Finding,
-    /// Bias that the reference taught.
+    /// Bias that the reference taught: that of the channel where it is largest.
     pub bias: Option<Bias>,
+    /// The bias of each channel.
+    pub biases: Vec<(Channel, Bias)>,
     /// Place in `fits` of the repair: what is named, or the most probable of the set.
     pub repair: Option<usize>,
     /// Whether the repair helps.
@@ -118,12 +121,12 @@ pub fn diagnose(
     request: &Request<'_>,
     predictor: &dyn Predictor,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let (problem, bias) = match request.reference {
-        None => (Problem::new(request.recordings, predictor, &request.instruments)?, None),
+    let (problem, biases) = match request.reference {
+        None => (Problem::new(request.recordings, predictor, &request.instruments)?, Vec::new()),
         Some(reference) => {
-            let (problem, bias) =
+            let (problem, biases) =
                 Problem::beside(request.recordings, reference, predictor, &request.instruments)?;
-            (problem, Some(bias))
+            (problem, biases)
         }
     };
     let start = DVector::zeros(problem.unknowns());
@@ -161,7 +164,8 @@ pub fn diagnose(
         location,
         attribution,
         finding,
-        bias,
+        bias: largest(&biases),
+        biases,
         repair,
         help,
         false_alarms,
@@ -169,6 +173,11 @@ pub fn diagnose(
         next,
         problem,
     })
+}
+
+fn largest(biases: &[(Channel, Bias)]) -> Option<Bias> {
+    let all = biases.iter().map(|(_, bias)| *bias);
+    all.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
 }
 
 /// The fit of what is named, or of the most probable explanation of the set.

@@ -2,10 +2,11 @@
 
 use crate::error::DiagnoseError;
 use crate::fit::{Fit, active};
-use crate::gaussian::{Whitener, log_determinant};
+use crate::gaussian::log_determinant;
+use crate::law::{Factor, Law, principal};
 use crate::predictor::Predictor;
 use crate::problem::Problem;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use sphcut_greybox::Random;
 
 /// Nodes for an effect with one, two, and more parameters: their number and their distance in standard deviations.
@@ -16,6 +17,8 @@ const DRAWS: usize = 33;
 pub(crate) const AMPLITUDES: [f64; 4] = [0.01, 0.02, 0.04, 0.08];
 /// Length over which it changes, in shares of the range of log v_c, log h and cut length.
 const LENGTH: f64 = 0.5;
+/// Share of the largest eigenvalue below which a direction of a smooth process does not count.
+pub(crate) const SMOOTH: f64 = 1e-8;
 /// Steps after which the search for the parameters ends.
 const MOST_STEPS: usize = 40;
 
@@ -40,11 +43,18 @@ struct Table {
 #[derive(Debug, Clone)]
 pub struct Templates {
     tables: Vec<Table>,
-    pub(crate) whitener: Whitener,
+    pub(crate) whitener: Law,
     log_determinant: f64,
     /// Derivative of the prediction by the nuisances.
     gradient: DMatrix<f64>,
-    discrepancy: SymmetricEigen<f64, nalgebra::Dyn>,
+    discrepancy: Discrepancy,
+}
+
+/// The covariance of the discrepancy with amplitude 1, whitened: its eigenvalues and vectors.
+#[derive(Debug, Clone)]
+struct Discrepancy {
+    values: Vec<f64>,
+    vectors: DMatrix<f64>,
 }
 
 /// Where the parameters of some effects explain the data best.
@@ -65,7 +75,7 @@ impl Templates {
         null: &Fit,
     ) -> Result<Self, DiagnoseError> {
         let gradient = null.jacobian.clone();
-        let whitener = Whitener::new(&problem.covariance + &gradient * gradient.transpose())?;
+        let whitener = problem.noise.with(&Factor::of_all(gradient.clone()))?;
         let base = problem.predict(predictor, &null.unknowns, &[]);
         let tables = (0..predictor.effects().len())
             .map(|effect| {
@@ -141,12 +151,12 @@ impl Templates {
     /// log Z of "none of these": a normal process of the conditions, independent between channels, its amplitude one of
     /// [`AMPLITUDES`] with equal probabilities.
     pub(crate) fn log_evidence_of_none(&self, signal: &DVector<f64>) -> f64 {
-        let turned = self.discrepancy.eigenvectors.tr_mul(signal);
+        let turned = self.discrepancy.vectors.tr_mul(signal);
         let each = AMPLITUDES.map(|amplitude| {
-            let mut sum = self.log_determinant;
-            for (part, value) in turned.iter().zip(self.discrepancy.eigenvalues.iter()) {
-                let stretched = 1.0 + amplitude * amplitude * value.max(0.0);
-                sum += part * part / stretched + stretched.ln();
+            let mut sum = self.log_determinant + signal.norm_squared();
+            for (part, value) in turned.iter().zip(&self.discrepancy.values) {
+                let stretched = 1.0 + amplitude * amplitude * value;
+                sum += stretched.ln() - part * part * (1.0 - 1.0 / stretched);
             }
             -0.5 * sum
         });
@@ -307,26 +317,37 @@ fn axis_weights(t: f64, count: usize, distance: f64) -> Vec<f64> {
     weights
 }
 
-/// The covariance of the discrepancy with amplitude 1, whitened, as eigenvalues and vectors.
-fn whitened_discrepancy(
-    problem: &Problem,
-    whitener: &Whitener,
-) -> SymmetricEigen<f64, nalgebra::Dyn> {
+/// Of the diagnosed rows, each channel on its own.
+fn whitened_discrepancy(problem: &Problem, whitener: &Law) -> Discrepancy {
     let places = scaled_places(problem);
-    let count = problem.rows.len();
-    let covariance = DMatrix::from_fn(count, count, |i, j| {
-        let together = problem.rows[i].channel == problem.rows[j].channel
-            && problem.is_diagnosed(i)
-            && problem.is_diagnosed(j);
-        if !together {
-            return 0.0;
+    let mut parts: Vec<DMatrix<f64>> = Vec::new();
+    for channel in problem.channels() {
+        let rows: Vec<usize> = (0..problem.rows.len())
+            .filter(|&row| problem.rows[row].channel == channel && problem.is_diagnosed(row))
+            .collect();
+        let kernel = DMatrix::from_fn(rows.len(), rows.len(), |i, j| {
+            let (a, b) = (places[rows[i]], places[rows[j]]);
+            let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
+            (-0.5 * square / (LENGTH * LENGTH)).exp()
+        });
+        let (values, vectors) = principal(kernel, SMOOTH);
+        let mut columns = DMatrix::zeros(problem.rows.len(), values.len());
+        for (k, value) in values.iter().enumerate() {
+            for (i, &row) in rows.iter().enumerate() {
+                columns[(row, k)] = value.sqrt() * vectors[(i, k)];
+            }
         }
-        let square: f64 = (0..3).map(|axis| (places[i][axis] - places[j][axis]).powi(2)).sum();
-        (-0.5 * square / (LENGTH * LENGTH)).exp()
-    });
-    let half = whitener.whiten(covariance).transpose();
-    let white = whitener.whiten(half);
-    SymmetricEigen::new(0.5 * (&white + white.transpose()))
+        parts.push(whitener.whiten(columns));
+    }
+    let columns: Vec<DVector<f64>> =
+        parts.iter().flat_map(|part| part.column_iter().map(|c| c.into_owned())).collect();
+    let white = DMatrix::from_columns(&columns);
+    let (values, turned) = principal(white.tr_mul(&white), SMOOTH);
+    let mut vectors = white * turned;
+    for (mut vector, value) in vectors.column_iter_mut().zip(&values) {
+        vector /= value.sqrt();
+    }
+    Discrepancy { values, vectors }
 }
 
 /// log v_c, log h and cut length of each row, from 0 to 1 over all rows.

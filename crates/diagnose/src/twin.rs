@@ -197,7 +197,7 @@ mod tests {
         let zero = DVector::zeros(problem.unknowns());
         let deviation = problem.measured() - problem.predict(&twin, &zero, &[]);
         let nuisances =
-            &found.null.jacobian * found.null.jacobian.transpose() + &problem.covariance;
+            &found.null.jacobian * found.null.jacobian.transpose() + &problem.covariance.dense();
         let nothing = log_density(&deviation, nuisances.clone());
         assert!((found.null.log_evidence - nothing).abs() < 1e-6, "{nothing}");
         assert!((found.templates.log_evidence_of_nothing(&found.signal) - nothing).abs() < 1e-6);

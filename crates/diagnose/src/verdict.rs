@@ -3,7 +3,7 @@
 use crate::attribute::{ALARM, Attribution, CLAIM, Hypothesis};
 use crate::channel::Channel;
 use crate::fit::Fit;
-use crate::gaussian::Whitener;
+use crate::law::{Covariance, Factor, Law};
 use crate::predictor::Predictor;
 use crate::problem::Problem;
 use nalgebra::DVector;
@@ -173,26 +173,27 @@ fn families(attribution: &Attribution, predictor: &dyn Predictor) -> Vec<(&'stat
     found
 }
 
-/// chi^2 of each channel given all others. With the derivative G of the prediction by the nuisances u, the deviation
-/// d = r + G u from the model at the means of its nuisances, and Q = (Sigma + G G')^-1, the deviation of channel c from what
-/// the others predict is Q_cc^-1 (Q d)_c with the covariance Q_cc^-1: chi^2 = (Q d)_c' Q_cc^-1 (Q d)_c.
+/// chi^2 of each channel given all other values. With the deviation d = r + G u from the model at the means of its nuisances
+/// and V = Sigma + G G' it is what the channel adds to that of the others: chi^2 = d' V^-1 d - d_o' V_oo^-1 d_o.
 fn gates(problem: &Problem, fit: &Fit) -> Option<Vec<Gate>> {
     let nuisances = problem.unknowns();
-    let gradient = fit.jacobian.columns(0, nuisances);
-    let deviation = &fit.residual + gradient * fit.unknowns.rows(0, nuisances);
-    let law = Whitener::new(&problem.covariance + gradient * gradient.transpose()).ok()?;
-    let scores = law.unwhiten_transposed(law.whiten_vector(deviation));
-    let precision = law.precision();
+    let gradient = fit.jacobian.columns(0, nuisances).into_owned();
+    let deviation = &fit.residual + &gradient * fit.unknowns.rows(0, nuisances);
+    let mut covariance = problem.covariance.clone();
+    covariance.factors.push(Factor::of_all(gradient));
+    let chi_square = |covariance: &Covariance, deviation: DVector<f64>| {
+        Some(Law::new(covariance).ok()?.whiten_vector(deviation).norm_squared())
+    };
+    let all = chi_square(&covariance, deviation.clone())?;
     let channels = problem.channels();
     let limit = GATE / channels.len() as f64;
     let gate = |channel: Channel| {
-        let rows: Vec<usize> = (0..problem.rows.len())
-            .filter(|&row| problem.rows[row].channel == channel && problem.is_diagnosed(row))
-            .collect();
-        let own = precision.select_rows(&rows).select_columns(&rows);
-        let score = DVector::from_iterator(rows.len(), rows.iter().map(|&row| scores[row]));
-        let chi_square = score.dot(&own.cholesky()?.solve(&score));
-        let freedom = rows.len() as f64;
+        let is_own =
+            |row: &usize| problem.rows[*row].channel == channel && problem.is_diagnosed(*row);
+        let others: Vec<usize> = (0..problem.rows.len()).filter(|row| !is_own(row)).collect();
+        let rest = covariance.select(&others);
+        let chi_square = all - chi_square(&rest, deviation.select_rows(&others))?;
+        let freedom = (problem.rows.len() - others.len()) as f64;
         let chance = ChiSquared::new(freedom).ok()?.sf(chi_square);
         Some(Gate { channel, chi_square, freedom, chance, passed: chance >= limit })
     };

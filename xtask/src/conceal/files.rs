@@ -184,8 +184,8 @@ mod tests {
     use super::super::Truths;
     use super::super::draw::{Kind, Plan, cases};
     use super::super::truth::Hidden;
-    use sphcut_analytic::{Cut, predict};
     use super::*;
+    use sphcut_analytic::{Cut, predict};
 
     #[test]
     fn files_name_no_answer_and_answers_come_back() {

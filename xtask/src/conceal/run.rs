@@ -43,11 +43,7 @@ pub fn folders(cases: &Path) -> Result<Vec<PathBuf>, String> {
 }
 
 /// Claims and details, a line per case each, on `threads` threads.
-pub fn all(
-    folders: &[PathBuf],
-    asked: Asked,
-    threads: usize,
-) -> Result<(String, String), String> {
+pub fn all(folders: &[PathBuf], asked: Asked, threads: usize) -> Result<(String, String), String> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let done = AtomicUsize::new(0);
     let one = |folder: &PathBuf| {
@@ -160,7 +156,7 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
         "none_of_these": finding.none_of_these,
         "inclusion": inclusion,
         "family": finding.families.first().map(|(name, p)| json!([name, p])),
-        "bias": found.bias.map(|bias| [bias.amplitude, bias.length]),
+        "bias": found.biases.iter().map(|(c, b)| json!([c.key(), b.amplitude, b.length])).collect::<Vec<_>>(),
         "gates": gates,
         "explanations": top,
         "held": held,
