@@ -82,7 +82,8 @@ impl Attribution {
     #[must_use]
     pub fn inclusion(&self, effect: usize) -> f64 {
         let with = self.scored.iter().filter(|s| s.hypothesis.effects().contains(&effect));
-        with.map(|s| s.probability).sum()
+        // Without any the sum of the standard library is -0.
+        with.map(|s| s.probability).sum::<f64>() + 0.0
     }
 
     /// Whether these data could tell an effect of typical strength.
@@ -170,9 +171,18 @@ impl Attribution {
         for k in finalists {
             let scored = &mut self.scored[k];
             let nuisances = null.unknowns.as_slice();
-            let start: Vec<f64> = nuisances.iter().chain(&scored.coordinates).copied().collect();
             let effects = scored.hypothesis.effects().to_vec();
-            if let Some(found) = fit(problem, predictor, &effects, &DVector::from_vec(start)) {
+            // Where the null fit bent the nuisances far to make up for what is missing, the fit starts at their means as well.
+            let fits_found = [1.0, 0.0].map(|share| {
+                let own = nuisances.iter().map(|u| share * u);
+                let start: Vec<f64> = own.chain(scored.coordinates.iter().copied()).collect();
+                fit(problem, predictor, &effects, &DVector::from_vec(start))
+            });
+            let best = fits_found
+                .into_iter()
+                .flatten()
+                .max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence));
+            if let Some(found) = best {
                 scored.log_evidence = found.log_evidence;
                 scored.coordinates = found.unknowns.as_slice()[nuisances.len()..].to_vec();
                 fits.push(found);

@@ -41,6 +41,7 @@ pub fn diagnose_case_as(
     let mut request = Request {
         recordings: &measured,
         reference,
+        model_error: case.model_error,
         instruments: InstrumentPriors { gain, offset, drift },
         self_test: case.checks[0],
         control: case.checks[1],

@@ -65,6 +65,16 @@ impl Channel {
         }
     }
 
+    /// Its SI unit.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::CuttingForce | Self::FeedForce | Self::PassiveForce => "N",
+            Self::InterfaceTemperature => "K",
+            Self::ChipThickness | Self::ContactLength | Self::Springback => "m",
+        }
+    }
+
     /// The channel of a key.
     #[must_use]
     pub fn from_key(key: &str) -> Option<Self> {

@@ -184,6 +184,7 @@ mod tests {
         Request {
             recordings,
             reference: None,
+            model_error: None,
             instruments: InstrumentPriors { gain: 0.01, offset: 3.0, drift: 0.02 },
             self_test: 0,
             control: 0,

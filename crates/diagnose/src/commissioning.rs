@@ -14,6 +14,8 @@ use nalgebra::{DMatrix, DVector};
 const AMPLITUDES: [f64; 7] = [0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 /// Lengths over which it changes, in shares of the ranges of log v_c and log h.
 const LENGTHS: [f64; 3] = [0.3, 0.6, 1.2];
+/// Length over which a stated error of the model changes, in the same shares.
+const STATED_LENGTH: f64 = 0.6;
 /// Amplitude with which the nuisances are fitted before the bias is known.
 const FIRST: f64 = 0.04;
 /// Rounds in which each channel finds its bias while the others keep theirs.
@@ -39,6 +41,17 @@ pub enum Batch {
     Another,
 }
 
+/// How the bias of the model is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BiasOrigin {
+    /// Learnt from cuts in which nothing is missing.
+    Reference,
+    /// Unknown, and cancelled between two states.
+    Difference,
+    /// Its amplitude is stated, from comparisons of the model with other measurements.
+    Stated,
+}
+
 /// The bias of the model as a normal process of log v_c and log h, independent between channels:
 ///
 /// ```text
@@ -50,9 +63,29 @@ pub struct Bias {
     pub amplitude: f64,
     /// l in shares of the ranges of log v_c and log h; 0 for a difference.
     pub length: f64,
+    /// How it is known.
+    pub origin: BiasOrigin,
 }
 
 impl Problem {
+    /// The same problem with a model that is wrong by a smooth share of `amplitude`, unknown and independent between channels.
+    ///
+    /// Every explanation has to do with such a model; what is left to be explained is what the model could not be wrong by.
+    ///
+    /// # Errors
+    /// A covariance that cannot be inverted.
+    pub fn with_model_error(
+        self,
+        amplitude: f64,
+    ) -> Result<(Self, Vec<(Channel, Bias)>), DiagnoseError> {
+        let bias = Bias { amplitude, length: STATED_LENGTH, origin: BiasOrigin::Stated };
+        let biases: Vec<(Channel, Bias)> =
+            self.channels().into_iter().map(|channel| (channel, bias)).collect();
+        let factors = biases.iter().map(|&(channel, bias)| self.bias_factor(channel, bias));
+        let factors = factors.collect();
+        Ok((self.with_common(factors)?, biases))
+    }
+
     /// The regression of `recordings` beside `reference`, in which nothing is missing.
     ///
     /// The bias of the model is common to both, so its posterior from the reference goes into the diagnosis with its
@@ -86,7 +119,8 @@ impl Problem {
         let biases: Vec<(Channel, Bias)> = match comparison {
             Comparison::BiasField => plain.most_probable_biases(own..count, predictor)?,
             Comparison::Difference => {
-                let unknown = Bias { amplitude: UNKNOWN, length: 0.0 };
+                let origin = BiasOrigin::Difference;
+                let unknown = Bias { amplitude: UNKNOWN, length: 0.0, origin };
                 channels.into_iter().map(|channel| (channel, unknown)).collect()
             }
         };
@@ -95,7 +129,7 @@ impl Problem {
         Ok((plain.with_common(factors)?, biases))
     }
 
-    fn with_common(mut self, factors: Vec<Factor>) -> Result<Self, DiagnoseError> {
+    pub(crate) fn with_common(mut self, factors: Vec<Factor>) -> Result<Self, DiagnoseError> {
         self.covariance.factors.extend(factors);
         self.noise = Law::new(&self.covariance)?;
         Ok(self)
@@ -116,7 +150,7 @@ impl Problem {
     ) -> Result<Vec<(Channel, Bias)>, DiagnoseError> {
         let rows: Vec<usize> = reference.clone().collect();
         let channels = self.channels();
-        let first = Bias { amplitude: FIRST, length: LENGTHS[1] };
+        let first = learnt(FIRST, LENGTHS[1]);
         let factors = channels.iter().map(|&channel| self.bias_factor(channel, first)).collect();
         let known = self.clone().with_common(factors)?.select(&rows)?;
         let start = DVector::zeros(self.unknowns());
@@ -162,7 +196,7 @@ impl Problem {
         let mut all = Vec::new();
         for length in LENGTHS {
             for amplitude in AMPLITUDES {
-                let bias = Bias { amplitude, length };
+                let bias = learnt(amplitude, length);
                 let mut covariance = self.covariance.clone();
                 covariance.factors.push(self.bias_factor(channel, bias));
                 let law = Law::new(&covariance.select(rows))?;
@@ -190,7 +224,7 @@ impl Problem {
                 })
             })
             .collect();
-        let Bias { amplitude, length } = bias;
+        let Bias { amplitude, length, .. } = bias;
         let kernel = DMatrix::from_fn(cuts.len(), cuts.len(), |i, j| {
             let apart = |axis: usize| places[cuts[i]][axis] - places[cuts[j]][axis];
             let square = apart(0).powi(2) + apart(1).powi(2);
@@ -203,6 +237,10 @@ impl Problem {
         });
         Factor { rows, columns }
     }
+}
+
+fn learnt(amplitude: f64, length: f64) -> Bias {
+    Bias { amplitude, length, origin: BiasOrigin::Reference }
 }
 
 /// A bias of a channel with the products of the whitened columns of its nuisances and of its deviation.

@@ -2,6 +2,7 @@
 
 use crate::channel::{CHANNELS, Channel};
 use crate::error::DiagnoseError;
+use crate::noise::{NoiseLaw, Scatter};
 use crate::predictor::Condition;
 
 /// Different conditions (v_c, h) that a diagnosis needs: as many as a quadratic in both has coefficients.
@@ -40,6 +41,8 @@ pub struct Noise {
     pub channel: Channel,
     /// Root mean square of the standard deviation of a single cut, as a share of the value.
     pub deviation: f64,
+    /// The part that does not depend on the value, in its unit, and the part that is a share of it.
+    pub parts: [f64; 2],
     /// Degrees of freedom; infinite if stated.
     pub freedom: f64,
     /// Where it comes from.
@@ -145,12 +148,16 @@ impl Recordings {
         other
     }
 
-    /// The noise of a channel is a share of the value, the same at all conditions unless it is stated value by value.
+    /// The noise of a channel is a share of the value, with a part of it constant where the repeats say so ([`NoiseLaw`]), unless it
+    /// is stated value by value.
     ///
     /// With repeats in n recordings of one condition, sorted by cut length and run order, s^2 = sum (y_(j+1) - y_j)^2 / 2
     /// over the logarithms (von Neumann, Ann. Math. Stat. 12 (1941) 367-395): a slow drift between repeats does not
     /// count as noise. Its degrees of freedom are 2 (n - 1)^2 / (3 n - 4). The variance used is s^2 nu / (nu - 2), the
     /// expectation of sigma^2 when s^2 has been seen (Jeffreys' prior); few repeats therefore mean caution.
+    ///
+    /// A line that is the mean of n cuts and states their standard deviation is a group of repeats in one line, with n - 1 degrees
+    /// of freedom: three cuts that agree by chance do not make their mean exact. A deviation without n is taken as it stands.
     fn read_noise(&mut self, channel: Channel, groups: &[Vec<usize>]) -> Result<(), DiagnoseError> {
         let c = channel.index();
         let rows: Vec<usize> = (0..self.recordings.len())
@@ -162,34 +169,59 @@ impl Recordings {
         let count = |k: usize| self.recordings[k].count.unwrap_or(1.0).max(1.0);
         let relative =
             |k: usize| Some(self.recordings[k].deviations[c]? / self.recordings[k].values[c]?);
-        let (scatter, freedom) = self.repeats(c, groups);
+        let mut scatter = self.repeats(c, groups);
+        scatter.extend(self.condensed(c));
+        let freedom = scatter.iter().map(|s| s.freedom).sum();
+        let law = NoiseLaw::most_likely(&scatter, FEWEST_FREEDOM);
         let stated: Vec<Option<f64>> = rows.iter().map(|&k| relative(k).map(|s| s * s)).collect();
         let all_stated = stated.iter().all(|s| s.is_some_and(|variance| variance > 0.0));
-        let from_repeats = (freedom >= FEWEST_FREEDOM && scatter > 0.0)
-            .then(|| scatter * freedom / (freedom - 2.0));
-        if !all_stated && from_repeats.is_none() {
+        if !all_stated && law.is_none() {
             return Err(DiagnoseError::UnknownNoise { channel, freedom, needed: FEWEST_FREEDOM });
         }
         let mut squares = 0.0;
         for (&k, stated) in rows.iter().zip(&stated) {
             // The scatter within a cut leaves out that between cuts: the larger of both counts.
-            let single =
-                stated.filter(|_| all_stated).unwrap_or(0.0).max(from_repeats.unwrap_or(0.0));
+            let exact = stated
+                .filter(|_| all_stated && (law.is_none() || self.recordings[k].count.is_none()));
+            let value = self.recordings[k].values[c].unwrap_or(f64::NAN);
+            let single = exact.unwrap_or(0.0).max(law.map_or(0.0, |law| law.variance(value)));
             squares += single;
             self.variances[k][c] = Some(single / count(k));
         }
-        let source =
-            if from_repeats.is_some() { NoiseSource::Repeats } else { NoiseSource::Stated };
-        let freedom = if from_repeats.is_some() { freedom } else { f64::INFINITY };
         let deviation = (squares / rows.len() as f64).sqrt();
-        self.noise.push(Noise { channel, deviation, freedom, source });
+        self.noise.push(match law {
+            Some(NoiseLaw { constant, share, freedom }) => Noise {
+                channel,
+                deviation,
+                parts: [constant.sqrt(), share.sqrt()],
+                freedom,
+                source: NoiseSource::Repeats,
+            },
+            None => Noise {
+                channel,
+                deviation,
+                parts: [0.0, deviation],
+                freedom: f64::INFINITY,
+                source: NoiseSource::Stated,
+            },
+        });
         Ok(())
     }
 
-    /// Variance of a single cut and its degrees of freedom.
-    fn repeats(&self, c: usize, groups: &[Vec<usize>]) -> (f64, f64) {
-        let (mut weighted, mut freedom) = (0.0, 0.0);
-        for group in groups {
+    /// The scatter within the lines that are means of several cuts.
+    fn condensed(&self, c: usize) -> Vec<Scatter> {
+        let of = |recording: &Recording| {
+            let value = recording.values[c]?;
+            let share = recording.deviations[c]? / value;
+            let freedom = (recording.count? - 1.0).max(0.0);
+            Some(Scatter { variance: share * share, freedom, value })
+        };
+        self.recordings.iter().filter_map(of).collect()
+    }
+
+    /// The scatter between the lines of each condition.
+    fn repeats(&self, c: usize, groups: &[Vec<usize>]) -> Vec<Scatter> {
+        let of = |group: &Vec<usize>| {
             let mut seen: Vec<(f64, f64, f64, f64)> = group
                 .iter()
                 .filter_map(|&k| {
@@ -199,7 +231,7 @@ impl Recordings {
                 })
                 .collect();
             if seen.len() < 2 {
-                continue;
+                return None;
             }
             seen.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
             // Of two means of n and m cuts the difference has the variance sigma^2 (1 / n + 1 / m).
@@ -208,11 +240,11 @@ impl Recordings {
                 .map(|p| (p[1].2 - p[0].2).powi(2) / (1.0 / p[0].3 + 1.0 / p[1].3))
                 .sum();
             let pairs = (seen.len() - 1) as f64;
-            let own = 2.0 * pairs * pairs / (3.0 * pairs - 1.0);
-            weighted += own * squares / pairs;
-            freedom += own;
-        }
-        if freedom > 0.0 { (weighted / freedom, freedom) } else { (0.0, 0.0) }
+            let value = (seen.iter().map(|cut| cut.2).sum::<f64>() / seen.len() as f64).exp();
+            let freedom = 2.0 * pairs * pairs / (3.0 * pairs - 1.0);
+            Some(Scatter { variance: squares / pairs, freedom, value })
+        };
+        groups.iter().filter_map(of).collect()
     }
 }
 
@@ -302,9 +334,11 @@ mod tests {
             })
             .collect();
         let found = Recordings::new(all, &FORCE).unwrap();
-        // 8 / 200 over the root of 4.
-        assert!((found.variance(2, Channel::CuttingForce).unwrap() - 0.02 * 0.02).abs() < 1e-15);
-        assert_eq!(found.noise()[0].source, NoiseSource::Stated);
+        // 8 / 200 over the root of 4; six groups of four repeats leave 18 degrees of freedom: the variance times 18 / 16.
+        let variance = found.variance(2, Channel::CuttingForce).unwrap();
+        assert!((variance - 0.02 * 0.02 * 18.0 / 16.0).abs() < 1e-15);
+        assert_eq!(found.noise()[0].source, NoiseSource::Repeats);
+        assert!((found.noise()[0].freedom - 18.0).abs() < 1e-12);
     }
 
     #[test]
@@ -317,6 +351,14 @@ mod tests {
         assert!(error.to_string().contains("the noise of F_c is unknown"), "{error}");
         let error = Recordings::new(single.clone(), &[Channel::Springback]).unwrap_err();
         assert_eq!(error, DiagnoseError::NothingPredicted);
+        // Without the number of cuts a deviation is taken as it stands.
+        let mut stated = single.clone();
+        stated.iter_mut().for_each(|one| one.deviations[0] = Some(0.04));
+        let found = Recordings::new(stated, &FORCE).unwrap();
+        assert_eq!(
+            (found.noise()[0].source, found.noise()[0].deviation),
+            (NoiseSource::Stated, 0.04)
+        );
         let mut zero = single;
         zero[3].values[0] = Some(0.0);
         let error = Recordings::new(zero, &FORCE).unwrap_err();

@@ -1,6 +1,7 @@
 //! `diagnosis.json`.
 
 use crate::attribute::Hypothesis;
+use crate::commissioning::BiasOrigin;
 use crate::data::{NoiseSource, Recordings};
 use crate::fit::Fit;
 use crate::help::{Held, Part};
@@ -76,6 +77,8 @@ pub fn diagnosis_json(
         "noise": recordings.noise().iter().map(|noise| json!({
             "channel": noise.channel.key(),
             "deviation": noise.deviation,
+            "constant_part": noise.parts[0],
+            "share": noise.parts[1],
             "degrees_of_freedom": noise.freedom.is_finite().then_some(noise.freedom),
             "source": match noise.source { NoiseSource::Repeats => "repeats", NoiseSource::Stated => "stated" },
         })).collect::<Vec<_>>(),
@@ -113,7 +116,17 @@ pub fn diagnosis_json(
             "followed": gate.passed,
         })).collect::<Vec<_>>(),
         "bias": found.biases.iter().map(|(channel, bias)| json!({
-            "channel": channel.key(), "amplitude": bias.amplitude, "length": bias.length,
+            "channel": channel.key(),
+            "amplitude": bias.amplitude,
+            "length": bias.length,
+            "origin": match bias.origin {
+                BiasOrigin::Reference => "reference",
+                BiasOrigin::Difference => "difference",
+                BiasOrigin::Stated => "stated",
+            },
+        })).collect::<Vec<_>>(),
+        "scatter_between_conditions": found.setups.iter().map(|setup| json!({
+            "channel": setup.channel.key(), "deviation": setup.deviation,
         })).collect::<Vec<_>>(),
         "where": found.location.contrasts.iter().map(|contrast| json!({
             "channel": contrast.channel.key(),
@@ -129,12 +142,12 @@ pub fn diagnosis_json(
             "score": points.iter().map(|p| p.score).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
         "held_out": found.help.iter().map(held).collect::<Vec<_>>(),
-        "false_alarms": found.false_alarms.map(rate),
+        "false_alarms": found.false_alarms.map(|alarms| rate(alarms, found.asked[0])),
         "positive_control": found.control.as_ref().map(|control| json!({
             "effects": keys(&control.effects),
-            "alarms": rate(control.alarms),
-            "named": rate(control.named),
-            "in_set": rate(control.in_set),
+            "alarms": rate(control.alarms, found.asked[1]),
+            "named": rate(control.named, found.asked[1]),
+            "in_set": rate(control.in_set, found.asked[1]),
         })),
         "next": found.next.as_ref().map(|next| json!({
             "cuts": next.conditions.iter().map(condition).collect::<Vec<_>>(),
@@ -190,8 +203,8 @@ fn nuisances(found: &Diagnosis, predictor: &dyn Predictor) -> Vec<Value> {
         .collect()
 }
 
-fn rate(rate: Rate) -> Value {
-    json!({ "hits": rate.hits, "trials": rate.trials, "interval": rate.interval() })
+fn rate(rate: Rate, asked: usize) -> Value {
+    json!({ "asked": asked, "hits": rate.hits, "trials": rate.trials, "interval": rate.interval() })
 }
 
 fn held(held: &Held) -> Value {
@@ -204,6 +217,9 @@ fn held(held: &Held) -> Value {
         "ratio": held.ratio[0],
         "ratio_interval": [held.ratio[1], held.ratio[2]],
         "improves": held.improves(),
+        "channels": held.channels.iter().map(|(channel, [refitted, repaired])| json!({
+            "channel": channel.key(), "nuisances_fitted_again": refitted, "repaired": repaired,
+        })).collect::<Vec<_>>(),
         "grey_box": held.grey_box.iter().map(|(method, error)| json!({
             "method": method.key(), "error": error,
         })).collect::<Vec<_>>(),

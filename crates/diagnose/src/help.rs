@@ -1,6 +1,6 @@
 //! Does the repair help, on conditions that it has not seen.
 
-use crate::channel::Channel;
+use crate::channel::{CHANNELS, Channel};
 use crate::data::Recordings;
 use crate::error::DiagnoseError;
 use crate::fit::{Fit, active, fit};
@@ -45,6 +45,8 @@ pub struct Held {
     pub repaired: f64,
     /// Error of the repair over that of fitting the nuisances alone, with its 95 % interval.
     pub ratio: [f64; 3],
+    /// The same by channel: fitted again, repaired.
+    pub channels: Vec<(Channel, [f64; 2])>,
     /// The base scenario corrected by regression of its residual over v_c and h.
     pub grey_box: Vec<(Method, f64)>,
 }
@@ -60,6 +62,7 @@ impl Held {
 /// Absolute errors of a value by each prediction.
 struct Errors {
     condition: usize,
+    channel: Channel,
     plain: [f64; 3],
     grey_box: Vec<f64>,
 }
@@ -178,6 +181,7 @@ impl Context<'_> {
             let measured = problem.rows[row].log_value;
             Errors {
                 condition: self.learners.condition_of[problem.rows[row].recording],
+                channel: problem.rows[row].channel,
                 plain: [0, 1, 2].map(|p: usize| (predictions[p][row] - measured).abs()),
                 grey_box: corrections
                     .iter()
@@ -292,7 +296,14 @@ fn summary(part: Part, errors: &[Errors], seed: u64) -> Held {
         .collect();
     let [low, high] = ratio_interval(errors, seed);
     let ratio = [repaired / refitted, low, high];
-    Held { part, values: errors.len(), before, refitted, repaired, ratio, grey_box }
+    let of = |channel: Channel| {
+        let own = || errors.iter().filter(move |e| e.channel == channel);
+        let count = own().count();
+        let mean = |p: usize| own().map(|e| e.plain[p]).sum::<f64>() / count as f64;
+        (count > 0).then(|| (channel, [mean(1), mean(2)]))
+    };
+    let channels = CHANNELS.into_iter().filter_map(of).collect();
+    Held { part, values: errors.len(), before, refitted, repaired, ratio, channels, grey_box }
 }
 
 /// 95 % interval of the ratio of the mean errors: whole conditions drawn with replacement, both errors of a value together

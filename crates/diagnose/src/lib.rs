@@ -41,10 +41,12 @@ mod help;
 mod law;
 mod locate;
 mod next_experiment;
+mod noise;
 mod predictor;
 mod problem;
 mod self_test;
 mod session;
+mod setups;
 mod templates;
 #[cfg(test)]
 mod twin;
@@ -55,7 +57,7 @@ pub use case::{diagnose_case, diagnose_case_as};
 pub use channel::{CHANNELS, Channel};
 pub use closed_form::ClosedForm;
 pub use closed_form_cut::closed_form_cut;
-pub use commissioning::{Batch, Bias, Comparison};
+pub use commissioning::{Batch, Bias, BiasOrigin, Comparison};
 pub use data::{Noise, NoiseSource, Recording, Recordings};
 pub use error::DiagnoseError;
 pub use files::{Provenance, diagnosis_json};
@@ -67,5 +69,6 @@ pub use predictor::{Active, Condition, Effect, EffectParameter, Nuisance, Predic
 pub use problem::{InstrumentPriors, Problem, Row, Site};
 pub use self_test::{PositiveControl, Rate, Simulator};
 pub use session::{Diagnosis, Estimate, Request, diagnose};
+pub use setups::SetupScatter;
 pub use templates::Templates;
 pub use verdict::{Finding, Gate, Verdict, judge};

@@ -12,6 +12,7 @@ use crate::next_experiment::{NextExperiment, Rival, next_experiment};
 use crate::predictor::{Active, Condition, Predictor};
 use crate::problem::{InstrumentPriors, Problem};
 use crate::self_test::{PositiveControl, Rate, Simulator};
+use crate::setups::SetupScatter;
 use crate::templates::Templates;
 use crate::verdict::{Finding, Verdict, judge};
 use nalgebra::DVector;
@@ -32,6 +33,8 @@ pub struct Request<'a> {
     pub recordings: &'a Recordings,
     /// Cuts in which nothing is missing.
     pub reference: Option<(&'a Recordings, Comparison, Batch)>,
+    /// Share by which the model is wrong by itself, smoothly over the conditions, where no reference teaches it.
+    pub model_error: Option<f64>,
     /// What instruments add.
     pub instruments: InstrumentPriors,
     /// Simulated recordings of the null self-test.
@@ -76,7 +79,9 @@ pub struct Diagnosis {
     pub attribution: Attribution,
     /// What may be claimed.
     pub finding: Finding,
-    /// Bias that the reference taught: that of the channel where it is largest.
+    /// Scatter between conditions that repeats do not show; with a reference it is part of the bias.
+    pub setups: Vec<SetupScatter>,
+    /// Bias that the reference taught or that is stated: that of the channel where it is largest.
     pub bias: Option<Bias>,
     /// The bias of each channel.
     pub biases: Vec<(Channel, Bias)>,
@@ -84,6 +89,8 @@ pub struct Diagnosis {
     pub repair: Option<usize>,
     /// Whether the repair helps.
     pub help: Vec<Held>,
+    /// Simulated recordings asked for, without and with the repair's effects. Those at which the model has no answer do not count.
+    pub asked: [usize; 2],
     /// False alarms of simulated recordings in which nothing is missing.
     pub false_alarms: Option<Rate>,
     /// The repair's effects concealed and looked for.
@@ -121,8 +128,17 @@ pub fn diagnose(
     request: &Request<'_>,
     predictor: &dyn Predictor,
 ) -> Result<Diagnosis, DiagnoseError> {
+    let mut setups = Vec::new();
     let (problem, biases) = match request.reference {
-        None => (Problem::new(request.recordings, predictor, &request.instruments)?, Vec::new()),
+        None => {
+            let plain = Problem::new(request.recordings, predictor, &request.instruments)?;
+            let (plain, found) = plain.with_setup_scatter(predictor)?;
+            setups = found;
+            match request.model_error {
+                None => (plain, Vec::new()),
+                Some(share) => plain.with_model_error(share)?,
+            }
+        }
         Some(reference) => {
             let (problem, biases) =
                 Problem::beside(request.recordings, reference, predictor, &request.instruments)?;
@@ -164,10 +180,12 @@ pub fn diagnose(
         location,
         attribution,
         finding,
+        setups,
         bias: largest(&biases),
         biases,
         repair,
         help,
+        asked: [request.self_test, request.control],
         false_alarms,
         control,
         next,

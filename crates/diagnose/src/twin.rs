@@ -333,6 +333,7 @@ mod whole {
         Request {
             recordings,
             reference: None,
+            model_error: None,
             instruments: INSTRUMENTS,
             self_test: 0,
             control: 0,

@@ -35,6 +35,8 @@ pub struct DiagnosisCase {
     pub reference: Option<ReferenceCuts>,
     /// Standard deviation of each quantity of material and friction as a share, by its key.
     pub scatter: Vec<(&'static str, f64)>,
+    /// Share by which the model is wrong by itself.
+    pub model_error: Option<f64>,
     /// Standard deviations of gain (share), offset (N) and drift (share).
     pub instruments: [f64; 3],
     /// Simulated recordings of the self-test and of the positive control.
@@ -127,6 +129,12 @@ fn read_document(
     let (next, next_range) = next?;
     let number = |all: &Values, key: &str| all.iter().find(|(k, _)| *k == key).map(|(_, x)| *x);
     let count = |all: &Values, key: &str| number(all, key).map(|x| x as usize);
+    let model_error = number(&priors, "model_error");
+    if model_error.is_some() && reference.is_some() {
+        let message =
+            "`model_error` is stated although [reference] teaches what the model gets wrong";
+        contradiction(findings, root, "priors", message, "leave one of the two out");
+    }
     let scatter: Option<Vec<(&'static str, f64)>> =
         sections::SCATTER.iter().map(|&key| Some((key, number(&priors, key)?))).collect();
     Some(DiagnosisCase {
@@ -137,6 +145,7 @@ fn read_document(
         measured: measured_rows,
         reference,
         scatter: scatter?,
+        model_error,
         instruments: [
             number(&priors, "gain")?,
             number(&priors, "offset")?,

@@ -127,6 +127,14 @@ pub(crate) fn diagnosis_priors() -> Section {
                 "zero of each force",
             ),
             share("drift", "2 %", "drift of each channel from the first cut to the last"),
+            Field::new(
+                "model_error",
+                positive(Quantity::Dimensionless, 1.0),
+                Presence::Optional,
+                "by how much the model of the cut is wrong by itself, as a share that changes smoothly over speed and thickness: \
+                 from comparisons of the model with other measurements. Only without [reference], which teaches it",
+            )
+            .example("\"10 %\""),
         ],
     )
 }
