@@ -47,7 +47,8 @@ pub(crate) fn percent(share: f64) -> String {
     if value != 0.0 && value.abs() < 0.01 {
         return "< 0.01 %".to_owned();
     }
-    minus(&format!("{value:.2} %"))
+    // A sum over nothing is -0.
+    minus(&format!("{:.2} %", value + 0.0))
 }
 
 /// A count in groups of three digits.
@@ -88,6 +89,7 @@ mod tests {
         );
         assert_eq!(percent(0.0691), "6.91 %");
         assert_eq!(percent(-3e-7), "< 0.01 %");
+        assert_eq!(percent(-0.0), "0.00 %");
         assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(grouped(12), "12");
     }

@@ -9,10 +9,11 @@ use super::greybox::{figure, page as whole};
 use crate::text::{minus, percent, three_digits};
 use maud::{Markup, html};
 use sphcut_diagnose::{
-    Diagnosis, Hypothesis, MapPoint, Noise, NoiseSource, Predictor, Provenance, Recordings, Scored,
+    BiasOrigin, Diagnosis, Hypothesis, MapPoint, Noise, NoiseSource, Predictor, Provenance,
+    Recordings, Scored,
 };
 use sphcut_greybox::{Hull, Input};
-use words::{family, listed, parameters, part, pattern, rate};
+use words::{family, listed, parameters, part, pattern, rate, shown, unanswered};
 
 /// Explanations that are shown.
 const MOST_EXPLANATIONS: usize = 10;
@@ -230,13 +231,16 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                     thead { tr {
                         th scope="col" { "Left out" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
                         th.n scope="col" { "Nuisances fitted again" } th.n scope="col" { "Repaired" }
-                        th.n scope="col" { "Repaired / fitted again" }
+                        th.n scope="col" { "Repaired / fitted again" } th scope="col" { "by channel: fitted again, repaired" }
                         @for (method, _) in &first.grey_box { th.n scope="col" { "Grey box: " (method.name()) } }
                     } }
                     tbody { @for held in help { tr {
                         th scope="row" { (part(held.part)) } td.n { (held.values) }
                         td.n { (percent(held.before)) } td.n { (percent(held.refitted)) } td.n { (percent(held.repaired)) }
                         td.n { (three_digits(held.ratio[0])) " (" (three_digits(held.ratio[1])) " to " (three_digits(held.ratio[2])) ")" }
+                        td { @for (k, (channel, [refitted, repaired])) in held.channels.iter().enumerate() {
+                            @if k > 0 { "; " } (channel.title()) " " (percent(*refitted)) ", " (percent(*repaired))
+                        } }
                         @for (_, error) in &held.grey_box { td.n { (percent(*error)) } }
                     } } }
                 } }
@@ -260,10 +264,10 @@ fn trust(page: &DiagnosisPage<'_>) -> Markup {
             h2 { "Can this be trusted" }
             table { tbody {
                 @if let Some(alarms) = found.false_alarms { tr {
-                    th scope="row" { "Alarms in simulated recordings with nothing missing" } td { (rate(alarms)) }
+                    th scope="row" { "Alarms in simulated recordings with nothing missing" } td { (rate(alarms)) (unanswered(found.asked[0], alarms)) }
                 } }
                 @if let Some(control) = &found.control {
-                    tr { th scope="row" { "Alarms where \u{201c}" (names(&control.effects)) "\u{201d} was concealed at the size found" } td { (rate(control.alarms)) } }
+                    tr { th scope="row" { "Alarms where \u{201c}" (names(&control.effects)) "\u{201d} was concealed at the size found" } td { (rate(control.alarms)) (unanswered(found.asked[1], control.alarms)) } }
                     tr { th scope="row" { "\u{2026} named, and nothing else" } td { (rate(control.named)) } }
                     tr { th scope="row" { "\u{2026} in the 95 % set" } td { (rate(control.in_set)) } }
                 }
@@ -271,16 +275,33 @@ fn trust(page: &DiagnosisPage<'_>) -> Markup {
                     th scope="row" { "Noise of a single " (noise.channel.title()) }
                     td { (percent(noise.deviation)) ", " (origin(noise)) }
                 } }
+                @for setup in &found.setups { tr {
+                    th scope="row" { "Scatter of the " (setup.channel.title()) " between conditions" }
+                    td { (percent(setup.deviation)) " beyond that of repeats; counted as noise" }
+                } }
                 @for gate in &found.finding.gates { tr.over[!gate.passed] {
                     th scope="row" { "Best explanation and " (gate.channel.title()) }
                     td { "\u{3c7}\u{b2} = " (three_digits(gate.chi_square)) " for " (three_digits(gate.freedom)) " values (chance " (percent(gate.chance)) ")"
                         @if !gate.passed { ": not followed" } }
                 } }
                 @if let Some(bias) = found.bias { tr {
-                    th scope="row" { "Bias of the model by the reference cuts" }
-                    td { @if bias.length > 0.0 { (percent(bias.amplitude)) ", changing over " (percent(bias.length)) " of the range" } @else { "cancelled: only the difference of the two states counts" } }
+                    th scope="row" { "Bias of the model" }
+                    td { (self::bias(bias)) }
                 } }
             } }
+        }
+    }
+}
+
+fn bias(bias: sphcut_diagnose::Bias) -> String {
+    let size = || {
+        format!("{}, changing over {} of the range", percent(bias.amplitude), percent(bias.length))
+    };
+    match bias.origin {
+        BiasOrigin::Reference => format!("{}, by the reference cuts", size()),
+        BiasOrigin::Stated => format!("{}, as stated", size()),
+        BiasOrigin::Difference => {
+            "cancelled: only the difference of the two states counts".to_owned()
         }
     }
 }
@@ -289,7 +310,18 @@ fn origin(noise: &Noise) -> String {
     match noise.source {
         NoiseSource::Stated => "as stated".to_owned(),
         NoiseSource::Repeats => {
-            format!("from repeats ({} degrees of freedom)", three_digits(noise.freedom))
+            let [constant, share] = noise.parts;
+            let (scale, unit) = shown(noise.channel.unit(), constant);
+            let law = if constant > 0.0 {
+                format!(
+                    "{} {unit} whatever the value and {} of it, ",
+                    three_digits(scale * constant),
+                    percent(share)
+                )
+            } else {
+                String::new()
+            };
+            format!("{law}from repeats ({} degrees of freedom)", three_digits(noise.freedom))
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::DiagnosisPage;
 use crate::text::{percent, three_digits};
-use sphcut_diagnose::{Channel, Estimate, Fit, Held, Part, Rate, Verdict};
+use sphcut_diagnose::{BiasOrigin, Channel, Estimate, Fit, Held, Part, Rate, Verdict};
 
 /// A pattern in words.
 pub(super) fn pattern(pattern: &str) -> &str {
@@ -51,6 +51,16 @@ pub(super) fn rate(rate: Rate) -> String {
     )
 }
 
+/// How many simulated recordings do not count; empty if all do.
+pub(super) fn unanswered(asked: usize, counted: Rate) -> String {
+    match asked - counted.trials {
+        0 => String::new(),
+        lost => format!(
+            "; {lost} of the {asked} asked for do not count, because the model has no answer for them"
+        ),
+    }
+}
+
 /// Scale and unit for people.
 pub(super) fn shown(unit: &str, value: f64) -> (f64, &str) {
     match unit {
@@ -97,8 +107,34 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
     if let Some(found) = page.diagnosis.false_alarms {
         let alarm = if page.diagnosis.finding.is_alarm() { "this alarm" } else { "an alarm" };
         words.push(format!(
-            "Of simulated recordings with this design and this noise, in which nothing is missing, {} raised an alarm: that is how much {alarm} may be chance.",
-            rate(found)
+            "Of simulated recordings with this design and this noise, in which nothing is missing, {} raised an alarm: that is how much {alarm} may be chance{}.",
+            rate(found),
+            unanswered(page.diagnosis.asked[0], found)
+        ));
+    }
+    let stated = page.diagnosis.bias.filter(|bias| bias.origin == BiasOrigin::Stated);
+    if let Some(bias) = stated {
+        words.push(format!(
+            "The model is taken to be wrong by {} by itself, smoothly over speed and thickness, as stated: what is claimed lies beyond that. There are no \
+             reference cuts that would show it.",
+            percent(bias.amplitude)
+        ));
+    }
+    if !page.diagnosis.setups.is_empty() {
+        let each = page.diagnosis.setups.iter();
+        let each = each.map(|s| format!("{} ({})", percent(s.deviation), s.channel.title()));
+        words.push(format!(
+            "Neighbouring conditions differ by {} more than repeats of one condition do: repeats that are cut one after the other show too little. That \
+             scatter counts as noise.",
+            listed(&each.collect::<Vec<_>>())
+        ));
+    }
+    let unknown = &page.diagnosis.attribution.unknown;
+    if !unknown.is_empty() {
+        let titles = unknown.iter().map(|&k| page.predictor.effects()[k].title.to_owned());
+        words.push(format!(
+            "At some of these conditions the model has no answer for {}: no explanation here. Without those cuts it could be one.",
+            listed(&titles.map(|title| format!("\u{201c}{title}\u{201d}")).collect::<Vec<_>>())
         ));
     }
     if page.diagnosis.bias.is_none() && page.diagnosis.finding.is_alarm() {

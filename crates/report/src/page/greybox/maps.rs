@@ -10,6 +10,8 @@ const M_PER_MIN: f64 = 60.0;
 const MM: f64 = 1e3;
 /// Points of a surface.
 const GRID: [usize; 2] = [96, 72];
+/// Room for the colours at the right.
+const BAR: f64 = 84.0;
 
 /// The colours of a map.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +77,7 @@ impl Map<'_> {
     pub(in crate::page) fn svg(&self) -> String {
         let x = Axis::of_conditions("v_c in m/min", self.inputs.iter().map(|i| i[0] * M_PER_MIN));
         let y = Axis::of_conditions("h in mm", self.inputs.iter().map(|i| i[1] * MM));
-        let mut frame = Frame::new(x, y, 84.0, &self.description);
+        let mut frame = Frame::new(x, y, BAR, &self.description);
         if let Some(surface) = self.surface {
             let image = self.image(&frame, surface);
             let [left, top, right, bottom] = frame.inner();
@@ -163,9 +165,9 @@ impl Map<'_> {
             ));
         }
         frame.put(format_args!(
-            r#"<text class="label" x="{:.1}" y="{:.1}" text-anchor="middle">{}</text>"#,
-            right + 36.0,
-            bottom + 20.0,
+            r#"<text class="label" x="{:.1}" y="{:.1}" text-anchor="end">{}</text>"#,
+            right + BAR - 2.0,
+            bottom + 36.0,
             super::axes::escape(&self.quantity)
         ));
     }
