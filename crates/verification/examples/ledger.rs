@@ -7,6 +7,7 @@
 //! not repeated unless `--again` asks for it. `docs/validation.md` is written from all values that
 //! are there.
 
+use sphcut_verification::diagnoses::diagnoses_cases;
 use sphcut_verification::grey_box::grey_box_cases;
 use sphcut_verification::ledger::{self, Entry};
 use sphcut_verification::store::Store;
@@ -73,6 +74,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             say(&case.judge());
         }
         entries.push(Entry::of_sweep(&case));
+    }
+    for case in diagnoses_cases(&folder)? {
+        let verdict = case.judge();
+        if is_wanted(&case.name, case.tier, tier, &names) {
+            say(&verdict);
+        }
+        entries.push(Entry::of_diagnoses(&case, verdict));
     }
     entries.sort_by(|a, b| a.name().cmp(b.name()));
     fs::write(root.join("docs/validation.md"), ledger::markdown(&entries))?;

@@ -1,6 +1,7 @@
-//! Cases of scenarios, of the grey box and of sweeps under one name.
+//! Cases of scenarios, of the grey box, of sweeps and of diagnoses under one name.
 
 use crate::case::{Case, Tier, cases};
+use crate::diagnoses::{DiagnosesCase, diagnoses_cases};
 use crate::error::CaseError;
 use crate::grey_box::{GreyBoxCase, Watch, grey_box_cases};
 use crate::runner::{RunOptions, run_case};
@@ -17,6 +18,8 @@ pub enum AnyCase {
     GreyBox(GreyBoxCase),
     /// The table of a sweep is judged.
     Sweep(SweepCase),
+    /// Recordings are diagnosed.
+    Diagnoses(DiagnosesCase),
 }
 
 /// All cases below `root`, by name.
@@ -27,7 +30,9 @@ pub fn all_cases(root: &Path) -> Result<Vec<AnyCase>, CaseError> {
     let scenarios = cases(root)?.into_iter().map(AnyCase::Scenarios);
     let grey_boxes = grey_box_cases(root)?.into_iter().map(AnyCase::GreyBox);
     let sweeps = sweep_cases(root)?.into_iter().map(AnyCase::Sweep);
-    let mut all: Vec<AnyCase> = scenarios.chain(grey_boxes).chain(sweeps).collect();
+    let diagnoses = diagnoses_cases(root)?.into_iter().map(AnyCase::Diagnoses);
+    let mut all: Vec<AnyCase> =
+        scenarios.chain(grey_boxes).chain(sweeps).chain(diagnoses).collect();
     all.sort_by(|a, b| a.name().cmp(b.name()));
     Ok(all)
 }
@@ -40,6 +45,7 @@ impl AnyCase {
             Self::Scenarios(case) => &case.name,
             Self::GreyBox(case) => &case.name,
             Self::Sweep(case) => &case.name,
+            Self::Diagnoses(case) => &case.name,
         }
     }
 
@@ -50,6 +56,7 @@ impl AnyCase {
             Self::Scenarios(case) => &case.title,
             Self::GreyBox(case) => &case.title,
             Self::Sweep(case) => &case.title,
+            Self::Diagnoses(case) => &case.title,
         }
     }
 
@@ -60,6 +67,7 @@ impl AnyCase {
             Self::Scenarios(case) => case.tier,
             Self::GreyBox(case) => case.tier,
             Self::Sweep(_) => SweepCase::TIER,
+            Self::Diagnoses(case) => case.tier,
         }
     }
 
@@ -69,6 +77,7 @@ impl AnyCase {
             Self::Scenarios(case) => run_case(case, options, &mut |told| progress(told)),
             Self::GreyBox(case) => case.run(options, progress),
             Self::Sweep(case) => case.judge(),
+            Self::Diagnoses(case) => case.judge(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The validation ledger: verdicts as a Markdown table.
 
 use crate::case::{Case, Kind, Metric, Tier};
+use crate::diagnoses::DiagnosesCase;
 use crate::grey_box::{FitFigures, GreyBoxCase};
 use crate::judge::number;
 use crate::sweep_trends::SweepCase;
@@ -62,6 +63,20 @@ impl Entry {
             claim: case.claim.clone(),
             beside: case.origin(),
             verdict: Some(case.judge()),
+        }
+    }
+
+    /// A case of diagnoses with its verdict.
+    #[must_use]
+    pub fn of_diagnoses(case: &DiagnosesCase, verdict: Verdict) -> Self {
+        Self {
+            name: case.name.clone(),
+            title: case.title.clone(),
+            kind: case.kind,
+            tier: case.tier,
+            claim: case.claim.clone(),
+            beside: case.questions(),
+            verdict: Some(verdict),
         }
     }
 

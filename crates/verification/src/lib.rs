@@ -10,6 +10,7 @@
 
 mod any_case;
 mod case;
+pub mod diagnoses;
 mod error;
 mod evidence;
 pub mod grey_box;

@@ -2,6 +2,7 @@
 //! ignored tests: `cargo test -p sphcut-verification --test cases -- --ignored taylor`.
 
 use libtest_mimic::{Arguments, Failed, Trial};
+use sphcut_verification::diagnoses::{DiagnosesCase, diagnoses_cases};
 use sphcut_verification::grey_box::{GreyBoxCase, grey_box_cases};
 use sphcut_verification::store::Store;
 use sphcut_verification::sweep_trends::{SweepCase, sweep_cases};
@@ -15,16 +16,19 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation");
-    let all =
-        cases(&root).and_then(|cases| Ok((cases, grey_box_cases(&root)?, sweep_cases(&root)?)));
+    let all = cases(&root).and_then(|cases| {
+        let tables = (sweep_cases(&root)?, diagnoses_cases(&root)?);
+        Ok((cases, grey_box_cases(&root)?, tables))
+    });
     let trials = match all {
-        Ok((cases, grey_boxes, sweeps)) => {
+        Ok((cases, grey_boxes, (sweeps, diagnoses))) => {
             let folders = cases.iter().map(folder_trial).collect::<Vec<_>>();
             let grey_folders = grey_boxes.iter().map(grey_folder_trial).collect::<Vec<_>>();
             let grey_trials = grey_boxes.into_iter().map(grey_trial);
             let trials = cases.into_iter().map(trial).chain(grey_trials);
             let sweeps = sweeps.into_iter().map(sweep_trial);
-            trials.chain(folders).chain(grey_folders).chain(sweeps).collect()
+            let diagnoses = diagnoses.into_iter().flat_map(diagnoses_trials);
+            trials.chain(folders).chain(grey_folders).chain(sweeps).chain(diagnoses).collect()
         }
         Err(error) => {
             let reason = error.to_string();
@@ -80,6 +84,18 @@ fn sweep_trial(case: SweepCase) -> Trial {
         }
         as_stated(&case.judge())
     })
+}
+
+/// The folder has what it owes; the diagnoses are made and judged.
+fn diagnoses_trials(case: DiagnosesCase) -> [Trial; 2] {
+    let ignored = case.tier != Tier::Quick;
+    let folder = case.clone();
+    [
+        Trial::test(format!("folder::{}", case.name), move || {
+            has_readme_and_row(&folder.folder, &folder.name)
+        }),
+        Trial::test(case.name.clone(), move || as_stated(&case.judge())).with_ignored_flag(ignored),
+    ]
 }
 
 /// Fits take minutes; what is kept of them has to belong to the tables, to be as stated, and to stand in the ledger.
