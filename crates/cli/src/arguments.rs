@@ -80,6 +80,9 @@ pub enum Command {
     /// Find which physics a simulation left out, from measurements over speed and thickness.
     #[command(after_help = DIAGNOSE_HELP)]
     Diagnose(DiagnoseArguments),
+    /// Find what grows while tools cut, and how far, from forces of several tools over their lives.
+    #[command(after_help = WEAR_HELP)]
+    Wear(WearArguments),
     /// Write the snapshots of a run as VTKHDF for ParaView.
     Export {
         /// Folder of the run, with `run.h5` inside.
@@ -194,6 +197,19 @@ What appears in the output folder:
   scenario.patch.toml   the missing effect with its parameters, where one is named
 
 See docs/diagnosis.md, and docs/diagnosis_keys.md for all keys.";
+
+const WEAR_HELP: &str = "\
+Example:
+  sphcut wear validation/diagnosis_wear/reference.csv --out wear
+
+The table: tool,time [s],F_c [N],F_f [N],F_p [N]; a segment per line, the tools in the order in which they cut, all under the
+same conditions.
+
+What appears in the output folder:
+  wear.json   the causes with their probabilities, each tool left out in turn
+  wear.csv    the normal force of wear on every segment, with its interval, as the other tools say
+
+See docs/diagnosis.md.";
 
 const COMPLETIONS_HELP: &str = "\
 Examples:
@@ -311,6 +327,22 @@ pub struct DiagnoseArguments {
     /// Threads [default: all].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// Replace an existing result.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `wear`.
+#[derive(Debug, Args)]
+pub struct WearArguments {
+    /// Forces of the tools over their time in cut (CSV with units in the header).
+    pub table: PathBuf,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Segments at the beginning of each tool in which nothing has grown yet.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub fresh: NonZeroUsize,
     /// Replace an existing result.
     #[arg(long)]
     pub force: bool,

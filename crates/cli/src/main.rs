@@ -25,6 +25,7 @@ mod sweep;
 mod terminal;
 mod text;
 mod validate;
+mod wear;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
@@ -52,6 +53,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Springback(arguments) => springback::springback(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
         Command::Diagnose(arguments) => diagnose::diagnose(&arguments),
+        Command::Wear(arguments) => wear::wear(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Store(arguments) => store::store(&arguments),
         Command::Recordings(arguments) => recordings::recordings(&arguments),

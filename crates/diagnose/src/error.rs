@@ -44,6 +44,22 @@ pub enum DiagnoseError {
     },
     /// Noise and priors give no covariance that can be inverted.
     Singular,
+    /// Too few tools to leave one out.
+    TooFewTools {
+        /// Those found.
+        found: usize,
+        /// Those needed.
+        needed: usize,
+    },
+    /// A tool with too few segments.
+    TooFewSegments {
+        /// The tool.
+        tool: f64,
+        /// Those found.
+        found: usize,
+        /// Those needed.
+        needed: usize,
+    },
     /// The closed-form model does not have what a scenario has.
     Scenario {
         /// What it has.
@@ -89,6 +105,13 @@ impl fmt::Display for DiagnoseError {
                 channel.title()
             ),
             Self::Singular => write!(f, "noise and priors give no covariance that can be inverted"),
+            Self::TooFewTools { found, needed } => write!(
+                f,
+                "{found} tools are too few: {needed} are needed, so that one can be left out and the others still scatter"
+            ),
+            Self::TooFewSegments { tool, found, needed } => {
+                write!(f, "tool {tool} has {found} segments; {needed} are needed")
+            }
             Self::Scenario { what } => {
                 write!(f, "the closed-form model cannot take the scenario: {what}")
             }

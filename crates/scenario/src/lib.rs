@@ -40,6 +40,7 @@ mod scenario;
 mod schema;
 mod section;
 mod sections;
+mod series_table;
 mod shared;
 mod silhouette;
 mod spelling;
@@ -67,6 +68,7 @@ pub use measured::{
     MeasuredForces, MeasuredSpringback, read_measured_forces, read_measured_springback,
 };
 pub use patch::{PatchError, with_value};
+pub use series_table::{SeriesRow, read_series_table};
 
 pub use ending::{Output, Steady, Stop};
 pub use identification::{Identification, StatedMaterial, TestCurve, load_identification};

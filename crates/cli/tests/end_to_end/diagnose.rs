@@ -60,3 +60,24 @@ fn what_cannot_be_diagnosed_is_said() {
     shop.sphcut(&closed).expect_code(2).expect_err("the noise of F_c is unknown");
     assert!(!shop.path("missing").exists());
 }
+
+/// What is measured in validation/diagnosis_wear: names, amounts on every segment, and mistakes with their place.
+#[test]
+fn wear_is_named_and_followed_from_forces_alone() {
+    let shop = Workshop::new("wear");
+    let table =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/diagnosis_wear/reference.csv");
+    std::fs::copy(table, shop.path("tools.csv")).unwrap();
+    let command = ["wear", "tools.csv", "--out", "found"];
+    let ended = shop.sphcut(&command).expect_code(0);
+    assert!(ended.out.contains("The edges wear"), "{}", ended.out);
+    let numbers: serde_json::Value = serde_json::from_str(&shop.read("found/wear.json")).unwrap();
+    assert!(numbers["probability_of_wear"].as_f64().unwrap() > 0.9);
+    assert_eq!(numbers["left_out"].as_array().unwrap().len(), 7);
+    let lines = shop.read("tools.csv").lines().count();
+    assert_eq!(shop.read("found/wear.csv").lines().count(), lines);
+    shop.sphcut(&command).expect_code(2).expect_err("use --force");
+    shop.write("tools.csv", "tool,time [s],F_c [N],F_f [N]\n1,0,5,5\n");
+    let bad = ["wear", "tools.csv", "--out", "bad"];
+    shop.sphcut(&bad).expect_code(2).expect_err("the column `F_p [N]` is missing");
+}

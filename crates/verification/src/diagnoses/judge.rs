@@ -6,7 +6,7 @@ use crate::error::CaseError;
 use crate::judge::number;
 use crate::verdict::Finding;
 use serde::Deserialize;
-use sphcut_diagnose::{Held, Part, Verdict};
+use sphcut_diagnose::{Cause, Growth, Held, Part, Verdict};
 
 /// What is judged of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -32,6 +32,14 @@ pub enum DiagnosisMeasure {
     HeldOutUpperEnd,
     /// Share of the self-test's recordings with nothing missing that raised an alarm.
     FalseAlarms,
+    /// Of a series: probability that the edge wears, as a land or by rounding.
+    Wear,
+    /// Of a series: probability that it is a land.
+    WearLand,
+    /// Of a series: least probability of wear by the other tools, each left out in turn.
+    WearByTheOthers,
+    /// Of a series: error of F_c from F_f and F_p on tools left out, over its change.
+    CuttingForceError,
 }
 
 /// What is expected of a diagnosis.
@@ -73,6 +81,10 @@ impl DiagnosisMeasure {
             Self::ThinnestChipRatio => "error on the thinnest chips, repaired over fitted again",
             Self::HeldOutUpperEnd => "upper end of the ratio on quarters left out",
             Self::FalseAlarms => "alarms in simulated recordings with nothing missing",
+            Self::Wear => "probability that the edge wears",
+            Self::WearLand => "probability that a wear land grows",
+            Self::WearByTheOthers => "least probability of wear, each tool left out in turn",
+            Self::CuttingForceError => "F_c by F_f and F_p on tools left out: error over change",
         }
     }
 }
@@ -92,8 +104,16 @@ impl DiagnosisExpectation {
         Ok(())
     }
 
-    pub(super) fn judge(&self, all: &[Diagnosed]) -> Result<Finding, CaseError> {
-        let value = all.iter().find(|one| one.name == self.of).and_then(|one| self.value(one));
+    pub(super) fn judge(
+        &self,
+        all: &[Diagnosed],
+        grown: &[(String, Growth)],
+    ) -> Result<Finding, CaseError> {
+        let diagnosed = all.iter().find(|one| one.name == self.of);
+        let series = grown.iter().find(|(name, _)| *name == self.of);
+        let value = diagnosed
+            .and_then(|one| self.value(one))
+            .or_else(|| series.and_then(|(_, found)| self.of_series(found)));
         let value = value.ok_or_else(|| CaseError::Unobservable {
             observable: self.measure.words().to_owned(),
             reason: format!("`{}` has no figure for it", self.of),
@@ -148,6 +168,23 @@ impl DiagnosisExpectation {
             DiagnosisMeasure::ThinnestChipRatio => self.ratio(held(Part::ThinnestChip)?),
             DiagnosisMeasure::HeldOutUpperEnd => Some(held(Part::Blocks)?.ratio[2]),
             DiagnosisMeasure::FalseAlarms => Some(one.found.false_alarms?.share()),
+            _ => None,
+        }
+    }
+
+    fn of_series(&self, found: &Growth) -> Option<f64> {
+        let land = [Cause::WearLand, Cause::WearLandAndStrength];
+        match self.measure {
+            DiagnosisMeasure::Wear => Some(found.wear()),
+            DiagnosisMeasure::WearLand => {
+                let own = found.causes.iter().filter(|(cause, _)| land.contains(cause));
+                Some(own.map(|(_, p)| p).sum())
+            }
+            DiagnosisMeasure::WearByTheOthers => {
+                Some(found.left_out.iter().map(|tool| tool.wear).fold(1.0, f64::min))
+            }
+            DiagnosisMeasure::CuttingForceError => Some(found.ratio()),
+            _ => None,
         }
     }
 

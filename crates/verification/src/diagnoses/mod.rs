@@ -11,8 +11,10 @@ use crate::case::{Kind, Tier};
 use crate::error::CaseError;
 use crate::verdict::{Finding, Outcome, Verdict};
 use serde::Deserialize;
-use sphcut_diagnose::{ClosedForm, Diagnosis, Predictor, closed_form_cut, diagnose_case};
-use sphcut_scenario::{Colours, LoadOptions, load_diagnosis};
+use sphcut_diagnose::{
+    ClosedForm, Diagnosis, Growth, Predictor, Segment, closed_form_cut, diagnose_case, grows,
+};
+use sphcut_scenario::{Colours, LoadOptions, load_diagnosis, read_series_table};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +38,8 @@ pub struct DiagnosesCase {
     pub claim: String,
     /// What is diagnosed.
     pub diagnoses: Vec<DiagnosisSpecification>,
+    /// Series of which is told what grows: their files are tables of `sphcut wear`.
+    pub series: Vec<DiagnosisSpecification>,
     /// Its expectations.
     pub expectations: Vec<DiagnosisExpectation>,
 }
@@ -59,7 +63,10 @@ struct RawCase {
     kind: Kind,
     tier: Tier,
     claim: String,
+    #[serde(default)]
     diagnosis: Vec<DiagnosisSpecification>,
+    #[serde(default)]
+    series: Vec<DiagnosisSpecification>,
     expect: Vec<DiagnosisExpectation>,
 }
 
@@ -110,6 +117,7 @@ impl DiagnosesCase {
             tier: raw.tier,
             claim: raw.claim,
             diagnoses: raw.diagnosis,
+            series: raw.series,
             expectations: raw.expect,
         };
         case.check().map_err(|reason| CaseError::invalid(&path, reason))?;
@@ -117,15 +125,16 @@ impl DiagnosesCase {
     }
 
     fn check(&self) -> Result<(), String> {
-        let mut names: Vec<&String> = self.diagnoses.iter().map(|d| &d.name).collect();
+        let all = || self.diagnoses.iter().chain(&self.series);
+        let mut names: Vec<&String> = all().map(|d| &d.name).collect();
         names.sort();
         names.dedup();
-        if names.is_empty() || names.len() < self.diagnoses.len() {
+        if names.is_empty() || names.len() < all().count() {
             return Err("a case needs a diagnosis, and every diagnosis a name of its own".into());
         }
         self.expectations.iter().try_for_each(|expectation| {
             expectation.check()?;
-            if self.diagnoses.iter().any(|d| d.name == expectation.of) {
+            if all().any(|d| d.name == expectation.of) {
                 return Ok(());
             }
             Err(format!("expectation of `{}`: no diagnosis has this name", expectation.of))
@@ -155,20 +164,45 @@ impl DiagnosesCase {
         self.diagnoses.iter().map(one).collect()
     }
 
+    /// Says what grows in the series.
+    ///
+    /// # Errors
+    /// A table with mistakes or with too little.
+    pub fn grown(&self) -> Result<Vec<(String, Growth)>, CaseError> {
+        let one = |asked: &DiagnosisSpecification| {
+            let path = self.folder.join(&asked.file);
+            let text =
+                fs::read_to_string(&path).map_err(|error| CaseError::unreadable(&path, &error))?;
+            let rows = read_series_table(&text)
+                .map_err(|problem| CaseError::invalid(&path, problem.to_string()))?;
+            let segment = |row: sphcut_scenario::SeriesRow| Segment {
+                tool: row.tool,
+                time: row.time,
+                forces: row.forces,
+            };
+            let segments: Vec<Segment> = rows.into_iter().map(segment).collect();
+            let found = grows(&segments, 1).map_err(|error| CaseError::RunFailed {
+                run: asked.name.clone(),
+                reason: error.to_string(),
+            })?;
+            Ok((asked.name.clone(), found))
+        };
+        self.series.iter().map(one).collect()
+    }
+
     /// Makes the diagnoses and judges them. What goes wrong becomes [`Outcome::Broken`].
     #[must_use]
     pub fn judge(&self) -> Verdict {
-        match self.diagnosed() {
-            Ok(all) => self.judge_these(&all),
+        match self.diagnosed().and_then(|all| Ok((all, self.grown()?))) {
+            Ok((all, grown)) => self.judge_these(&all, &grown),
             Err(error) => self.verdict(Vec::new(), Outcome::Broken { reason: error.to_string() }),
         }
     }
 
     /// Judges diagnoses that are made.
-    #[must_use]
-    pub fn judge_these(&self, all: &[Diagnosed]) -> Verdict {
+    fn judge_these(&self, all: &[Diagnosed], grown: &[(String, Growth)]) -> Verdict {
         let findings: Result<Vec<Finding>, CaseError> =
-            self.expectations.iter().map(|expectation| expectation.judge(all)).collect();
+            self.expectations.iter().map(|expectation| expectation.judge(all, grown)).collect();
         match findings {
             Ok(findings) => {
                 let outcome = Verdict::outcome_of(&findings);
@@ -197,6 +231,15 @@ impl DiagnosesCase {
         for asked in &self.diagnoses {
             text += &format!(
                 "- {}: {}; `sphcut diagnose validation/{}/{} --out DIR --closed-form`\n",
+                asked.name,
+                asked.title,
+                self.name,
+                asked.file.display()
+            );
+        }
+        for asked in &self.series {
+            text += &format!(
+                "- {}: {}; `sphcut wear validation/{}/{} --out DIR`\n",
                 asked.name,
                 asked.title,
                 self.name,

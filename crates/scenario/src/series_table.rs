@@ -1,0 +1,78 @@
+//! Forces of tools over their time in cut as a table: comma-separated, a header with units, a segment per line.
+
+use crate::columns::{self, ColumnRule, TableProblem};
+use sphcut_physics::Quantity;
+
+/// One segment in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeriesRow {
+    /// Number of the tool.
+    pub tool: f64,
+    /// Time in cut in s.
+    pub time: f64,
+    /// F_c, F_f and F_p in N.
+    pub forces: [f64; 3],
+}
+
+const fn column(
+    name: &'static str,
+    quantity: Quantity,
+    unit: &'static str,
+    positive: bool,
+) -> ColumnRule {
+    ColumnRule { name, quantity, unit, required: true, positive }
+}
+
+const COLUMNS: [ColumnRule; 5] = [
+    column("tool", Quantity::Dimensionless, "", false),
+    column("time", Quantity::Time, "s", false),
+    column("F_c", Quantity::Force, "N", true),
+    column("F_f", Quantity::Force, "N", true),
+    column("F_p", Quantity::Force, "N", true),
+];
+
+/// Reads a table with the columns `tool,time [s],F_c [N],F_f [N],F_p [N]` in any order and units.
+///
+/// # Errors
+/// The first mistake with its line and column.
+pub fn read_series_table(text: &str) -> Result<Vec<SeriesRow>, TableProblem> {
+    let lines = columns::read(text, &COLUMNS, "no segment follows the header")?;
+    lines
+        .into_iter()
+        .map(|(line, values)| {
+            let known: Option<Vec<f64>> = values.into_iter().collect();
+            let Some([tool, time, cutting, feed, passive]) = known.as_deref() else {
+                return Err(columns::whole(line, "a cell is empty"));
+            };
+            Ok(SeriesRow { tool: *tool, time: *time, forces: [*cutting, *feed, *passive] })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_in_any_order() {
+        let rows =
+            read_series_table("time [min],tool,F_f [N],F_c [kN],F_p [N]\n0.5,7,300,0.5,100\n")
+                .unwrap();
+        assert_eq!(rows, [SeriesRow { tool: 7.0, time: 30.0, forces: [500.0, 300.0, 100.0] }]);
+    }
+
+    #[test]
+    fn mistakes_are_told_with_line_and_column() {
+        let good = "tool,time [s],F_c [N],F_f [N],F_p [N]\n";
+        for (text, expected) in [
+            (good.to_owned(), "line 1: no segment follows the header"),
+            (good.replace(",F_p [N]", ""), "line 1: the column `F_p [N]` is missing"),
+            (format!("{good}1,0,5,5,-5\n"), "line 2, column 5 `F_p`: `-5`: must be above 0"),
+            (format!("{good}1,0,5,5\n"), "line 2: 4 cells, but the header has 5"),
+            (format!("{good}1,,5,5,5\n"), "line 2, column 2 `time`: ``: not a number"),
+        ] {
+            let message = read_series_table(&text).unwrap_err().to_string();
+            assert!(message.starts_with(expected), "{message}\nnot: {expected}");
+        }
+    }
+}
