@@ -188,13 +188,19 @@ What appears in the output folder:
 See docs/identification.md, and docs/identification_keys.md for all keys.";
 
 const DIAGNOSE_HELP: &str = "\
-Example:
+Examples:
   sphcut diagnose scenarios/diagnosis/example.toml --out missing --closed-form
+  sphcut diagnose CASE.toml --out missing --dry-run       what it takes with the particle solver
+  sphcut diagnose CASE.toml --out missing --store kept    the runs are kept for the next diagnosis
 
 What appears in the output folder:
   diagnosis.html        one page: where, what, repair, does it help, can it be trusted, what next
   diagnosis.json        the same as numbers
   scenario.patch.toml   the missing effect with its parameters, where one is named
+  runs/                 what each effect changes: a sweep of the particle solver with its table and page
+
+Without --closed-form every effect is tried in paired runs of the particle solver, some two hundred. Ctrl-C writes
+checkpoints; the same command goes on. Runs that are in the store already are not computed again.
 
 See docs/diagnosis.md, and docs/diagnosis_keys.md for all keys.";
 
@@ -324,6 +330,12 @@ pub struct DiagnoseArguments {
     /// Explain with the closed-form model instead of runs of the particle solver.
     #[arg(long)]
     pub closed_form: bool,
+    /// Folder that keeps the runs of the particle solver, also for other diagnoses of the same scenario [default: DIR/runs/store].
+    #[arg(long, value_name = "DIR", conflicts_with = "closed_form")]
+    pub store: Option<PathBuf>,
+    /// Say how many runs it takes and how long, and compute nothing.
+    #[arg(long, conflicts_with = "closed_form")]
+    pub dry_run: bool,
     /// Threads [default: all].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,

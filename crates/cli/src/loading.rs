@@ -51,7 +51,8 @@ pub fn varied(arguments: &ScenarioArguments, text: &str) -> Result<Scenario, Fai
         .map_err(|problems| refused(arguments, &problems))
 }
 
-fn options(arguments: &ScenarioArguments) -> LoadOptions {
+/// What the files of a scenario may read.
+pub fn options(arguments: &ScenarioArguments) -> LoadOptions {
     let outside_files =
         if arguments.allow_outside { OutsideFiles::Allowed } else { OutsideFiles::Refused };
     LoadOptions { outside_files }

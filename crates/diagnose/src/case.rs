@@ -71,6 +71,17 @@ fn range(case: &DiagnosisCase) -> Option<[[f64; 2]; 2]> {
     }))
 }
 
+/// The cut of a row of a table.
+#[must_use]
+pub fn condition_of(row: &CutTableRow) -> Condition {
+    Condition {
+        cutting_speed: row.cutting_speed,
+        uncut_chip_thickness: row.uncut_chip_thickness,
+        cut_length: row.cut_length.unwrap_or(0.0),
+        run_order: row.order.unwrap_or(0.0),
+    }
+}
+
 /// The lines of a table as recordings of what `model` predicts.
 fn recordings(
     rows: &[CutTableRow],
@@ -79,12 +90,7 @@ fn recordings(
 ) -> Result<Recordings, DiagnoseError> {
     let cuts = rows.iter().map(|row| {
         let mut recording = Recording {
-            condition: Condition {
-                cutting_speed: row.cutting_speed,
-                uncut_chip_thickness: row.uncut_chip_thickness,
-                cut_length: row.cut_length.unwrap_or(0.0),
-                run_order: row.order.unwrap_or(0.0),
-            },
+            condition: condition_of(row),
             count: row.count,
             values: [None; MEASURED.len()],
             deviations: [None; MEASURED.len()],

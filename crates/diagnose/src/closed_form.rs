@@ -68,7 +68,7 @@ impl ClosedForm {
 }
 
 /// An effect of the registry with the priors it states.
-fn candidate(effect: &sphcut_analytic::Effect) -> Effect {
+pub(crate) fn candidate(effect: &sphcut_analytic::Effect) -> Effect {
     let parameters = effect.free.iter().map(|free| {
         let entry = effect.parameter(free);
         let (low, high) = free.prior;

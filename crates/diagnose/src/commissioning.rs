@@ -129,6 +129,7 @@ impl Problem {
         Ok((plain.with_common(factors)?, biases))
     }
 
+    /// With more that rows have in common.
     pub(crate) fn with_common(mut self, factors: Vec<Factor>) -> Result<Self, DiagnoseError> {
         self.covariance.factors.extend(factors);
         self.noise = Law::new(&self.covariance)?;

@@ -67,8 +67,25 @@ pub(crate) fn active(predictor: &dyn Predictor, effects: &[usize], t: &[f64]) ->
 ///
 /// which is exact where f is linear. `start` holds the coordinates of the parameters of `effects` at the start. `None`
 /// if the model has no answer there.
+///
+/// What the model does not know of an effect grows with its strength: where it does, the covariance is that at the first minimum,
+/// and the fit goes on from there.
 #[must_use]
 pub fn fit(
+    problem: &Problem,
+    predictor: &dyn Predictor,
+    effects: &[usize],
+    start: &DVector<f64>,
+) -> Option<Fit> {
+    let first = descend(problem, predictor, effects, start)?;
+    let active = first.active(predictor, problem.unknowns());
+    match problem.with_effects_uncertain(predictor, &active) {
+        Some(uncertain) => descend(&uncertain, predictor, effects, &first.unknowns),
+        None => Some(first),
+    }
+}
+
+fn descend(
     problem: &Problem,
     predictor: &dyn Predictor,
     effects: &[usize],

@@ -1,6 +1,7 @@
 //! What a diagnosis asks of a model of the cut.
 
 use crate::channel::Channel;
+use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A cut. SI units.
@@ -121,7 +122,7 @@ pub struct Active {
 
 /// A model of the cut with nuisances and with effects that can be switched on.
 ///
-/// The closed-form model implements it, and so will tables of paired solver runs: nothing else is asked of a model.
+/// The closed-form model and tables of paired solver runs implement it: nothing else is asked of a model.
 pub trait Predictor: Sync {
     /// Its nuisances.
     fn nuisances(&self) -> &[Nuisance];
@@ -147,6 +148,24 @@ pub trait Predictor: Sync {
         nuisances: &[f64],
         active: &[Active],
     ) -> Vec<f64>;
+
+    /// Covariance, over `conditions`, of what is not known of a channel's logarithm without effects: the means of runs scatter.
+    /// `None` of a model that is exact in what it says.
+    fn base_uncertainty(&self, channel: Channel, conditions: &[Condition]) -> Option<DMatrix<f64>> {
+        let _ = (channel, conditions);
+        None
+    }
+
+    /// What effects add to it.
+    fn effect_uncertainty(
+        &self,
+        channel: Channel,
+        conditions: &[Condition],
+        active: &[Active],
+    ) -> Option<DMatrix<f64>> {
+        let _ = (channel, conditions, active);
+        None
+    }
 }
 
 #[cfg(test)]

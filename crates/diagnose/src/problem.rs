@@ -3,11 +3,14 @@
 use crate::channel::{CHANNELS, Channel};
 use crate::data::Recordings;
 use crate::error::DiagnoseError;
-use crate::law::{Covariance, Law};
+use crate::law::{Covariance, Factor, Law};
 use crate::predictor::{Active, Condition, Predictor};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// Share of the largest eigenvalue below which a direction is left out.
+const NEGLIGIBLE: f64 = 1e-9;
 
 /// Standard deviations of what instruments add.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +50,9 @@ pub struct Row {
     /// The recording it comes from.
     pub recording: usize,
 }
+
+/// Covariance of what a model does not know of a channel at some conditions.
+type Unknown<'a> = dyn Fn(Channel, &[Condition]) -> Option<DMatrix<f64>> + 'a;
 
 /// The regression. Unknowns are standard normal: first the nuisances of the model for each batch, then the columns of
 /// the instruments.
@@ -106,7 +112,11 @@ impl Problem {
             Self { first, sites, rows, batches, instrument, covariance, noise, places, deviations };
         let base = problem.predict(predictor, &DVector::zeros(problem.model_unknowns()), &[]);
         match (0..problem.rows.len()).find(|&k| !base[k].is_finite()) {
-            None => Ok(problem),
+            None => {
+                let unknown =
+                    problem.unknown(&|_| true, &|c, at| predictor.base_uncertainty(c, at));
+                if unknown.is_empty() { Ok(problem) } else { problem.with_common(unknown) }
+            }
             Some(k) => {
                 let Condition { cutting_speed, uncut_chip_thickness, .. } =
                     problem.sites[problem.rows[k].site].condition;
@@ -114,6 +124,40 @@ impl Problem {
                 Err(DiagnoseError::NoPrediction { cutting_speed, uncut_chip_thickness, channel })
             }
         }
+    }
+
+    /// What the model does not know of its answers at the sites that `acts` names; `of` says it for a channel at some conditions.
+    fn unknown(&self, acts: &dyn Fn(&Site) -> bool, of: &Unknown<'_>) -> Vec<Factor> {
+        let conditions: Vec<Condition> = self.sites.iter().map(|site| site.condition).collect();
+        let own = CHANNELS.iter().filter_map(|&channel| {
+            let rows: Vec<usize> = (0..self.rows.len())
+                .filter(|&k| {
+                    self.rows[k].channel == channel && acts(&self.sites[self.rows[k].site])
+                })
+                .collect();
+            if rows.is_empty() {
+                return None;
+            }
+            let root = root(of(channel, &conditions)?);
+            let sites: Vec<usize> = rows.iter().map(|&k| self.rows[k].site).collect();
+            Some(Factor { columns: root.select_rows(&sites), rows })
+        });
+        own.filter(|factor| factor.columns.ncols() > 0).collect()
+    }
+
+    /// This problem with what `predictor` does not know of effects that are put in; `None` if it knows all.
+    pub(crate) fn with_effects_uncertain(
+        &self,
+        predictor: &dyn Predictor,
+        active: &[Active],
+    ) -> Option<Self> {
+        if active.is_empty() {
+            return None;
+        }
+        let unknown = self.unknown(&|site| site.diagnosed, &|channel, at| {
+            predictor.effect_uncertainty(channel, at, active)
+        });
+        if unknown.is_empty() { None } else { self.clone().with_common(unknown).ok() }
     }
 
     /// log y.
@@ -244,6 +288,21 @@ fn first_of(sites: &[Site], site: usize) -> [usize; 2] {
         sites.iter().position(|other| is_same(other) && keep(other)).unwrap_or(site)
     };
     [first(&|other| other.diagnosed == own.diagnosed), first(&|_| true)]
+}
+
+/// F with F F' the matrix, without directions that hardly add to it.
+fn root(matrix: DMatrix<f64>) -> DMatrix<f64> {
+    let symmetric = 0.5 * (&matrix + matrix.transpose());
+    let own = symmetric.symmetric_eigen();
+    let most = own.eigenvalues.max();
+    let kept: Vec<usize> = (0..own.eigenvalues.len())
+        .filter(|&k| own.eigenvalues[k] > NEGLIGIBLE * most && most > 0.0)
+        .collect();
+    let mut columns = own.eigenvectors.select_columns(&kept);
+    for (mut column, &k) in columns.column_iter_mut().zip(&kept) {
+        column *= own.eigenvalues[k].sqrt();
+    }
+    columns
 }
 
 /// Appends the rows of `recordings`, cuts of the same condition sharing a site.

@@ -1,12 +1,16 @@
 //! `sphcut diagnose`: which physics a simulation left out.
 
+mod changes;
 mod patch;
+mod runs;
 
 use crate::arguments::DiagnoseArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
+use runs::{Ended, Paired};
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, Provenance, closed_form_cut, diagnose_case, diagnosis_json,
+    ClosedForm, DiagnoseError, Predictor, Provenance, closed_form_cut, diagnose_case,
+    diagnosis_json,
 };
 use sphcut_report::{DiagnosisPage, diagnosis_words, render_diagnosis};
 
@@ -25,32 +29,39 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         return Err(Failure::input(message));
     }
     let case = loading::diagnosis(&arguments.scene)?;
-    if !arguments.closed_form {
-        return Err(Failure::input(
-            "a diagnosis with the particle solver needs what each effect changes in paired runs, and such runs are \
-             not made yet",
-        )
-        .advise("use --closed-form: a diagnosis with the closed-form model of docs/analytic_model.md"));
+    if arguments.dry_run {
+        return Paired::library(&case, arguments)?.dry_run(arguments);
     }
     let mistaken = |error: DiagnoseError| Failure::input(error.to_string());
-    let model = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
+    let closed;
+    let paired;
+    let (model, name): (&dyn Predictor, &str) = if arguments.closed_form {
+        closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
+        (&closed, "the closed-form model (Oxley's shear zone, Zorev's contact)")
+    } else {
+        match Paired::library(&case, arguments)?.run(arguments)? {
+            Ended::Interrupted => return Ok(interrupted()),
+            Ended::Finished(results) => paired = runs::model(&case, &results)?,
+        }
+        (&paired, "paired runs of the particle solver")
+    };
     let pool = loading::pool(loading::threads(arguments.threads))?;
-    let (recordings, found) = pool.install(|| diagnose_case(&case, &model)).map_err(mistaken)?;
+    let (recordings, found) = pool.install(|| diagnose_case(&case, model)).map_err(mistaken)?;
     std::fs::create_dir_all(out)
         .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
     let provenance = Provenance {
         title: &case.title,
         source: &case.source,
-        model: "the closed-form model (Oxley's shear zone, Zorev's contact)",
+        model: name,
         version: env!("CARGO_PKG_VERSION"),
         seed: case.seed,
     };
     let page =
-        DiagnosisPage { provenance, diagnosis: &found, recordings: &recordings, predictor: &model };
+        DiagnosisPage { provenance, diagnosis: &found, recordings: &recordings, predictor: model };
     results::save(&files[0], render_diagnosis(&page).as_bytes())?;
-    let numbers = diagnosis_json(&provenance, &found, &recordings, &model);
+    let numbers = diagnosis_json(&provenance, &found, &recordings, model);
     results::save(&files[1], numbers.as_bytes())?;
-    match patch::patch(&provenance, &case, &found, &model) {
+    match patch::patch(&provenance, &case, &found, model) {
         Some(text) => results::save(&files[2], text.as_bytes())?,
         // An old patch beside a new verdict would be believed.
         None if files[2].exists() => std::fs::remove_file(&files[2]).map_err(|error| {
@@ -61,4 +72,9 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     diagnosis_words(&page).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("report  {}", files[0].display()));
     Ok(ExitCode::Done)
+}
+
+fn interrupted() -> ExitCode {
+    terminal::note("interrupted: checkpoints are written; the same command goes on");
+    ExitCode::Interrupted
 }

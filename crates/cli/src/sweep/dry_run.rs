@@ -89,7 +89,8 @@ fn aligned(rows: &[Vec<String>]) -> String {
 /// More different warnings than anyone reads; those of single values differ in their numbers.
 const MOST_WARNINGS: usize = 6;
 
-fn warnings(plan: &Plan) -> String {
+/// What the scenarios warn of.
+pub fn warnings(plan: &Plan) -> String {
     let mut page = String::new();
     for (warning, runs) in plan.warnings.iter().take(MOST_WARNINGS) {
         let plural = if *runs == 1 { "" } else { "s" };
@@ -101,7 +102,8 @@ fn warnings(plan: &Plan) -> String {
     page
 }
 
-fn total(plan: &Plan, speed: Option<f64>, threads: usize) -> String {
+/// How many runs there are and what they take.
+pub fn total(plan: &Plan, speed: Option<f64>, threads: usize) -> String {
     let different: BTreeSet<_> = plan.runs.iter().map(|run| run.address).collect();
     let updates: f64 = plan.runs.iter().map(|run| run.cost.updates()).sum();
     let mut page = format!("\n{} runs", text::grouped(plan.runs.len() as u64));

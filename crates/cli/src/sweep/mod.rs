@@ -2,9 +2,9 @@
 
 mod arguments;
 mod display;
-mod dry_run;
+pub mod dry_run;
 mod slurm;
-mod tables;
+pub mod tables;
 mod tally;
 mod worker;
 
@@ -86,7 +86,7 @@ fn execution(arguments: &SweepArguments, threads: usize) -> Execution {
 }
 
 /// Every run, checked.
-fn planned(sweep: &Sweep, threads: usize) -> Result<Plan, Failure> {
+pub fn planned(sweep: &Sweep, threads: usize) -> Result<Plan, Failure> {
     loading::pool(threads)?.install(|| plan(sweep)).map_err(|error| unplanned(&error))
 }
 
@@ -139,7 +139,8 @@ fn announce(sweep: &Sweep, plan: &Plan, store: &Store, threads: usize, style: St
     }
 }
 
-fn run(
+/// Computes what the store does not have, and shows how far it is.
+pub fn run(
     sweep: &Sweep,
     plan: &Plan,
     store: &Store,

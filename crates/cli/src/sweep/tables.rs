@@ -51,7 +51,7 @@ pub fn write(
 
 /// The summary of the run in `folder`: the stored one, or one made from the record if that is of an earlier
 /// version.
-fn summary(folder: &Path) -> Option<Value> {
+pub fn summary(folder: &Path) -> Option<Value> {
     let text = std::fs::read_to_string(folder.join(results::SUMMARY)).ok();
     let stored: Option<Value> = text.and_then(|text| serde_json::from_str(&text).ok());
     if let Some(stored) = stored.filter(|stored| stored["schema_version"] == SCHEMA_VERSION) {

@@ -41,9 +41,6 @@ fn what_the_example_conceals_is_among_what_is_claimed() {
 #[test]
 fn what_cannot_be_diagnosed_is_said() {
     let shop = shop("diagnose_refused");
-    shop.sphcut(&["diagnose", "example.toml", "--out", "missing"])
-        .expect_code(2)
-        .expect_err("such runs are not made yet");
     let table = shop.read("cuts.csv");
     let few: Vec<&str> = table.lines().take(5).collect();
     shop.write("cuts.csv", &few.join("\n"));
@@ -80,4 +77,117 @@ fn wear_is_named_and_followed_from_forces_alone() {
     shop.write("tools.csv", "tool,time [s],F_c [N],F_f [N]\n1,0,5,5\n");
     let bad = ["wear", "tools.csv", "--out", "bad"];
     shop.sphcut(&bad).expect_code(2).expect_err("the column `F_p [N]` is missing");
+}
+
+/// A cut so small that its runs take a tenth of a second; nine made-up measurements.
+fn small_shop(name: &str) -> Workshop {
+    let shop = Workshop::new(name);
+    shop.write(
+        "cut.toml",
+        r#"
+title = "Small cut"
+[workpiece]
+material = "aisi1045_jaspers"
+length = "4 mm"
+height = "0.32 mm"
+[tool]
+rake_angle = "5 deg"
+clearance_angle = "7 deg"
+edge_radius = "20 um"
+[tool.friction]
+law = "shear_capped_coulomb"
+friction_coefficient = 0.3
+[process]
+cutting_speed = "150 m/min"
+uncut_chip_thickness = "0.1 mm"
+width_of_cut = "1 mm"
+[window]
+[resolution]
+particle_spacing = "40 um"
+[numerics]
+inertia_number = 0.2
+[output]
+snapshots = 2
+[stop]
+travel = "0.5 mm"
+"#,
+    );
+    let mut table = "v_c [m/min],h [mm],F_c [N],F_c_sd [N],F_f [N],F_f_sd [N]\n".to_owned();
+    for speed in [60.0, 120.0, 240.0] {
+        for thickness in [0.08, 0.12, 0.2_f64] {
+            let force = 2200.0 * thickness.powf(0.85);
+            let feed = 0.45 * force;
+            table += &format!(
+                "{speed},{thickness},{force:.1},{:.2},{feed:.1},{:.2}\n",
+                0.02 * force,
+                0.03 * feed
+            );
+        }
+    }
+    shop.write("cuts.csv", &table);
+    shop.write(
+        "case.toml",
+        r#"
+title = "Nine cuts"
+source = "made up"
+scenario = "cut.toml"
+[measured]
+file = "cuts.csv"
+[runs]
+travel = 5
+[checks]
+self_test = 5
+control = 5
+"#,
+    );
+    shop
+}
+
+/// The particle solver tells what each effect changes, once for all diagnoses of a scenario.
+#[test]
+fn paired_runs_explain_and_are_kept() {
+    let shop = small_shop("diagnose_runs");
+    let plan = shop.sphcut(&["diagnose", "case.toml", "--out", "missing", "--dry-run"]);
+    assert!(plan.expect_code(0).out.contains("207 runs"));
+    assert!(!shop.path("missing").exists());
+    let first = ["diagnose", "case.toml", "--out", "missing", "--store", "kept"];
+    shop.sphcut(&first).expect_code(0).expect_err("207 runs of the particle solver, 207 of them");
+    let numbers: serde_json::Value =
+        serde_json::from_str(&shop.read("missing/diagnosis.json")).unwrap();
+    assert_eq!(numbers["model"], "paired runs of the particle solver");
+    let page = shop.read("missing/diagnosis.html");
+    assert!(page.contains("paired runs of the particle solver") && !page.contains("NaN"));
+    // Every run is a run of a sweep: what it sets, where it lies and what it gave.
+    let runs = shop.read("missing/runs/library/table.csv");
+    assert_eq!(runs.lines().filter(|line| line.contains(",finished,")).count(), 207);
+    for law in ["speed_dependent", "temperature_dependent", "viscous_drag", "bump_height"] {
+        assert!(runs.contains(law), "{law}");
+    }
+    // Another diagnosis of the same scenario computes nothing and says the same.
+    let second = shop.sphcut(&["diagnose", "case.toml", "--out", "again", "--store", "kept"]);
+    let second = second.expect_code(0);
+    assert!(!second.err.contains("to be computed"), "{}", second.err);
+    assert_eq!(shop.read("missing/diagnosis.json"), shop.read("again/diagnosis.json"));
+}
+
+#[test]
+fn runs_that_cannot_be_made_are_refused_before_the_first() {
+    let shop = small_shop("diagnose_runs_refused");
+    let command = ["diagnose", "case.toml", "--out", "missing"];
+    let (case, cut) = (shop.read("case.toml"), shop.read("cut.toml"));
+    shop.write("case.toml", &case.replace("travel = 5", "travel = 5\nmost = 100"));
+    shop.sphcut(&command)
+        .expect_code(2)
+        .expect_err("207 runs are needed")
+        .expect_err("raise `most`");
+    shop.write("case.toml", &case);
+    shop.write("cut.toml", &cut.replace("[window]\n", ""));
+    shop.sphcut(&command).expect_code(2).expect_err("it follows the whole workpiece");
+    shop.write("cut.toml", &cut.replace("shear_capped_coulomb", "coulomb"));
+    shop.sphcut(&command).expect_code(2).expect_err("its friction is `coulomb`");
+    shop.write("cut.toml", &cut);
+    let turned = "lowest_speed = \"90 m/min\"\nhighest_speed = \"80 m/min\"";
+    shop.write("case.toml", &case.replace("travel = 5", turned));
+    shop.sphcut(&command).expect_code(2).expect_err("does not lie above `lowest_speed`");
+    assert!(!shop.path("missing").exists());
 }

@@ -47,6 +47,19 @@ pub struct DiagnosisCase {
     pub next_cuts: usize,
     /// Lowest and highest v_c and h that can be cut.
     pub next_range: [[Option<f64>; 2]; 2],
+    /// Runs of the particle solver.
+    pub runs: PairedRunsPlan,
+}
+
+/// Which paired runs are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairedRunsPlan {
+    /// Lowest and highest v_c and h, where they are not those of the table.
+    pub range: [[Option<f64>; 2]; 2],
+    /// Travel in uncut chip thicknesses.
+    pub travel: f64,
+    /// Most runs.
+    pub most: usize,
 }
 
 /// Cuts in which nothing is missing.
@@ -93,7 +106,8 @@ fn read_document(
     let reference = written(findings, "reference", &sections::diagnosis_reference());
     let priors = or_defaults(findings, "priors", &sections::diagnosis_priors());
     let checks = or_defaults(findings, "checks", &sections::diagnosis_checks());
-    let next = next_range(findings, root, &empty);
+    let next = ends(findings, root, ("next", &sections::diagnosis_next()), &empty);
+    let runs = ends(findings, root, ("runs", &sections::diagnosis_runs()), &empty);
     let base = base(findings, root, surroundings, (options, of_base));
     let rows = |findings: &mut Findings, record: &Record<'_>| table(findings, record, surroundings);
     let measured_rows = measured.as_ref().and_then(|record| rows(findings, record));
@@ -126,7 +140,7 @@ fn read_document(
             "set width_of_cut in the scenario",
         );
     }
-    let (next, next_range) = next?;
+    let ((next, next_range), (runs, runs_range)) = (next, runs);
     let number = |all: &Values, key: &str| all.iter().find(|(k, _)| *k == key).map(|(_, x)| *x);
     let count = |all: &Values, key: &str| number(all, key).map(|x| x as usize);
     let model_error = number(&priors, "model_error");
@@ -155,6 +169,11 @@ fn read_document(
         seed: number(&checks, "seed")? as u64,
         next_cuts: count(&next, "cuts")?,
         next_range,
+        runs: PairedRunsPlan {
+            range: runs_range,
+            travel: number(&runs, "travel")?,
+            most: count(&runs, "most")?,
+        },
     })
 }
 
@@ -170,22 +189,21 @@ fn values(record: &Record<'_>) -> Values {
 
 type Ends = [[Option<f64>; 2]; 2];
 
-fn next_range(
+/// The keys of a section that says between which speeds and thicknesses something is done, and those ends.
+fn ends(
     findings: &mut Findings,
     root: &Record<'_>,
+    (name, section): (&str, &Section),
     empty: &toml::de::DeTable<'_>,
-) -> Option<(Values, Ends)> {
-    let place = root.table("next");
-    let section = sections::diagnosis_next();
-    let record = match place {
-        Some(place) => reader::read(findings, &root.source, place, &section, 2),
-        None => {
-            let place = (empty, root.heading.clone());
-            let record = reader::read(findings, &root.source, place, &section, 2);
-            return Some((values(&record), Ends::default()));
-        }
-    };
+) -> (Values, Ends) {
+    let place = root.table(name);
+    let is_there = place.is_some();
+    let place = place.unwrap_or((empty, root.heading.clone()));
+    let record = reader::read(findings, &root.source, place, section, 2);
     let mut ends = Ends::default();
+    if !is_there {
+        return (values(&record), ends);
+    }
     let keys = [["lowest_speed", "highest_speed"], ["thinnest", "thickest"]];
     for (end, keys) in ends.iter_mut().zip(keys) {
         *end = keys.map(|key| record.number(key));
@@ -196,7 +214,7 @@ fn next_range(
             contradiction(findings, &record, keys[1], message, "");
         }
     }
-    Some((values(&record), ends))
+    (values(&record), ends)
 }
 
 fn base(

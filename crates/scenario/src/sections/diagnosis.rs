@@ -2,7 +2,7 @@
 
 use super::{default, positive};
 use crate::section::{Field, Kind, Presence, Section};
-use sphcut_physics::Quantity;
+use sphcut_physics::{Quantity, Range};
 
 /// What the data without a missing effect are used for.
 pub(crate) const USES: &[&str] = &["bias_field", "difference"];
@@ -26,6 +26,7 @@ pub(crate) fn diagnosis_sections() -> Vec<Section> {
         diagnosis_priors(),
         diagnosis_checks(),
         diagnosis_next(),
+        diagnosis_runs(),
     ]
 }
 
@@ -57,6 +58,7 @@ pub(crate) fn diagnosis_root() -> Section {
             table("reference", Presence::Optional, "cuts in which nothing is missing: a fresh edge of known radius, an uncoated tool"),
             table("priors", Presence::Derived("scatter between batches"), "what may differ without being a discovery"),
             table("checks", Presence::Derived("200 and 50 recordings"), "how the diagnosis tests itself"),
+            table("runs", Presence::Derived("the range of the table, 30 thicknesses of travel"), "runs of the particle solver that tell what each effect changes"),
             table("next", Presence::Derived("4 cuts, half beyond the table"), "what could be measured next"),
         ],
     )
@@ -197,6 +199,36 @@ pub(crate) fn diagnosis_next() -> Section {
             speed("highest_speed", "highest v_c that can be cut"),
             length("thinnest", "lowest h that can be cut"),
             length("thickest", "highest h that can be cut"),
+        ],
+    )
+}
+
+/// `[runs]`.
+pub(crate) fn diagnosis_runs() -> Section {
+    let end = |key, quantity, max, meaning| {
+        Field::new(key, positive(quantity, max), Presence::Derived("that of the table"), meaning)
+    };
+    Section::new(
+        "runs",
+        "Paired runs of the particle solver, the same cut with and without every effect: at three cutting speeds and three \
+         thicknesses from the lowest to the highest, even in the logarithm.",
+        vec![
+            end("lowest_speed", Quantity::Speed, 1e4, "lowest v_c that is run"),
+            end("highest_speed", Quantity::Speed, 1e4, "highest v_c that is run"),
+            end("thinnest", Quantity::Length, 1.0, "lowest h that is run"),
+            end("thickest", Quantity::Length, 1.0, "highest h that is run"),
+            Field::new(
+                "travel",
+                Kind::Quantity(Quantity::Dimensionless, Range::closed(5.0, 10_000.0)),
+                default("30"),
+                "travel of each run in uncut chip thicknesses; runs without an effect go four times as far",
+            ),
+            Field::new(
+                "most",
+                Kind::Count { min: 1, max: 100_000 },
+                default("600"),
+                "the budget: a diagnosis that needs more runs than this ends before the first one",
+            ),
         ],
     )
 }

@@ -18,7 +18,7 @@ pub(crate) use cut::{
 };
 pub(crate) use diagnosis::{
     SCATTER, diagnosis_checks, diagnosis_measured, diagnosis_next, diagnosis_priors,
-    diagnosis_reference, diagnosis_root, diagnosis_sections,
+    diagnosis_reference, diagnosis_root, diagnosis_runs, diagnosis_sections,
 };
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use identification::{

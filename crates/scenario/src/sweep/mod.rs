@@ -73,6 +73,39 @@ pub struct Unfit {
 }
 
 impl Sweep {
+    /// Runs that are given one by one: each a value for every one of `keys`, as a person would write it into `base`. Their
+    /// combinations are checked when they are planned.
+    ///
+    /// # Errors
+    /// The first key that is no path.
+    pub fn listed(
+        (title, name): (&str, &str),
+        (base, base_path): (&Scenario, &Path),
+        options: &LoadOptions,
+        (keys, runs): (&[&str], &[Vec<String>]),
+    ) -> Result<Self, String> {
+        let mut axes = Vec::new();
+        let mut text = format!("title = {title:?}\n\n[design]\nkind = \"list\"\n");
+        for (place, &key) in keys.iter().enumerate() {
+            let values: Vec<String> = runs.iter().map(|run| run[place].clone()).collect();
+            text += &format!("\n[[vary]]\nkey = {key:?}\nvalues = [\n");
+            values.iter().for_each(|value| text += &format!("  {value},\n"));
+            text += "]\n";
+            axes.push(Axis { key: KeyPath::parse(key)?, levels: Levels::Listed(values) });
+        }
+        Ok(Self {
+            title: title.to_owned(),
+            name: name.to_owned(),
+            text,
+            base: base.clone(),
+            design: Design::List,
+            axes,
+            constraints: Vec::new(),
+            base_path: base_path.to_owned(),
+            options: *options,
+        })
+    }
+
     /// The scenario with `values`, one for each axis, as if a person had written them into the base.
     ///
     /// # Errors

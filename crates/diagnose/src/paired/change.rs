@@ -1,0 +1,186 @@
+//! What paired runs change: the conditions, properties of material and friction, effects.
+
+use crate::predictor::Condition;
+use sphcut_analytic::{EFFECTS, Effect};
+
+/// By how many standard deviations of its prior a nuisance is moved in its runs: far enough to be seen beside the scatter of a
+/// force, near enough to be a slope.
+pub(crate) const NUISANCE_STEP: f64 = 1.5;
+/// Cutting speeds and thicknesses of the support.
+const SUPPORT: usize = 3;
+
+/// What a run changes in the scenario.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Change {
+    /// Quantities of material and friction by their key, each multiplied by exp(x).
+    pub nuisances: Vec<(&'static str, f64)>,
+    /// Effects by their key, with values of their free parameters in SI.
+    pub effects: Vec<(&'static str, Vec<f64>)>,
+    /// VB in m, which no effect of constant strength has.
+    pub wear_land: Option<f64>,
+}
+
+impl Change {
+    /// Whether nothing is changed.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Levels at which an effect is run, in the order of its free parameters, and what its strength is there.
+pub(crate) struct Level {
+    /// Values of the parameters; for wear the land in m.
+    pub values: &'static [f64],
+}
+
+/// The effects of which the particle solver knows all: each with one or two strengths of its range, where it is far from linear
+/// two. What is not here is no explanation that paired runs can offer: built-up edge (its shape does not follow the temperature), heat
+/// into the tool and conductivity (forces hardly feel them), channels' gain, offset and drift (nuisances of every diagnosis).
+pub(crate) const RUN_EFFECTS: &[(&str, &[Level])] = &[
+    ("speed_dependent_friction", &[Level { values: &[0.3] }]),
+    ("temperature_dependent_friction", &[Level { values: &[6.0] }, Level { values: &[2.0] }]),
+    ("shear_capped_friction", &[Level { values: &[0.6] }, Level { values: &[0.3] }]),
+    ("specific_heat", &[Level { values: &[0.6] }]),
+    ("plastic_heat", &[Level { values: &[0.2] }]),
+    ("viscous_drag", &[Level { values: &[0.3] }]),
+    (
+        "strain_ageing",
+        &[
+            Level { values: &[0.4, 350.0] },
+            Level { values: &[0.4, 500.0] },
+            Level { values: &[0.4, 640.0] },
+        ],
+    ),
+    ("tanh_softening", &[Level { values: &[0.1] }, Level { values: &[0.5] }]),
+    ("size_effect", &[Level { values: &[30e-6] }]),
+    ("edge_radius", &[Level { values: &[15e-6] }, Level { values: &[35e-6] }]),
+    ("flank_wear", &[Level { values: &[100e-6] }, Level { values: &[300e-6] }]),
+];
+
+/// Effects that follow from the runs without effect: the machine gives way, the channels talk to each other.
+pub(crate) const DERIVED_EFFECTS: &[&str] = &["compliance", "cross_talk"];
+
+/// The entry of the registry.
+pub(crate) fn registered(key: &str) -> &'static Effect {
+    EFFECTS.iter().find(|effect| effect.key == key).expect("a test compares the names")
+}
+
+/// T/T_m of a tool-chip contact at which the temperature exponent is turned into a share of friction that is lost.
+const WARM_CONTACT: f64 = 0.45;
+/// A taylor-Quinney factor that is nothing new.
+const USUAL_HEAT: f64 = 0.9;
+
+/// How strong an effect is in a coordinate in which it is nearly linear, and 0 without it.
+pub(crate) fn strength(key: &str, values: &[f64]) -> f64 {
+    let first = values[0];
+    match key {
+        "temperature_dependent_friction" => WARM_CONTACT.powf(first),
+        "shear_capped_friction" => 1.0 - first,
+        "plastic_heat" => USUAL_HEAT - first,
+        _ => first,
+    }
+}
+
+/// Every change of a library: none, each nuisance, each effect at each of its levels; wear only where the edge has cut before.
+#[must_use]
+pub fn changes(scatter: &[(&'static str, f64)], wears: bool) -> Vec<Change> {
+    let mut all = vec![Change::default()];
+    for &(key, deviation) in scatter {
+        let nuisances = vec![(key, NUISANCE_STEP * deviation)];
+        all.push(Change { nuisances, ..Change::default() });
+    }
+    for (key, levels) in RUN_EFFECTS {
+        for level in *levels {
+            if *key == "flank_wear" {
+                let land = wears.then_some(level.values[0]);
+                all.extend(land.map(|land| Change { wear_land: Some(land), ..Change::default() }));
+            } else {
+                let effects = vec![(*key, level.values.to_vec())];
+                all.push(Change { effects, ..Change::default() });
+            }
+        }
+    }
+    all
+}
+
+/// v_c in m/s and h in m at which the library is run: three of each from the lowest to the highest of `conditions`, even in the
+/// logarithm, rounded to one digit of m/min and um where that changes less than a twentieth, else to two. `range` replaces the ends.
+#[must_use]
+pub fn support(conditions: &[Condition], range: [[Option<f64>; 2]; 2]) -> [Vec<f64>; 2] {
+    let axis = |of: fn(&Condition) -> f64, unit: f64, stated: [Option<f64>; 2]| {
+        let found = conditions
+            .iter()
+            .map(of)
+            .fold([f64::INFINITY, 0.0_f64], |[low, high], x| [low.min(x), high.max(x)]);
+        let ends = [0, 1].map(|k| stated[k].unwrap_or(found[k]));
+        let mut values: Vec<f64> = (0..SUPPORT)
+            .map(|k| ends[0] * (ends[1] / ends[0]).powf(k as f64 / (SUPPORT - 1) as f64))
+            .map(|value| round(value / unit) * unit)
+            .collect();
+        values.dedup();
+        values
+    };
+    let [speeds, thicknesses] = range;
+    [
+        axis(|c| c.cutting_speed, 1.0 / 60.0, speeds),
+        axis(|c| c.uncut_chip_thickness, 1e-6, thicknesses),
+    ]
+}
+
+fn round(value: f64) -> f64 {
+    let to = |digits: usize| format!("{value:.digits$e}").parse().unwrap_or(value);
+    let one: f64 = to(0);
+    if (one / value - 1.0).abs() < 0.05 { one } else { to(1) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_is_of_the_registry_with_all_its_parameters() {
+        for (key, levels) in RUN_EFFECTS {
+            let free = registered(key).free;
+            for level in *levels {
+                assert_eq!(level.values.len(), free.len(), "{key}");
+                for (value, free) in level.values.iter().zip(free) {
+                    let (low, high) = free.prior;
+                    assert!(*key == "flank_wear" || (low..=high).contains(value), "{key} {value}");
+                }
+            }
+        }
+        assert!(DERIVED_EFFECTS.iter().all(|key| registered(key).key == *key));
+    }
+
+    #[test]
+    fn an_effect_at_its_vanishing_value_has_no_strength() {
+        for (key, _) in RUN_EFFECTS {
+            let free = &registered(key).free[0];
+            let off = strength(key, &[free.vanishing.unwrap()]);
+            assert!(off.abs() < 1e-12, "{key}: {off}");
+            let (low, high) = free.prior;
+            assert!(strength(key, &[low]) != strength(key, &[high]), "{key}");
+        }
+    }
+
+    #[test]
+    fn the_support_spans_the_recordings() {
+        let at = |cutting_speed: f64, uncut_chip_thickness: f64| Condition {
+            cutting_speed,
+            uncut_chip_thickness,
+            cut_length: 0.0,
+            run_order: 0.0,
+        };
+        let [speeds, sizes] =
+            support(&[at(20.0 / 60.0, 2e-4), at(400.0 / 60.0, 4e-5)], [[None; 2]; 2]);
+        let shown: Vec<String> = speeds.iter().map(|v| format!("{:.0}", v * 60.0)).collect();
+        assert_eq!(shown, ["20", "90", "400"]);
+        assert_eq!(sizes.len(), 3);
+        assert!((sizes[0] - 4e-5).abs() < 1e-12 && (sizes[2] - 2e-4).abs() < 1e-12);
+        // One speed is one place of the support.
+        assert_eq!(support(&[at(1.0, 1e-4), at(1.0, 2e-4)], [[None; 2]; 2])[0].len(), 1);
+        let thin = [[None; 2], [Some(2e-5), None]];
+        assert!((support(&[at(1.0, 1e-4)], thin)[1][0] - 2e-5).abs() < 1e-12);
+    }
+}
