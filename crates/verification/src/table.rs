@@ -57,6 +57,15 @@ impl Table {
         self.rows.is_empty()
     }
 
+    /// The cells of column `name`, top to bottom.
+    ///
+    /// # Errors
+    /// No such column.
+    pub fn texts(&self, name: &str) -> Result<Vec<&str>, String> {
+        let column = self.column(name)?;
+        Ok(self.rows.iter().map(|row| row[column].as_str()).collect())
+    }
+
     /// The numbers of column `name`, top to bottom.
     ///
     /// # Errors

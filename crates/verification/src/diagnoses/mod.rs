@@ -4,8 +4,10 @@
 //! made with the closed-form model, in seconds, and anew every time.
 
 mod judge;
+mod score;
 
 pub use judge::{DiagnosisExpectation, DiagnosisMeasure};
+pub use score::{score_edge_radius, score_wear};
 
 use crate::case::{Kind, Tier};
 use crate::error::CaseError;
