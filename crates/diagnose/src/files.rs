@@ -141,6 +141,18 @@ pub fn diagnosis_json(
             "uncut_chip_thickness": points.iter().map(|p| p.uncut_chip_thickness).collect::<Vec<_>>(),
             "score": points.iter().map(|p| p.score).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
+        "particle_solver": found.rerun.as_ref().map(|rerun| json!({
+            "conditions": rerun.conditions,
+            "channels": rerun.channels.iter().map(|one| json!({
+                "channel": one.channel.key(),
+                "values": one.values,
+                "as_simulated": one.errors[0],
+                "fitted_again": one.errors[1],
+                "repaired": one.errors[2],
+                "ratio": one.ratio[0],
+                "ratio_interval": [one.ratio[1], one.ratio[2]],
+            })).collect::<Vec<_>>(),
+        })),
         "held_out": found.help.iter().map(held).collect::<Vec<_>>(),
         "false_alarms": found.false_alarms.map(|alarms| rate(alarms, found.asked[0])),
         "positive_control": found.control.as_ref().map(|control| json!({

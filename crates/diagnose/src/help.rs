@@ -294,7 +294,8 @@ fn summary(part: Part, errors: &[Errors], seed: u64) -> Held {
         .enumerate()
         .map(|(m, &method)| (method, mean(&|e: &Errors| e.grey_box[m])))
         .collect();
-    let [low, high] = ratio_interval(errors, seed);
+    let both = errors.iter().map(|e| (e.condition, [e.plain[1], e.plain[2]]));
+    let [low, high] = ratio_interval(both, seed);
     let ratio = [repaired / refitted, low, high];
     let of = |channel: Channel| {
         let own = || errors.iter().filter(move |e| e.channel == channel);
@@ -308,13 +309,15 @@ fn summary(part: Part, errors: &[Errors], seed: u64) -> Held {
 
 /// 95 % interval of the ratio of the mean errors: whole conditions drawn with replacement, both errors of a value together
 /// (Efron and Tibshirani 1993, chapter 13).
-fn ratio_interval(errors: &[Errors], seed: u64) -> [f64; 2] {
+pub(crate) fn ratio_interval(
+    errors: impl Iterator<Item = (usize, [f64; 2])>,
+    seed: u64,
+) -> [f64; 2] {
     let mut sums: Vec<(usize, [f64; 2])> = Vec::new();
-    for error in errors {
-        let both = [error.plain[1], error.plain[2]];
-        match sums.iter_mut().find(|(condition, _)| *condition == error.condition) {
+    for (condition, both) in errors {
+        match sums.iter_mut().find(|(other, _)| *other == condition) {
             Some((_, sum)) => (0..2).for_each(|k| sum[k] += both[k]),
-            None => sums.push((error.condition, both)),
+            None => sums.push((condition, both)),
         }
     }
     let mut random = Random::new(seed, &[7]);

@@ -11,6 +11,7 @@ use crate::locate::{Location, locate};
 use crate::next_experiment::{NextExperiment, Rival, next_experiment};
 use crate::predictor::{Active, Condition, Predictor};
 use crate::problem::{InstrumentPriors, Problem};
+use crate::rerun::Rerun;
 use crate::self_test::{PositiveControl, Rate, Simulator};
 use crate::setups::SetupScatter;
 use crate::templates::Templates;
@@ -95,6 +96,8 @@ pub struct Diagnosis {
     pub false_alarms: Option<Rate>,
     /// The repair's effects concealed and looked for.
     pub control: Option<PositiveControl>,
+    /// The repair in the particle solver, where it was run.
+    pub rerun: Option<Rerun>,
     /// What to measure next.
     pub next: Option<NextExperiment>,
 }
@@ -189,6 +192,7 @@ pub fn diagnose(
         false_alarms,
         control,
         next,
+        rerun: None,
         problem,
     })
 }

@@ -9,8 +9,8 @@ use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use runs::{Ended, Paired};
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, Predictor, Provenance, closed_form_cut, diagnose_case,
-    diagnosis_json,
+    ClosedForm, DiagnoseError, Predictor, Provenance, closed_form_cut, compare_rerun,
+    diagnose_case, diagnosis_json,
 };
 use sphcut_report::{DiagnosisPage, diagnosis_words, render_diagnosis};
 
@@ -46,7 +46,20 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         (&paired, "paired runs of the particle solver")
     };
     let pool = loading::pool(loading::threads(arguments.threads))?;
-    let (recordings, found) = pool.install(|| diagnose_case(&case, model)).map_err(mistaken)?;
+    let (recordings, mut found) = pool.install(|| diagnose_case(&case, model)).map_err(mistaken)?;
+    if !arguments.closed_form
+        && let Some(runs) = Paired::repaired(&case, arguments, (&found, model))?
+    {
+        match runs.run(arguments)? {
+            Ended::Interrupted => return Ok(interrupted()),
+            Ended::Finished(results) => {
+                let fits = found.repair.map(|repair| (&found.null, &found.fits[repair]));
+                let own = runs.in_order(&results);
+                found.rerun =
+                    fits.and_then(|fits| compare_rerun(&found.problem, fits, &own, case.seed));
+            }
+        }
+    }
     std::fs::create_dir_all(out)
         .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
     let provenance = Provenance {

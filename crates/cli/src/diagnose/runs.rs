@@ -6,7 +6,8 @@ use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
 use crate::{interrupt, loading, sweep, terminal};
 use sphcut_diagnose::{
-    CHANNELS, Change, Channel, Condition, PairedRun, PairedRuns, changes, condition_of, support,
+    CHANNELS, Change, Channel, Condition, Diagnosis, PairedRun, PairedRuns, Predictor, STATES,
+    changes, condition_of, rerun_changes, rerun_conditions, support,
 };
 use sphcut_scenario::{DiagnosisCase, Sweep};
 use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Table};
@@ -88,6 +89,40 @@ impl Paired {
         let total = sweep::dry_run::total(&plan, Some(speed), threads);
         let warnings = sweep::dry_run::warnings(&plan);
         terminal::answer(&format!("{}\n{total}{warnings}", self.sweep.title))
+    }
+
+    /// The scenario as it is, fitted again and repaired, at some of the recorded conditions; `None` if there is no repair, or none
+    /// that the scenario has keys for.
+    pub fn repaired(
+        case: &DiagnosisCase,
+        arguments: &DiagnoseArguments,
+        (found, predictor): (&Diagnosis, &dyn Predictor),
+    ) -> Result<Option<Self>, Failure> {
+        let Some(repair) = found.repair else { return Ok(None) };
+        let fits = (&found.null, &found.fits[repair]);
+        let mut runs = Vec::new();
+        for condition in rerun_conditions(&found.problem, case.runs.repaired) {
+            let Some(changes) = rerun_changes(&found.problem, predictor, fits, &condition) else {
+                return Ok(None);
+            };
+            runs.extend(changes.map(|change| (condition, change)));
+        }
+        if runs.is_empty() {
+            return Ok(None);
+        }
+        Self::new(case, arguments, ("The repaired scenario", "repaired"), runs).map(Some)
+    }
+
+    /// The results in the order of the runs.
+    pub fn in_order(&self, results: &[PairedRun]) -> Vec<[Option<PairedRun>; STATES]> {
+        let of = |(condition, change): &(Condition, Change)| {
+            let found = results.iter().find(|r| r.condition == *condition && r.change == *change);
+            found.cloned()
+        };
+        self.runs
+            .chunks(STATES)
+            .map(|own| std::array::from_fn(|k| own.get(k).and_then(of)))
+            .collect()
     }
 
     /// Computes what the store does not have.

@@ -61,6 +61,11 @@ pub(crate) const RUN_EFFECTS: &[(&str, &[Level])] = &[
 /// Effects that follow from the runs without effect: the machine gives way, the channels talk to each other.
 pub(crate) const DERIVED_EFFECTS: &[&str] = &["compliance", "cross_talk"];
 
+/// Whether the scenario has keys for an effect.
+pub(crate) fn can_be_run(key: &str) -> bool {
+    RUN_EFFECTS.iter().any(|(own, _)| *own == key)
+}
+
 /// The entry of the registry.
 pub(crate) fn registered(key: &str) -> &'static Effect {
     EFFECTS.iter().find(|effect| effect.key == key).expect("a test compares the names")

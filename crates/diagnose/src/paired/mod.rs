@@ -6,5 +6,6 @@ mod model;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use change::can_be_run;
 pub use change::{Change, changes, support};
 pub use model::{PairedRun, PairedRuns};

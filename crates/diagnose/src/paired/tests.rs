@@ -4,7 +4,7 @@
 use super::{Change, PairedRun, PairedRuns, changes, support};
 use crate::{
     Active, CHANNELS, Channel, ClosedForm, Condition, InstrumentPriors, Predictor, Recording,
-    Recordings, Request, Verdict, diagnose,
+    Recordings, Request, STATES, Verdict, compare_rerun, diagnose, rerun_changes, rerun_conditions,
 };
 use sphcut_analytic::Cut;
 use sphcut_greybox::Random;
@@ -175,4 +175,39 @@ fn concealed_effects_are_found_with_scattering_runs() {
         let verdict = diagnose(&request(&quiet), &library).unwrap().finding.verdict;
         assert_eq!(verdict, Verdict::NoAlarm, "{seed}");
     }
+}
+
+/// The repair that a library finds, put into the model itself, follows the recordings better than fitting the nuisances again.
+#[test]
+fn a_repair_is_run_again_where_it_was_recorded() {
+    let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+    let library = library(&model, [0.003, 0.01, 0.003], 2);
+    let hidden = Change { effects: vec![("edge_radius", vec![30e-6])], ..Change::default() };
+    let data = recorded(&model, &hidden, 1);
+    let found = diagnose(&request(&data), &library).unwrap();
+    let fits = (&found.null, &found.fits[found.repair.unwrap()]);
+    let conditions = rerun_conditions(&found.problem, 6);
+    assert_eq!(conditions.len(), 6);
+    let fastest = (0..40).map(|k| at(k).cutting_speed).fold(0.0, f64::max);
+    assert_eq!(conditions[0].cutting_speed, fastest);
+    let runs: Vec<[Option<PairedRun>; STATES]> = conditions
+        .iter()
+        .map(|condition| {
+            let changes = rerun_changes(&found.problem, &library, fits, condition).unwrap();
+            assert!(changes[0].is_none() && changes[1].effects.is_empty());
+            changes.map(|change| {
+                let mut means = [None; CHANNELS.len()];
+                for (channel, log) in model.channels().iter().zip(cut(&model, condition, &change)) {
+                    means[channel.index()] = Some((log.exp(), None));
+                }
+                Some(PairedRun { condition: *condition, change, means })
+            })
+        })
+        .collect();
+    let rerun = compare_rerun(&found.problem, fits, &runs, 1).unwrap();
+    let feed = rerun.channels.iter().find(|one| one.channel == Channel::FeedForce).unwrap();
+    assert_eq!((rerun.conditions, feed.values), (6, 6));
+    // 2 % of noise; fitting again leaves more than twice that.
+    assert!(feed.errors[2] < 0.03 && feed.errors[1] > 0.04, "{feed:?}");
+    assert!(feed.errors[0] > feed.errors[1] && feed.ratio[2] < 1.0, "{feed:?}");
 }

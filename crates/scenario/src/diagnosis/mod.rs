@@ -58,6 +58,8 @@ pub struct PairedRunsPlan {
     pub range: [[Option<f64>; 2]; 2],
     /// Travel in uncut chip thicknesses.
     pub travel: f64,
+    /// Conditions at which the repaired scenario is run.
+    pub repaired: usize,
     /// Most runs.
     pub most: usize,
 }
@@ -172,6 +174,7 @@ fn read_document(
         runs: PairedRunsPlan {
             range: runs_range,
             travel: number(&runs, "travel")?,
+            repaired: count(&runs, "repaired")?,
             most: count(&runs, "most")?,
         },
     })

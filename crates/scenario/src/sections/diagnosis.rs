@@ -224,6 +224,12 @@ pub(crate) fn diagnosis_runs() -> Section {
                 "travel of each run in uncut chip thicknesses; runs without an effect go four times as far",
             ),
             Field::new(
+                "repaired",
+                Kind::Count { min: 0, max: 1000 },
+                default("6"),
+                "conditions of the table at which the repaired scenario is run, beside the one as it is and one with nuisances fitted again",
+            ),
+            Field::new(
                 "most",
                 Kind::Count { min: 1, max: 100_000 },
                 default("600"),

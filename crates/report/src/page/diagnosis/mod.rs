@@ -10,7 +10,7 @@ use crate::text::{minus, percent, three_digits};
 use maud::{Markup, html};
 use sphcut_diagnose::{
     BiasOrigin, Diagnosis, Hypothesis, MapPoint, Noise, NoiseSource, Predictor, Provenance,
-    Recordings, Scored,
+    Recordings, Rerun, Scored,
 };
 use sphcut_greybox::{Hull, Input};
 use words::{family, listed, parameters, part, pattern, rate, shown, unanswered};
@@ -248,7 +248,26 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
             } @else {
                 p { "There is no repair to test." }
             }
+            @if let Some(rerun) = &page.diagnosis.rerun { (in_the_solver(rerun)) }
         }
+    }
+}
+
+fn in_the_solver(rerun: &Rerun) -> Markup {
+    html! {
+        div.scroll { table {
+            caption { "The scenario itself, run again in the particle solver at " (rerun.conditions) " of the recorded conditions: as it is, with material and friction \
+                fitted again, and with the repair. Mean error over the recordings there, which the fits have seen." }
+            thead { tr {
+                th scope="col" { "Channel" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
+                th.n scope="col" { "Nuisances fitted again" } th.n scope="col" { "Repaired" } th.n scope="col" { "Repaired / fitted again" }
+            } }
+            tbody { @for one in &rerun.channels { tr {
+                th scope="row" { (one.channel.title()) } td.n { (one.values) }
+                @for error in one.errors { td.n { (percent(error)) } }
+                td.n { (three_digits(one.ratio[0])) " (" (three_digits(one.ratio[1])) " to " (three_digits(one.ratio[2])) ")" }
+            } } }
+        } }
     }
 }
 
