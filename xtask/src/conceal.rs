@@ -1,5 +1,6 @@
 //! Sealed cases for the diagnosis: cuts of another physics with something hidden in them, and the score of what was claimed.
 
+mod behind;
 mod draw;
 mod files;
 mod run;
@@ -39,7 +40,7 @@ pub enum Conceal {
         /// Leave the commissioning sets unread.
         #[arg(long)]
         without_reference: bool,
-        /// Try each repair on cuts that it has not seen.
+        /// Try each repair on cuts that it has not seen, where there are commissioning sets.
         #[arg(long)]
         held_out: bool,
         /// Threads; every one takes cases of its own.
@@ -61,6 +62,9 @@ pub enum Conceal {
         /// ranking and set; family; value, low and high of the first parameter of what is named, in SI.
         #[arg(long)]
         claims: PathBuf,
+        /// Details that `run` wrote: adds tables of stated against found probabilities and of held-out errors.
+        #[arg(long)]
+        details: Option<PathBuf>,
     },
 }
 
@@ -85,7 +89,9 @@ pub fn run(what: &Conceal) -> Result<(), String> {
             write(out, &claims)?;
             write(&out.with_extension("details.jsonl"), &details)
         }
-        Conceal::Score { cases, key, claims } => score_all(cases, key, claims),
+        Conceal::Score { cases, key, claims, details } => {
+            score_all(cases, key, claims, details.as_deref())
+        }
     }
 }
 
@@ -119,7 +125,12 @@ fn draw_all(out: &Path, key: &Path, cases: usize, physics: Truths) -> Result<(),
     Ok(())
 }
 
-fn score_all(cases: &Path, key: &Path, claims: &Path) -> Result<(), String> {
+fn score_all(
+    cases: &Path,
+    key: &Path,
+    claims: &Path,
+    details: Option<&Path>,
+) -> Result<(), String> {
     let claims_text = read(claims)?;
     let claims = score::claims(&claims_text)?;
     let answers =
@@ -128,7 +139,11 @@ fn score_all(cases: &Path, key: &Path, claims: &Path) -> Result<(), String> {
     let log = cases.join("opened.txt");
     let before = std::fs::read_to_string(&log).unwrap_or_default();
     write(&log, &format!("{before}{}\n", seal::digest(claims_text.as_bytes())))?;
-    let report = score::report(&files::read_answers(&answers)?, &claims)?;
+    let answers = files::read_answers(&answers)?;
+    let mut report = score::report(&answers, &claims)?;
+    if let Some(details) = details {
+        report += &behind::report(&answers, &read(details)?)?;
+    }
     print!("{report}");
     if !before.is_empty() {
         println!("\nOpened {} times before: no longer a blind test.", before.lines().count());

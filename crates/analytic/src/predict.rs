@@ -10,7 +10,7 @@ use sphcut_physics::Values;
 use sphcut_physics::effects::{self as catalogue, ChosenEffect, EffectContext, HeatShare};
 use std::cell::Cell;
 
-/// Rounds of the balance of feed force and deflection; each leaves a share of a few per cent of the error before.
+/// Most rounds of the balance of feed force and deflection.
 const MOST_ROUNDS: usize = 40;
 
 /// A cut with what the effects change.
@@ -131,22 +131,30 @@ impl Changed {
         Ok(())
     }
 
-    /// The cut on a machine that gives way: `h = h_cmd - F_f/K` by rounds, each of which shrinks the error by the
-    /// slope of the feed force over K.
+    /// The cut on a machine that gives way: `h = h_cmd - F_f/K` by the secant method.
     fn compliant(&self, condition: &Condition) -> Result<Observables, Error> {
         let Some(stiffness) = self.stiffness else { return self.observables(condition) };
         let commanded = condition.uncut_chip_thickness;
         let mut there = *condition;
         let mut found = self.observables(&there)?;
-        for _ in 0..MOST_ROUNDS {
-            let thickness = commanded - found.feed_force / stiffness;
-            let change = (thickness - there.uncut_chip_thickness).abs();
+        // Too thick by so much at the place before, and here.
+        let (mut before, mut excess) = ((commanded, 0.0), found.feed_force / stiffness);
+        let mut slope = 1.0;
+        for round in 0..MOST_ROUNDS {
+            if round > 0 {
+                let moved = there.uncut_chip_thickness - before.0;
+                // The feed force grows with h: the slope is 1 and more.
+                slope = ((excess - before.1) / moved).max(1.0);
+            }
+            let thickness = there.uncut_chip_thickness - excess / slope;
+            before = (there.uncut_chip_thickness, excess);
             there.uncut_chip_thickness = thickness;
             if thickness <= 0.0 {
                 return Err(Error::NoChip { uncut_chip_thickness: thickness, smallest: 0.0 });
             }
             found = self.observables(&there)?;
-            if change < 1e-12 * commanded {
+            excess = thickness - commanded + found.feed_force / stiffness;
+            if excess.abs() < 1e-12 * commanded || thickness == before.0 {
                 break;
             }
         }

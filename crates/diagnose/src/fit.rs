@@ -1,6 +1,8 @@
 //! The most probable nuisances and parameters, and the evidence there.
 
+use crate::change_error::{self, Loose};
 use crate::gaussian::log_determinant;
+use crate::law::{Factor, Law, Spectrum};
 use crate::predictor::{Active, Predictor};
 use crate::problem::Problem;
 use nalgebra::{DMatrix, DVector};
@@ -9,8 +11,16 @@ use nalgebra::{DMatrix, DVector};
 const STEP: f64 = 0.02;
 /// Steps after which a fit ends.
 const MOST_STEPS: usize = 30;
+/// Length of a step, in standard deviations of the priors, after which the derivative is kept until the end.
+const SMALL: f64 = 0.3;
+/// Distance from where the derivative was taken beyond which it is taken anew at the end.
+const STALE: f64 = 0.02;
+/// Rounds in which the error of the change and the fit follow each other.
+const ERROR_ROUNDS: usize = 1;
+/// Share of the largest eigenvalue below which a direction of an error does not count.
+pub(crate) const NEGLIGIBLE: f64 = 1e-10;
 /// Decrease of the target below which a fit has ended; it is twice a logarithm of probability.
-const ENOUGH: f64 = 1e-4;
+const ENOUGH: f64 = 1e-3;
 
 /// The most probable unknowns under one hypothesis.
 #[derive(Debug, Clone)]
@@ -25,6 +35,8 @@ pub struct Fit {
     pub residual: DVector<f64>,
     /// Derivative of the prediction by the unknowns.
     pub jacobian: DMatrix<f64>,
+    /// The most probable error of the model in what the effects change.
+    pub(crate) error: Option<Factor>,
     /// log of the evidence by Laplace's method.
     pub log_evidence: f64,
 }
@@ -65,8 +77,9 @@ pub(crate) fn active(predictor: &dyn Predictor, effects: &[usize], t: &[f64]) ->
 /// log Z = -Phi / 2 - log |2 pi Sigma| / 2 - log |J' Sigma^-1 J + I| / 2
 /// ```
 ///
-/// which is exact where f is linear. `start` holds the coordinates of the parameters of `effects` at the start. `None`
-/// if the model has no answer there.
+/// which is exact where f is linear. What the model says of effects may be wrong by one of the shares
+/// [`Predictor::change_errors`], each channel by its own: Sigma then has E A E' more, E taken at the fit, and Z is the mean over the
+/// shares. `start` holds the coordinates of the parameters of `effects` at the start. `None` if the model has no answer there.
 ///
 /// What the model does not know of an effect grows with its strength: where it does, the covariance is that at the first minimum,
 /// and the fit goes on from there.
@@ -92,51 +105,33 @@ fn descend(
     start: &DVector<f64>,
 ) -> Option<Fit> {
     let system = System { problem, predictor, effects, measured: problem.measured() };
-    let mut unknowns = start.clone();
-    let mut prediction = system.predict(&unknowns);
-    let mut target = system.target(&prediction, &unknowns)?;
-    let mut damping = 1e-3;
-    let mut jacobian = system.jacobian(&unknowns, &prediction);
-    for _ in 0..MOST_STEPS {
-        let white = problem.noise.whiten(jacobian.clone());
-        let residual = problem.noise.whiten_vector(&system.measured - &prediction);
-        let slope = white.tr_mul(&residual) - &unknowns;
-        let normal = white.tr_mul(&white) + DMatrix::identity(unknowns.len(), unknowns.len());
-        let (mut gain, mut moved) = (0.0, false);
-        for _ in 0..12 {
-            let mut damped = normal.clone();
-            for k in 0..unknowns.len() {
-                damped[(k, k)] *= 1.0 + damping;
-            }
-            let next = &unknowns + damped.cholesky()?.solve(&slope);
-            let there = system.predict(&next);
-            if let Some(lower) = system.target(&there, &next).filter(|t| *t <= target) {
-                (gain, moved) = (target - lower, true);
-                (unknowns, prediction, target) = (next, there, lower);
-                damping = (damping * 0.1).max(1e-9);
-                break;
-            }
-            damping *= 10.0;
-        }
-        if moved {
-            jacobian = system.jacobian(&unknowns, &prediction);
-        }
-        if gain < ENOUGH {
-            break;
-        }
+    let errors = predictor.change_errors();
+    let mut point = system.descend(&problem.noise, system.point(start)?)?;
+    if effects.is_empty() || errors.iter().all(|error| *error == 0.0) {
+        return system.end(point, &problem.noise, None, None);
     }
-    let white = problem.noise.whiten(jacobian.clone());
-    let normal = white.tr_mul(&white) + DMatrix::identity(unknowns.len(), unknowns.len());
-    let log_evidence =
-        -0.5 * (target + problem.noise.log_determinant() + log_determinant(normal.clone())?);
-    Some(Fit {
-        effects: effects.to_vec(),
-        covariance: normal.cholesky()?.inverse(),
-        residual: &system.measured - prediction,
-        unknowns,
-        jacobian,
-        log_evidence,
-    })
+    for _ in 0..ERROR_ROUNDS {
+        let columns = system.error(&point);
+        let (best, _) = system.loose(&point, &columns).most_probable(errors);
+        let own = problem.noise.whiten(change_error::scaled(columns, &best));
+        let law = problem.noise.tilted(&Spectrum::of(&own, NEGLIGIBLE));
+        point = system.descend(&law, point)?;
+    }
+    let columns = system.error(&point);
+    let (best, evidence) = system.loose(&point, &columns).most_probable(errors);
+    let own = change_error::scaled(columns, &best);
+    let law = problem.noise.tilted(&Spectrum::of(&problem.noise.whiten(own.clone()), NEGLIGIBLE));
+    let evidence = evidence - 0.5 * problem.noise.log_determinant();
+    system.end(point, &law, Some(Factor::of_all(own)), Some(evidence))
+}
+
+/// Where a descent has come to.
+struct Point {
+    unknowns: DVector<f64>,
+    prediction: DVector<f64>,
+    jacobian: DMatrix<f64>,
+    /// Of the law of the last descent.
+    target: f64,
 }
 
 struct System<'a> {
@@ -154,10 +149,103 @@ impl System<'_> {
         self.problem.predict(self.predictor, unknowns, &active) + &self.problem.instrument * own
     }
 
-    fn target(&self, prediction: &DVector<f64>, unknowns: &DVector<f64>) -> Option<f64> {
-        let white = self.problem.noise.whiten_vector(&self.measured - prediction);
-        let target = white.norm_squared() + unknowns.norm_squared();
+    fn target(&self, law: &Law, prediction: &DVector<f64>, u: &DVector<f64>) -> Option<f64> {
+        let white = law.whiten_vector(&self.measured - prediction);
+        let target = white.norm_squared() + u.norm_squared();
         target.is_finite().then_some(target)
+    }
+
+    fn point(&self, unknowns: &DVector<f64>) -> Option<Point> {
+        let prediction = self.predict(unknowns);
+        let target = self.target(&self.problem.noise, &prediction, unknowns)?;
+        let jacobian = self.jacobian(unknowns, &prediction);
+        Some(Point { unknowns: unknowns.clone(), prediction, jacobian, target })
+    }
+
+    /// Damped Gauss-Newton steps; the derivative is taken anew after steps that are not small.
+    fn descend(&self, law: &Law, start: Point) -> Option<Point> {
+        let Point { mut unknowns, mut prediction, mut jacobian, .. } = start;
+        let mut target = self.target(law, &prediction, &unknowns)?;
+        let mut damping = 1e-3;
+        let mut taken_at = unknowns.clone();
+        for _ in 0..MOST_STEPS {
+            let white = law.whiten(jacobian.clone());
+            let residual = law.whiten_vector(&self.measured - &prediction);
+            let slope = white.tr_mul(&residual) - &unknowns;
+            let normal = white.tr_mul(&white) + DMatrix::identity(unknowns.len(), unknowns.len());
+            let (mut gain, mut moved) = (0.0, 0.0);
+            for _ in 0..12 {
+                let mut damped = normal.clone();
+                for k in 0..unknowns.len() {
+                    damped[(k, k)] *= 1.0 + damping;
+                }
+                let next = &unknowns + damped.cholesky()?.solve(&slope);
+                let there = self.predict(&next);
+                if let Some(lower) = self.target(law, &there, &next).filter(|t| *t <= target) {
+                    (gain, moved) = (target - lower, (&next - &unknowns).norm());
+                    (unknowns, prediction, target) = (next, there, lower);
+                    damping = (damping * 0.1).max(1e-9);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if moved > SMALL {
+                jacobian = self.jacobian(&unknowns, &prediction);
+                taken_at.copy_from(&unknowns);
+            }
+            if gain < ENOUGH {
+                break;
+            }
+        }
+        if (&unknowns - taken_at).norm() > STALE {
+            jacobian = self.jacobian(&unknowns, &prediction);
+        }
+        Some(Point { unknowns, prediction, jacobian, target })
+    }
+
+    /// The columns of the error in what the effects change, of all rows.
+    fn error(&self, point: &Point) -> DMatrix<f64> {
+        let problem = self.problem;
+        let own = point.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
+        let plain = problem.predict(self.predictor, &point.unknowns, &[]);
+        let change = &point.prediction - &problem.instrument * own - plain;
+        let rows: Vec<usize> =
+            (0..problem.rows.len()).filter(|&row| problem.is_diagnosed(row)).collect();
+        let columns = change_error::columns(problem, &rows, &change.select_rows(&rows));
+        let mut all = DMatrix::zeros(problem.rows.len(), columns.ncols());
+        for (k, &row) in rows.iter().enumerate() {
+            all.row_mut(row).copy_from(&columns.row(k));
+        }
+        all
+    }
+
+    fn loose(&self, point: &Point, columns: &DMatrix<f64>) -> Loose {
+        let noise = &self.problem.noise;
+        let deviation = &self.measured - &point.prediction + &point.jacobian * &point.unknowns;
+        let slopes = noise.whiten(point.jacobian.clone());
+        Loose::new(&noise.whiten(columns.clone()), &slopes, &noise.whiten_vector(deviation))
+    }
+
+    fn end(
+        &self,
+        point: Point,
+        law: &Law,
+        error: Option<Factor>,
+        log_evidence: Option<f64>,
+    ) -> Option<Fit> {
+        let Point { unknowns, prediction, jacobian, target } = point;
+        let white = law.whiten(jacobian.clone());
+        let normal = white.tr_mul(&white) + DMatrix::identity(unknowns.len(), unknowns.len());
+        let laplace = -0.5 * (target + law.log_determinant() + log_determinant(normal.clone())?);
+        Some(Fit {
+            effects: self.effects.to_vec(),
+            covariance: normal.cholesky()?.inverse(),
+            residual: &self.measured - prediction,
+            unknowns,
+            jacobian,
+            error,
+            log_evidence: log_evidence.unwrap_or(laplace),
+        })
     }
 
     fn jacobian(&self, unknowns: &DVector<f64>, prediction: &DVector<f64>) -> DMatrix<f64> {

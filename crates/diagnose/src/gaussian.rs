@@ -18,6 +18,12 @@ impl Whitener {
         Ok(Self { factor })
     }
 
+    /// L^-1 x of each column.
+    pub fn whiten(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
+        self.factor.solve_lower_triangular_mut(&mut columns);
+        columns
+    }
+
     /// L^-1 x.
     pub fn whiten_vector(&self, mut vector: DVector<f64>) -> DVector<f64> {
         self.factor.solve_lower_triangular_mut(&mut vector);

@@ -61,7 +61,6 @@ impl Covariance {
     }
 
     /// V written out.
-    #[cfg(test)]
     pub fn dense(&self) -> DMatrix<f64> {
         let mut dense = DMatrix::from_diagonal(&self.variances);
         for factor in &self.factors {
@@ -73,6 +72,34 @@ impl Covariance {
             }
         }
         dense
+    }
+}
+
+/// Columns E of a problem that is whitened already, as the eigenvalues and directions of E E'.
+#[derive(Debug, Clone)]
+pub struct Spectrum {
+    pub values: Vec<f64>,
+    pub directions: DMatrix<f64>,
+}
+
+impl Spectrum {
+    /// Directions below a share of the largest eigenvalue are left out.
+    pub fn of(columns: &DMatrix<f64>, negligible: f64) -> Self {
+        let (values, turned) = principal(columns.tr_mul(columns), negligible);
+        let mut directions = columns * turned;
+        for (mut direction, value) in directions.column_iter_mut().zip(&values) {
+            direction /= value.sqrt();
+        }
+        Self { values, directions }
+    }
+
+    /// (I + E E')^-1/2 x of each column.
+    pub fn whiten(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut along = self.directions.tr_mul(columns);
+        for (mut row, value) in along.row_iter_mut().zip(&self.values) {
+            row *= 1.0 / (1.0 + value).sqrt() - 1.0;
+        }
+        columns + &self.directions * along
     }
 }
 
@@ -146,6 +173,18 @@ impl Law {
         Ok(law)
     }
 
+    /// The law with E E' more, E whitened by this law.
+    pub fn tilted(&self, spectrum: &Spectrum) -> Self {
+        let by = spectrum.values.iter().map(|value| (1.0 + value).sqrt());
+        let mut law = self.clone();
+        law.stretches.push(Stretch {
+            rows: (0..self.scale.len()).collect(),
+            directions: spectrum.directions.clone(),
+            by: DVector::from_iterator(spectrum.values.len(), by),
+        });
+        law
+    }
+
     /// A x of each column.
     pub fn whiten(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
         for mut column in columns.column_iter_mut() {
@@ -191,20 +230,15 @@ impl Law {
 /// The stretch by I + W W'.
 fn stretch(rows: Vec<usize>, white: &DMatrix<f64>) -> Result<Option<Stretch>, DiagnoseError> {
     let own = if rows.len() == white.nrows() { white.clone() } else { white.select_rows(&rows) };
-    let gram = own.tr_mul(&own);
-    if gram.iter().any(|value| !value.is_finite()) {
+    if own.iter().any(|value| !value.is_finite()) {
         return Err(DiagnoseError::Singular);
     }
-    let (squares, turned) = principal(gram, NEGLIGIBLE);
-    if squares.is_empty() {
+    let Spectrum { values, directions } = Spectrum::of(&own, NEGLIGIBLE);
+    if values.is_empty() {
         return Ok(None);
     }
-    let mut directions = own * turned;
-    for (mut direction, square) in directions.column_iter_mut().zip(&squares) {
-        direction /= square.sqrt();
-    }
-    let by = squares.iter().map(|square| (1.0 + square).sqrt());
-    Ok(Some(Stretch { rows, directions, by: DVector::from_iterator(squares.len(), by) }))
+    let by = values.iter().map(|square| (1.0 + square).sqrt());
+    Ok(Some(Stretch { rows, directions, by: DVector::from_iterator(values.len(), by) }))
 }
 
 /// Eigenvalues and vectors of a positive semidefinite matrix but those below a share of the largest.
@@ -254,6 +288,25 @@ mod tests {
         assert!((law.colour(&white) - &x).amax() < 1e-12);
         let solved = covariance.dense().lu().solve(&x).unwrap();
         assert!((law.unwhiten_transposed(white) - solved).amax() < 1e-9);
+    }
+
+    #[test]
+    fn a_tilted_law_has_the_columns_more() {
+        let covariance = example();
+        let law = Law::new(&covariance).unwrap();
+        let columns = DMatrix::from_fn(12, 3, |i, j| ((i * (j + 2)) as f64).sin());
+        let mut more = covariance.clone();
+        more.factors.push(Factor::of_all(0.7 * &columns));
+        let expected = Law::new(&more).unwrap();
+        let white = law.whiten(0.7 * columns);
+        let spectrum = Spectrum::of(&white, 1e-13);
+        let tilted = law.tilted(&spectrum);
+        assert!((tilted.log_determinant() - expected.log_determinant()).abs() < 1e-9);
+        let x = DVector::from_fn(12, |k, _| (k as f64).cos());
+        let square = expected.whiten_vector(x.clone()).norm_squared();
+        assert!((tilted.whiten_vector(x.clone()).norm_squared() - square).abs() < 1e-9);
+        let twice = spectrum.whiten(&DMatrix::from_columns(&[law.whiten_vector(x)]));
+        assert!((twice.norm_squared() - square).abs() < 1e-9);
     }
 
     #[test]

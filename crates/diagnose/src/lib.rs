@@ -28,6 +28,7 @@
 
 mod attribute;
 mod case;
+mod change_error;
 mod channel;
 mod closed_form;
 mod closed_form_cut;
@@ -43,6 +44,7 @@ mod help;
 mod law;
 mod locate;
 mod next_experiment;
+mod nodes;
 mod noise;
 mod paired;
 mod predictor;

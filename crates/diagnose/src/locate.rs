@@ -80,7 +80,7 @@ pub fn locate(problem: &Problem, templates: &Templates, signal: &DVector<f64>) -
     let places = scaled_places(problem);
     let normal = Normal::new(0.0, 1.0).expect("a standard deviation of 1");
     let score = |contrast: DVector<f64>| {
-        let white = templates.whitener.whiten_vector(contrast);
+        let white = templates.whiten(&contrast);
         let norm = white.norm();
         if norm > 0.0 { white.dot(signal) / norm } else { 0.0 }
     };

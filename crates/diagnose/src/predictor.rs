@@ -133,11 +133,22 @@ pub trait Predictor: Sync {
     /// Channels it predicts.
     fn channels(&self) -> &[Channel];
 
+    /// Power to which the probability of the data is raised when explanations of a difference are weighed against each other, from 0
+    /// to 1: below 1 for a model whose errors are not all stated. See [`Attribution`](crate::Attribution).
+    fn likelihood_power(&self) -> f64 {
+        1.0
+    }
+
     /// Whether the answer with these effects depends on the cut length or on the place in the order of the runs. If not, cuts
     /// with the same v_c and h are asked once.
     fn follows_series(&self, active: &[Active]) -> bool {
         let _ = active;
         true
+    }
+
+    /// How wrong what it says of an effect may be, as shares of the change; each is as probable as the others.
+    fn change_errors(&self) -> &[f64] {
+        &[0.0]
     }
 
     /// Logarithm of each of [`Predictor::channels`]' quantities in SI units, in that order; a value that is not finite

@@ -183,6 +183,7 @@ impl<'a> Simulator<'a> {
             covariance: DMatrix::zeros(0, 0),
             residual,
             jacobian: DMatrix::zeros(0, 0),
+            error: None,
             log_evidence: f64::NAN,
         })
     }

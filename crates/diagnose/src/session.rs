@@ -16,7 +16,7 @@ use crate::self_test::{PositiveControl, Rate, Simulator};
 use crate::setups::SetupScatter;
 use crate::templates::Templates;
 use crate::verdict::{Finding, Verdict, judge};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Candidates of the next experiment along v_c and h.
 const CANDIDATES: usize = 7;
@@ -107,11 +107,14 @@ impl Diagnosis {
     #[must_use]
     pub fn estimates(&self, predictor: &dyn Predictor, found: &Fit) -> Vec<Estimate> {
         let mut place = self.problem.unknowns();
+        let Some(covariance) = widened(&found.covariance, predictor.likelihood_power()) else {
+            return Vec::new();
+        };
         let mut estimates = Vec::new();
         for &effect in &found.effects {
             for (parameter, entry) in predictor.effects()[effect].parameters.iter().enumerate() {
                 let t = found.unknowns[place];
-                let half = NORMAL_95 * found.covariance[(place, place)].sqrt();
+                let half = NORMAL_95 * covariance[(place, place)].sqrt();
                 let at = |t: f64| entry.prior.value(t);
                 let (a, b) = (at(t - half), at(t + half));
                 let interval = [a.min(b), a.max(b)];
@@ -195,6 +198,17 @@ pub fn diagnose(
         rerun: None,
         problem,
     })
+}
+
+/// The covariance of standard normal unknowns when the probability of the data is raised to a power: the inverse of
+/// tau (C^-1 - I) + I.
+fn widened(covariance: &DMatrix<f64>, power: f64) -> Option<DMatrix<f64>> {
+    if power == 1.0 {
+        return Some(covariance.clone());
+    }
+    let one = DMatrix::identity(covariance.nrows(), covariance.ncols());
+    let precision = covariance.clone().cholesky()?.inverse();
+    ((precision - &one) * power + one).cholesky().map(|factor| factor.inverse())
 }
 
 fn largest(biases: &[(Channel, Bias)]) -> Option<Bias> {

@@ -1,33 +1,42 @@
 //! What each effect would change, tabulated at the null fit; with it everything else is linear algebra.
 
+use crate::change_error::{self, Loose};
 use crate::error::DiagnoseError;
+use crate::fit::NEGLIGIBLE;
 use crate::fit::{Fit, active};
-use crate::gaussian::log_determinant;
-use crate::law::{Factor, Law, principal};
+use crate::gaussian::{Whitener, log_determinant};
+use crate::law::{Factor, Law, Spectrum, principal};
+use crate::nodes::{coordinates, filled, weights};
 use crate::predictor::Predictor;
 use crate::problem::Problem;
 use nalgebra::{DMatrix, DVector};
 use sphcut_greybox::Random;
 
-/// Nodes for an effect with one, two, and more parameters: their number and their distance in standard deviations.
-const NODES: [(usize, f64); 3] = [(7, 0.8), (5, 1.0), (3, 1.5)];
 /// Draws of the prior of which the expected change is the median.
 const DRAWS: usize = 33;
 /// Amplitudes of the smooth discrepancy of "none of these", as shares of the value.
-pub(crate) const AMPLITUDES: [f64; 4] = [0.01, 0.02, 0.04, 0.08];
+pub(crate) const AMPLITUDES: [f64; 6] = [0.0, 0.01, 0.02, 0.04, 0.08, 0.16];
+/// Least share of "none of these" that is left when what stands for nothing missing is taken off.
+const LEAST: f64 = 1e-3;
+/// Share of the largest eigenvalue below which a direction of the discrepancy does not count.
+const COARSE: f64 = 1e-4;
 /// Length over which it changes, in shares of the range of log v_c, log h and cut length.
 const LENGTH: f64 = 0.5;
 /// Share of the largest eigenvalue below which a direction of a smooth process does not count.
 pub(crate) const SMOOTH: f64 = 1e-8;
+/// Rounds in which the error of the change and the parameters follow each other.
+const ERROR_ROUNDS: usize = 1;
 /// Steps after which the search for the parameters ends.
 const MOST_STEPS: usize = 40;
 
-/// The change of each row by an effect, on a grid of its coordinates; whitened.
+/// The change of each diagnosed row by an effect, on a grid of its coordinates.
 #[derive(Debug, Clone)]
 struct Table {
     parameters: usize,
     /// One column per node, the first parameter changing fastest.
     nodes: DMatrix<f64>,
+    /// The same, whitened.
+    white: DMatrix<f64>,
 }
 
 /// A linearised problem: under "nothing missing" the deviation d = r + G u of the data from the model at the means of
@@ -39,22 +48,56 @@ struct Table {
 /// ```
 ///
 /// with all vectors whitened by V. That is [`fit`](crate::fit())'s evidence for a model linear in its nuisances, whose
-/// nuisances do not change what an effect does, and whose effects add up.
+/// nuisances do not change what an effect does, and whose effects add up. Effects act on the diagnosed rows alone: V is that of
+/// these rows given the others, and what the others say of nothing missing is one number more in each whitened vector.
 #[derive(Debug, Clone)]
 pub struct Templates {
+    problem: Problem,
+    errors: Vec<f64>,
+    pub(crate) power: f64,
     tables: Vec<Table>,
-    pub(crate) whitener: Law,
+    diagnosed: Vec<usize>,
+    given: Option<Given>,
+    whitener: Whitener,
     log_determinant: f64,
     /// Derivative of the prediction by the nuisances.
     gradient: DMatrix<f64>,
-    discrepancy: Discrepancy,
+    discrepancy: Vec<DMatrix<f64>>,
 }
 
-/// The covariance of the discrepancy with amplitude 1, whitened: its eigenvalues and vectors.
+/// Rows on which no effect acts.
 #[derive(Debug, Clone)]
-struct Discrepancy {
-    values: Vec<f64>,
-    vectors: DMatrix<f64>,
+struct Given {
+    rows: Vec<usize>,
+    law: Law,
+    /// What all rows have in common, as columns.
+    common: DMatrix<f64>,
+    /// The part of it in these rows, whitened.
+    white: DMatrix<f64>,
+}
+
+impl Given {
+    fn new(
+        problem: &Problem,
+        rows: Vec<usize>,
+        gradient: &DMatrix<f64>,
+    ) -> Result<Self, DiagnoseError> {
+        let mut columns: Vec<DVector<f64>> =
+            gradient.column_iter().map(|column| column.into_owned()).collect();
+        for factor in &problem.covariance.factors {
+            for column in factor.columns.column_iter() {
+                let mut all = DVector::zeros(problem.rows.len());
+                factor.rows.iter().zip(column.iter()).for_each(|(&row, x)| all[row] = *x);
+                columns.push(all);
+            }
+        }
+        let common = DMatrix::from_columns(&columns);
+        let mut covariance = problem.covariance.clone();
+        covariance.factors.push(Factor::of_all(gradient.clone()));
+        let law = Law::new(&covariance.select(&rows))?;
+        let white = law.whiten(common.select_rows(&rows));
+        Ok(Self { rows, law, common, white })
+    }
 }
 
 /// Where the parameters of some effects explain the data best.
@@ -75,31 +118,77 @@ impl Templates {
         null: &Fit,
     ) -> Result<Self, DiagnoseError> {
         let gradient = null.jacobian.clone();
-        let whitener = problem.noise.with(&Factor::of_all(gradient.clone()))?;
+        let (diagnosed, others): (Vec<usize>, Vec<usize>) =
+            (0..problem.rows.len()).partition(|&row| problem.is_diagnosed(row));
+        let mut own = problem.covariance.clone();
+        own.factors.push(Factor::of_all(gradient.clone()));
+        let mut covariance = own.select(&diagnosed).dense();
+        let given = (!others.is_empty()).then(|| Given::new(problem, others, &gradient));
+        let given = given.transpose()?;
+        let mut log_determinant = 0.0;
+        if let Some(given) = &given {
+            // V_dd - V_do V_oo^-1 V_od with V_do = B_d B_o'.
+            let common = given.common.select_rows(&diagnosed);
+            covariance -= &common * given.white.tr_mul(&given.white) * common.transpose();
+            log_determinant += given.law.log_determinant();
+        }
+        let whitener = Whitener::new(covariance)?;
+        log_determinant += whitener.log_determinant();
         let base = problem.predict(predictor, &null.unknowns, &[]);
-        let tables = (0..predictor.effects().len())
-            .map(|effect| {
-                let parameters = predictor.effects()[effect].parameters.len();
-                let columns: Vec<DVector<f64>> = coordinates(parameters)
-                    .iter()
-                    .map(|t| {
-                        let active = active(predictor, &[effect], t);
-                        problem.predict(predictor, &null.unknowns, &active) - &base
-                    })
-                    .collect();
-                Table { parameters, nodes: whitener.whiten(DMatrix::from_columns(&columns)) }
-            })
-            .collect();
-        let discrepancy = whitened_discrepancy(problem, &whitener);
-        let log_determinant = whitener.log_determinant();
-        Ok(Self { tables, whitener, log_determinant, gradient, discrepancy })
+        let mut found = Self {
+            problem: problem.clone(),
+            errors: predictor.change_errors().to_vec(),
+            power: predictor.likelihood_power(),
+            tables: Vec::new(),
+            diagnosed,
+            given,
+            whitener,
+            log_determinant,
+            gradient,
+            discrepancy: Vec::new(),
+        };
+        for effect in 0..predictor.effects().len() {
+            let parameters = predictor.effects()[effect].parameters.len();
+            let columns: Vec<DVector<f64>> = coordinates(parameters)
+                .iter()
+                .map(|t| {
+                    let active = active(predictor, &[effect], t);
+                    let change = problem.predict(predictor, &null.unknowns, &active) - &base;
+                    change.select_rows(&found.diagnosed)
+                })
+                .collect();
+            let nodes = filled(parameters, columns);
+            let white = found.whiten_own(nodes.clone());
+            found.tables.push(Table { parameters, nodes, white });
+        }
+        found.discrepancy = found.whitened_discrepancy();
+        Ok(found)
+    }
+
+    /// Of diagnosed rows, with a last number that nothing in them changes.
+    fn whiten_own(&self, columns: DMatrix<f64>) -> DMatrix<f64> {
+        let count = columns.nrows();
+        self.whitener.whiten(columns).insert_row(count, 0.0)
+    }
+
+    /// A vector over all rows, 0 where no effect acts.
+    pub(crate) fn whiten(&self, vector: &DVector<f64>) -> DVector<f64> {
+        let own = DMatrix::from_columns(&[vector.select_rows(&self.diagnosed)]);
+        self.whiten_own(own).column(0).into_owned()
     }
 
     /// The whitened deviation e of a null fit of data with the design of these templates.
     #[must_use]
     pub fn signal(&self, null: &Fit) -> DVector<f64> {
         let nuisances = null.unknowns.rows(0, self.gradient.ncols());
-        self.whitener.whiten_vector(&null.residual + &self.gradient * nuisances)
+        let deviation = &null.residual + &self.gradient * nuisances;
+        let Some(given) = &self.given else { return self.whiten(&deviation) };
+        let white = given.law.whiten_vector(deviation.select_rows(&given.rows));
+        let expected = &given.common * given.white.tr_mul(&white);
+        let mut signal = self.whiten(&(deviation - expected));
+        let last = signal.len() - 1;
+        signal[last] = white.norm();
+        signal
     }
 
     /// Number of effects.
@@ -111,7 +200,7 @@ impl Templates {
     /// Whether the model could say what an effect does at all conditions.
     #[must_use]
     pub fn is_known(&self, effect: usize) -> bool {
-        self.tables[effect].nodes.iter().all(|value| value.is_finite())
+        self.tables[effect].white.iter().all(|value| value.is_finite())
     }
 
     /// By how much chi^2 falls on average when an effect of typical strength is missing and put in: the median of
@@ -132,15 +221,31 @@ impl Templates {
 
     /// The whitened change by some effects at the coordinates of all their parameters.
     pub(crate) fn change(&self, effects: &[usize], t: &[f64]) -> DVector<f64> {
+        self.sum(effects, t, |table| &table.white)
+    }
+
+    fn sum(
+        &self,
+        effects: &[usize],
+        t: &[f64],
+        of: impl Fn(&Table) -> &DMatrix<f64>,
+    ) -> DVector<f64> {
         let mut left = t;
-        let mut sum = DVector::zeros(self.gradient.nrows());
+        let mut sum: Option<DVector<f64>> = None;
         for &effect in effects {
             let table = &self.tables[effect];
             let (own, rest) = left.split_at(table.parameters);
             left = rest;
-            sum += &table.nodes * DVector::from_vec(weights(own));
+            let part = of(table) * DVector::from_vec(weights(own));
+            sum = Some(sum.map_or_else(|| part.clone(), |sum| sum + &part));
         }
-        sum
+        sum.unwrap_or_else(|| DVector::zeros(self.diagnosed.len()))
+    }
+
+    /// What the model may get wrong in that change, whitened.
+    fn error(&self, effects: &[usize], t: &[f64]) -> DMatrix<f64> {
+        let change = self.sum(effects, t, |table| &table.nodes);
+        self.whiten_own(change_error::columns(&self.problem, &self.diagnosed, &change))
     }
 
     /// log Z of "nothing missing".
@@ -148,21 +253,20 @@ impl Templates {
         -0.5 * (signal.norm_squared() + self.log_determinant)
     }
 
-    /// log Z of "none of these": a normal process of the conditions, independent between channels, its amplitude one of
-    /// [`AMPLITUDES`] with equal probabilities.
+    /// log Z of "none of these": in every channel a normal process of the conditions of its own, its amplitude one of
+    /// [`AMPLITUDES`] with equal probabilities. The mean over the amplitudes of a channel is taken with the others at their
+    /// most probable, as if channels were independent; that all are 0 is "nothing missing" and taken off.
     pub(crate) fn log_evidence_of_none(&self, signal: &DVector<f64>) -> f64 {
-        let turned = self.discrepancy.vectors.tr_mul(signal);
-        let each = AMPLITUDES.map(|amplitude| {
-            let mut sum = self.log_determinant + signal.norm_squared();
-            for (part, value) in turned.iter().zip(&self.discrepancy.values) {
-                let stretched = 1.0 + amplitude * amplitude * value;
-                sum += stretched.ln() - part * part * (1.0 - 1.0 / stretched);
-            }
-            -0.5 * sum
-        });
-        let most = each.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let total: f64 = each.iter().map(|log| (log - most).exp()).sum();
-        most + (total / AMPLITUDES.len() as f64).ln()
+        let count = self.discrepancy.len();
+        let columns: Vec<&DMatrix<f64>> = self.discrepancy.iter().collect();
+        let groups = columns.iter().enumerate().flat_map(|(c, own)| vec![c; own.ncols()]);
+        let loose = Loose::grouped(&columns, groups.collect(), signal);
+        let (_, all) = loose.most_probable(&AMPLITUDES);
+        // Z = sum_k p_k Z_k with all amplitudes 0 among the k.
+        let nothing = loose.log_evidence(&vec![0.0; count]);
+        let share = (count as f64 * -(AMPLITUDES.len() as f64).ln()).exp();
+        let rest = (1.0 - share * (nothing - all).exp()).max(LEAST);
+        all + rest.ln() - (1.0 - share).ln() - 0.5 * self.log_determinant
     }
 
     /// The most probable parameters of `effects` and the evidence there; `None` where the model had no answer.
@@ -170,10 +274,35 @@ impl Templates {
         if !effects.iter().all(|&effect| self.is_known(effect)) {
             return None;
         }
-        self.starts(signal, effects)
-            .into_iter()
-            .filter_map(|start| self.climb(signal, effects, start))
-            .max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+        let starts = self.starts(signal, effects).into_iter();
+        let rigid = starts
+            .filter_map(|start| self.climb(signal, effects, start, None))
+            .max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
+        if self.errors.iter().all(|error| *error == 0.0) {
+            Some(rigid)
+        } else {
+            self.loosened(signal, effects, rigid)
+        }
+    }
+
+    /// With the error of the change, as in [`fit`](crate::fit()).
+    fn loosened(&self, signal: &DVector<f64>, effects: &[usize], rigid: Peak) -> Option<Peak> {
+        let most_probable = |t: &[f64], columns: &DMatrix<f64>| {
+            let slopes = self.slopes(effects, &DVector::from_column_slice(t));
+            let left = signal - self.change(effects, t);
+            let deviation = left + &slopes * DVector::from_column_slice(t);
+            Loose::new(columns, &slopes, &deviation).most_probable(&self.errors)
+        };
+        let mut t = rigid.coordinates;
+        for _ in 0..ERROR_ROUNDS {
+            let columns = self.error(effects, &t);
+            let (errors, _) = most_probable(&t, &columns);
+            let spectrum = Spectrum::of(&change_error::scaled(columns, &errors), NEGLIGIBLE);
+            t = self.climb(signal, effects, t, Some(&spectrum))?.coordinates;
+        }
+        let (_, log) = most_probable(&t, &self.error(effects, &t));
+        let log_evidence = log - 0.5 * self.log_determinant;
+        log_evidence.is_finite().then_some(Peak { coordinates: t, log_evidence })
     }
 
     /// The best node of each effect after the others, in both orders for a pair, and the middle of the prior.
@@ -201,7 +330,7 @@ impl Templates {
     fn best_node(&self, signal: &DVector<f64>, effect: usize) -> Vec<f64> {
         let table = &self.tables[effect];
         let cost = |(k, t): &(usize, Vec<f64>)| {
-            (signal - table.nodes.column(*k)).norm_squared() + t.iter().map(|t| t * t).sum::<f64>()
+            (signal - table.white.column(*k)).norm_squared() + t.iter().map(|t| t * t).sum::<f64>()
         };
         coordinates(table.parameters)
             .into_iter()
@@ -211,13 +340,30 @@ impl Templates {
     }
 
     /// Damped Gauss-Newton steps as in [`fit`](crate::fit()).
-    fn climb(&self, signal: &DVector<f64>, effects: &[usize], start: Vec<f64>) -> Option<Peak> {
+    fn climb(
+        &self,
+        signal: &DVector<f64>,
+        effects: &[usize],
+        start: Vec<f64>,
+        error: Option<&Spectrum>,
+    ) -> Option<Peak> {
         let mut t = DVector::from_vec(start);
-        let residual = |t: &DVector<f64>| signal - self.change(effects, t.as_slice());
+        let tilted = |columns: DMatrix<f64>| match error {
+            Some(spectrum) => spectrum.whiten(&columns),
+            None => columns,
+        };
+        let residual = |t: &DVector<f64>| {
+            let left = signal - self.change(effects, t.as_slice());
+            if error.is_none() {
+                left
+            } else {
+                tilted(DMatrix::from_columns(&[left])).column(0).into_owned()
+            }
+        };
         let mut left = residual(&t);
         let mut target = left.norm_squared() + t.norm_squared();
         let mut damping = 1e-3;
-        let mut slopes = self.slopes(effects, &t);
+        let mut slopes = tilted(self.slopes(effects, &t));
         for _ in 0..MOST_STEPS {
             let normal = slopes.tr_mul(&slopes) + DMatrix::identity(t.len(), t.len());
             let slope = slopes.tr_mul(&left) - &t;
@@ -231,7 +377,7 @@ impl Templates {
             if lower <= target {
                 let gain = target - lower;
                 (t, left, target) = (next, there, lower);
-                slopes = self.slopes(effects, &t);
+                slopes = tilted(self.slopes(effects, &t));
                 damping = (damping * 0.1).max(1e-9);
                 if gain < 1e-6 {
                     break;
@@ -245,6 +391,34 @@ impl Templates {
         let normal = slopes.tr_mul(&slopes) + DMatrix::identity(t.len(), t.len());
         let log_evidence = -0.5 * (target + self.log_determinant + log_determinant(normal)?);
         log_evidence.is_finite().then(|| Peak { coordinates: t.as_slice().to_vec(), log_evidence })
+    }
+
+    /// The discrepancy of each channel with amplitude 1 as columns, whitened.
+    fn whitened_discrepancy(&self) -> Vec<DMatrix<f64>> {
+        let problem = &self.problem;
+        let places = scaled_places(problem);
+        let mut found = Vec::new();
+        for channel in problem.channels() {
+            let mut parts: Vec<DVector<f64>> = Vec::new();
+            let rows: Vec<usize> = (0..self.diagnosed.len())
+                .filter(|&k| problem.rows[self.diagnosed[k]].channel == channel)
+                .collect();
+            let kernel = DMatrix::from_fn(rows.len(), rows.len(), |i, j| {
+                let (a, b) = (places[self.diagnosed[rows[i]]], places[self.diagnosed[rows[j]]]);
+                let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
+                (-0.5 * square / (LENGTH * LENGTH)).exp()
+            });
+            let (values, vectors) = principal(kernel, COARSE);
+            for (k, value) in values.iter().enumerate() {
+                let mut column = DVector::zeros(self.diagnosed.len());
+                for (i, &row) in rows.iter().enumerate() {
+                    column[row] = value.sqrt() * vectors[(i, k)];
+                }
+                parts.push(column);
+            }
+            found.push(self.whiten_own(DMatrix::from_columns(&parts)));
+        }
+        found
     }
 
     fn slopes(&self, effects: &[usize], t: &DVector<f64>) -> DMatrix<f64> {
@@ -261,93 +435,6 @@ impl Templates {
             .collect();
         DMatrix::from_columns(&columns)
     }
-}
-
-fn nodes(parameters: usize) -> (usize, f64) {
-    NODES[parameters.clamp(1, NODES.len()) - 1]
-}
-
-/// The coordinates of all nodes.
-fn coordinates(parameters: usize) -> Vec<Vec<f64>> {
-    let (count, distance) = nodes(parameters);
-    let total = count.pow(u32::try_from(parameters).expect("a handful of parameters"));
-    let middle = (count - 1) as f64 / 2.0;
-    (0..total)
-        .map(|node| {
-            let place = |axis: u32| node / count.pow(axis) % count;
-            (0..parameters as u32).map(|axis| (place(axis) as f64 - middle) * distance).collect()
-        })
-        .collect()
-}
-
-/// The weight of each node in the value at `t`: along each axis the cubic through four nodes with the slopes of their
-/// neighbours (Catmull and Rom 1974), straight at the ends; beyond the last node half a distance more, then constant.
-fn weights(t: &[f64]) -> Vec<f64> {
-    let (count, distance) = nodes(t.len());
-    let along: Vec<Vec<f64>> = t.iter().map(|&t| axis_weights(t, count, distance)).collect();
-    let mut all = vec![1.0];
-    for axis in along {
-        all = axis.iter().flat_map(|a| all.iter().map(move |b| a * b)).collect();
-    }
-    all
-}
-
-fn axis_weights(t: f64, count: usize, distance: f64) -> Vec<f64> {
-    let last = (count - 1) as f64;
-    let x = (t / distance + last / 2.0).clamp(-0.5, last + 0.5);
-    let cell = (x.floor().clamp(0.0, last - 1.0)) as usize;
-    let s = x - cell as f64;
-    let mut weights = vec![0.0; count];
-    if (0.0..=1.0).contains(&s) {
-        let (s2, s3) = (s * s, s * s * s);
-        weights[cell] += 2.0 * s3 - 3.0 * s2 + 1.0;
-        weights[cell + 1] += 3.0 * s2 - 2.0 * s3;
-        let mut slope = |node: usize, share: f64| {
-            let (a, b) = (node.saturating_sub(1), (node + 1).min(count - 1));
-            weights[b] += share / (b - a) as f64;
-            weights[a] -= share / (b - a) as f64;
-        };
-        slope(cell, s3 - 2.0 * s2 + s);
-        slope(cell + 1, s3 - s2);
-    } else {
-        // Straight on with the slope of the outermost cell.
-        weights[cell] += 1.0 - s;
-        weights[cell + 1] += s;
-    }
-    weights
-}
-
-/// Of the diagnosed rows, each channel on its own.
-fn whitened_discrepancy(problem: &Problem, whitener: &Law) -> Discrepancy {
-    let places = scaled_places(problem);
-    let mut parts: Vec<DMatrix<f64>> = Vec::new();
-    for channel in problem.channels() {
-        let rows: Vec<usize> = (0..problem.rows.len())
-            .filter(|&row| problem.rows[row].channel == channel && problem.is_diagnosed(row))
-            .collect();
-        let kernel = DMatrix::from_fn(rows.len(), rows.len(), |i, j| {
-            let (a, b) = (places[rows[i]], places[rows[j]]);
-            let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
-            (-0.5 * square / (LENGTH * LENGTH)).exp()
-        });
-        let (values, vectors) = principal(kernel, SMOOTH);
-        let mut columns = DMatrix::zeros(problem.rows.len(), values.len());
-        for (k, value) in values.iter().enumerate() {
-            for (i, &row) in rows.iter().enumerate() {
-                columns[(row, k)] = value.sqrt() * vectors[(i, k)];
-            }
-        }
-        parts.push(whitener.whiten(columns));
-    }
-    let columns: Vec<DVector<f64>> =
-        parts.iter().flat_map(|part| part.column_iter().map(|c| c.into_owned())).collect();
-    let white = DMatrix::from_columns(&columns);
-    let (values, turned) = principal(white.tr_mul(&white), SMOOTH);
-    let mut vectors = white * turned;
-    for (mut vector, value) in vectors.column_iter_mut().zip(&values) {
-        vector /= value.sqrt();
-    }
-    Discrepancy { values, vectors }
 }
 
 /// log v_c, log h and cut length of each row, from 0 to 1 over all rows.
@@ -371,36 +458,4 @@ pub(crate) fn scaled_places(problem: &Problem) -> Vec<[f64; 3]> {
         }
     }
     scaled
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_is_interpolated_exactly_and_nodes_are_kept() {
-        for parameters in 1..=3 {
-            let plane = |t: &[f64]| {
-                1.0 + t.iter().enumerate().map(|(k, t)| (k as f64 + 2.0) * t).sum::<f64>()
-            };
-            let values: Vec<f64> = coordinates(parameters).iter().map(|t| plane(t)).collect();
-            let at = |t: &[f64]| weights(t).iter().zip(&values).map(|(w, v)| w * v).sum::<f64>();
-            for share in [-1.4, -0.37, 0.0, 0.9, 1.3] {
-                let t: Vec<f64> = (0..parameters).map(|k| share / (k as f64 + 1.0)).collect();
-                assert!((at(&t) - plane(&t)).abs() < 1e-12, "{t:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_interpolation_of_a_share_of_the_prior_is_good_to_a_hundredth() {
-        use crate::predictor::Prior;
-        let prior = Prior::Uniform { low: 0.0, high: 1.0 };
-        let values: Vec<f64> = coordinates(1).iter().map(|t| prior.value(t[0])).collect();
-        for k in -24..=24 {
-            let t = 0.1 * f64::from(k);
-            let found: f64 = weights(&[t]).iter().zip(&values).map(|(w, v)| w * v).sum();
-            assert!((found - prior.value(t)).abs() < 0.01, "{t}: {found}");
-        }
-    }
 }

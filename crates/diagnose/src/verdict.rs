@@ -11,6 +11,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probability of a set.
 const SET: f64 = 0.95;
+/// Above this probability of "none of these" no effect is claimed.
+const NO_CLAIM: f64 = 0.5;
 /// Probability with which a right explanation fails the gate, over all channels.
 const GATE: f64 = 0.01;
 
@@ -79,7 +81,7 @@ impl Finding {
     }
 }
 
-/// What may be claimed: an alarm if P(nothing missing) < 0.05; a name above P = 0.9; otherwise the smallest set of
+/// What may be claimed: an alarm if P(nothing missing) < 0.05; "none of these" above P = 0.5; a name above P = 0.9; otherwise the smallest set of
 /// effects of which at least one is missing with P = 0.95. If `best`, the fit of the best explanation, does not follow a channel
 /// (chi^2 given the other channels beyond its 99 % quantile over all channels), the claim is "none of these".
 #[must_use]
@@ -98,7 +100,7 @@ pub fn judge(
     let named: Vec<usize> = (0..effects.len()).filter(|&k| inclusion[k] > CLAIM).collect();
     let verdict = if nothing >= ALARM {
         Verdict::NoAlarm
-    } else if none_of_these > CLAIM || gates.iter().any(|gate| !gate.passed) {
+    } else if none_of_these > NO_CLAIM || gates.iter().any(|gate| !gate.passed) {
         Verdict::NoneOfThese
     } else if named.is_empty() {
         Verdict::OneOf
@@ -174,13 +176,14 @@ fn families(attribution: &Attribution, predictor: &dyn Predictor) -> Vec<(&'stat
 }
 
 /// chi^2 of each channel given all other values. With the deviation d = r + G u from the model at the means of its nuisances
-/// and V = Sigma + G G' it is what the channel adds to that of the others: chi^2 = d' V^-1 d - d_o' V_oo^-1 d_o.
+/// and V = Sigma + G G', with the error of the change in Sigma, it is what the channel adds to that of the others: chi^2 = d' V^-1 d - d_o' V_oo^-1 d_o.
 fn gates(problem: &Problem, fit: &Fit) -> Option<Vec<Gate>> {
     let nuisances = problem.unknowns();
     let gradient = fit.jacobian.columns(0, nuisances).into_owned();
     let deviation = &fit.residual + &gradient * fit.unknowns.rows(0, nuisances);
     let mut covariance = problem.covariance.clone();
     covariance.factors.push(Factor::of_all(gradient));
+    covariance.factors.extend(fit.error.clone());
     let chi_square = |covariance: &Covariance, deviation: DVector<f64>| {
         Some(Law::new(covariance).ok()?.whiten_vector(deviation).norm_squared())
     };

@@ -77,7 +77,8 @@ fn claim(folder: &Path, asked: Asked) -> Result<Claimed, String> {
             request.reference = None;
         }
         (request.self_test, request.control, request.batch) = (0, 0, 0);
-        request.held_out = asked.held_out;
+        // Without them a repair is fitted to the bias of the model, too.
+        request.held_out = asked.held_out && request.reference.is_some();
     });
     let (_, found) = found.map_err(|error| error.to_string())?;
     Ok(written(&name, &found, &model, start.elapsed().as_secs_f64()))
@@ -144,10 +145,9 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
         .attribution
         .scored
         .iter()
-        .take(12)
         .map(|s| {
             let keys: Vec<&str> = s.hypothesis.effects().iter().map(key).collect();
-            json!([format!("{:?}", s.hypothesis), keys, s.probability, s.log_evidence])
+            json!([format!("{:?}", s.hypothesis), keys, s.probability, s.log_evidence, s.prior])
         })
         .collect();
     let details = json!({
