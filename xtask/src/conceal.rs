@@ -65,6 +65,9 @@ pub enum Conceal {
         /// Details that `run` wrote: adds tables of stated against found probabilities and of held-out errors.
         #[arg(long)]
         details: Option<PathBuf>,
+        /// Only the first so many cases; others need no claim.
+        #[arg(long)]
+        first: Option<usize>,
     },
 }
 
@@ -89,8 +92,8 @@ pub fn run(what: &Conceal) -> Result<(), String> {
             write(out, &claims)?;
             write(&out.with_extension("details.jsonl"), &details)
         }
-        Conceal::Score { cases, key, claims, details } => {
-            score_all(cases, key, claims, details.as_deref())
+        Conceal::Score { cases, key, claims, details, first } => {
+            score_all((cases, *first), key, claims, details.as_deref())
         }
     }
 }
@@ -126,7 +129,7 @@ fn draw_all(out: &Path, key: &Path, cases: usize, physics: Truths) -> Result<(),
 }
 
 fn score_all(
-    cases: &Path,
+    (cases, first): (&Path, Option<usize>),
     key: &Path,
     claims: &Path,
     details: Option<&Path>,
@@ -139,7 +142,8 @@ fn score_all(
     let log = cases.join("opened.txt");
     let before = std::fs::read_to_string(&log).unwrap_or_default();
     write(&log, &format!("{before}{}\n", seal::digest(claims_text.as_bytes())))?;
-    let answers = files::read_answers(&answers)?;
+    let mut answers = files::read_answers(&answers)?;
+    answers.truncate(first.unwrap_or(usize::MAX));
     let mut report = score::report(&answers, &claims)?;
     if let Some(details) = details {
         report += &behind::report(&answers, &read(details)?)?;
