@@ -9,8 +9,8 @@ use sphcut_scenario::Scenario;
 /// Conductivity of the tool in W/(m K) where the scenario has no heat in it: cemented carbide.
 const CARBIDE: f64 = 100.0;
 /// Constant of the shear zone (Oxley 1989, plain carbon steel); share of the zone's heat at the shear plane and mean over largest
-/// interface temperature: 0.9 as in public implementations. The published table needs 1 for the first (docs/analytic_model.md),
-/// and `ShearPlane` of the physics crate takes 0.7.
+/// interface temperature: 0.9 as in public implementations. The published table needs 1 for the first and `ShearPlane` of the physics
+/// crate takes 0.7: what each stands for and what the difference does is in docs/analytic_model.md.
 const OXLEY: [f64; 3] = [5.9, 0.9, 0.9];
 /// Slopes of properties are taken up to this temperature in K.
 const WARM: f64 = 1000.0;
