@@ -231,20 +231,28 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                     thead { tr {
                         th scope="col" { "Left out" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
                         th.n scope="col" { "Nuisances fitted again" } th.n scope="col" { "Repaired" }
-                        th.n scope="col" { "Repaired / fitted again" } th scope="col" { "by channel: fitted again, repaired" }
+                        th.n scope="col" { "Repaired / fitted again" }
                         @for (method, _) in &first.grey_box { th.n scope="col" { "Grey box: " (method.name()) } }
                     } }
                     tbody { @for held in help { tr {
                         th scope="row" { (part(held.part)) } td.n { (held.values) }
                         td.n { (percent(held.before)) } td.n { (percent(held.refitted)) } td.n { (percent(held.repaired)) }
                         td.n { (three_digits(held.ratio[0])) " (" (three_digits(held.ratio[1])) " to " (three_digits(held.ratio[2])) ")" }
-                        td { @for (k, (channel, [refitted, repaired])) in held.channels.iter().enumerate() {
-                            @if k > 0 { "; " } (channel.title()) " " (percent(*refitted)) ", " (percent(*repaired))
-                        } }
                         @for (_, error) in &held.grey_box { td.n { (percent(*error)) } }
                     } } }
                 } }
                 p { "The repair helps beyond doubt where the whole interval of the ratio lies below 1." }
+                div.scroll { table {
+                    caption { "The same by channel." }
+                    thead { tr {
+                        th scope="col" { "Left out" } th scope="col" { "Channel" } th.n scope="col" { "Nuisances fitted again" }
+                        th.n scope="col" { "Repaired" } th.n scope="col" { "Repaired / fitted again" }
+                    } }
+                    tbody { @for held in help { @for (channel, [refitted, repaired]) in &held.channels { tr {
+                        th scope="row" { (part(held.part)) } td { (channel.title()) }
+                        td.n { (percent(*refitted)) } td.n { (percent(*repaired)) } td.n { (three_digits(repaired / refitted)) }
+                    } } } }
+                } }
             } @else {
                 p { "There is no repair to test." }
             }
@@ -300,7 +308,7 @@ fn trust(page: &DiagnosisPage<'_>) -> Markup {
                 } }
                 @for gate in &found.finding.gates { tr.over[!gate.passed] {
                     th scope="row" { "Best explanation and " (gate.channel.title()) }
-                    td { "\u{3c7}\u{b2} = " (three_digits(gate.chi_square)) " for " (three_digits(gate.freedom)) " values (chance " (percent(gate.chance)) ")"
+                    td { "\u{3c7}\u{b2} = " (three_digits(gate.chi_square)) " for " (format!("{:.0}", gate.freedom)) " values (chance " (percent(gate.chance)) ")"
                         @if !gate.passed { ": not followed" } }
                 } }
                 @if let Some(bias) = found.bias { tr {
@@ -331,16 +339,15 @@ fn origin(noise: &Noise) -> String {
         NoiseSource::Repeats => {
             let [constant, share] = noise.parts;
             let (scale, unit) = shown(noise.channel.unit(), constant);
-            let law = if constant > 0.0 {
-                format!(
-                    "{} {unit} whatever the value and {} of it, ",
-                    three_digits(scale * constant),
-                    percent(share)
-                )
-            } else {
-                String::new()
+            let size = three_digits(scale * constant);
+            let law = match (constant > 0.0, share > 0.0) {
+                (false, _) => String::new(),
+                (true, false) => format!("{size} {unit} whatever the value, "),
+                (true, true) => {
+                    format!("{size} {unit} whatever the value and {} of it, ", percent(share))
+                }
             };
-            format!("{law}from repeats ({} degrees of freedom)", three_digits(noise.freedom))
+            format!("{law}from repeats ({:.0} degrees of freedom)", noise.freedom)
         }
     }
 }
