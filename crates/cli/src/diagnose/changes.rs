@@ -308,3 +308,104 @@ fn digits(value: f64, digits: usize) -> f64 {
     let decimals = digits - 1;
     format!("{value:.decimals$e}").parse().unwrap_or(value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphcut_diagnose::changes;
+    use sphcut_scenario::{LoadOptions, Sweep, load};
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    const SCATTER: [(&str, f64); 6] = [
+        ("initial_yield", 0.08),
+        ("hardening_modulus", 0.08),
+        ("hardening_exponent", 0.10),
+        ("rate_coefficient", 0.25),
+        ("softening_exponent", 0.12),
+        ("friction_coefficient", 0.15),
+    ];
+
+    /// Section, key and value of all that a scenario resolves to.
+    type Settings = BTreeSet<(String, String, String)>;
+
+    fn settings(scenario: &Scenario) -> Settings {
+        let all = scenario.description.iter();
+        all.map(|e| (e.section.clone(), e.key.to_string(), e.value.clone())).collect()
+    }
+
+    /// Every change of a library at the condition of the shipped cut, beside that cut as it is.
+    fn library() -> Vec<(Change, Settings, Settings)> {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ti6al4v_orthogonal.toml");
+        let options = LoadOptions::default();
+        let scenario = load(&path, &options).unwrap();
+        let number = |section: &str, key: &str| {
+            let mut all = scenario.description.iter();
+            all.find(|e| e.section == section && e.key == key).unwrap().number.unwrap()
+        };
+        let condition = Condition {
+            cutting_speed: number("process", "cutting_speed"),
+            uncut_chip_thickness: number("process", "uncut_chip_thickness"),
+            cut_length: 0.0,
+            run_order: 0.0,
+        };
+        let plan = PairedRunsPlan { range: [[None; 2]; 2], travel: 30.0, repaired: 0, most: 1000 };
+        let base = Base::of(&scenario, &plan).unwrap();
+        let all = changes(&SCATTER, true);
+        let values: Vec<Vec<String>> =
+            all.iter().map(|change| base.values(&condition, change, true).unwrap()).collect();
+        let keys = base.keys(true);
+        let sweep =
+            Sweep::listed(("all", "all"), (&scenario, &path), &options, (&keys, &values)).unwrap();
+        let plain = settings(&scenario);
+        let resolved = values.iter().map(|run| {
+            let run: Vec<&str> = run.iter().map(String::as_str).collect();
+            settings(&sweep.scenario(&run).unwrap())
+        });
+        all.into_iter().zip(resolved).map(|(change, run)| (change, run, plain.clone())).collect()
+    }
+
+    /// A run differs from the scenario in what its change names, and in how far it goes; a run without a change in nothing else.
+    #[test]
+    fn a_run_changes_what_its_change_names() {
+        for (change, run, plain) in library() {
+            let differs: BTreeSet<&str> = run
+                .symmetric_difference(&plain)
+                .map(|(section, key, _)| (section.as_str(), key.as_str()))
+                .filter(|(section, key)| {
+                    !section.starts_with("stop")
+                        && !(*section == "workpiece" && *key == "length")
+                        && !(*section == "tool" && *key == "wear_land")
+                        // Defaults that follow the travel.
+                        && !section.starts_with("output")
+                })
+                .map(|(section, _)| section)
+                .collect();
+            let wanted: &str = match (change.nuisances.first(), change.effects.first()) {
+                (Some(("friction_coefficient", _)), _) => "tool.friction",
+                (Some(_), _) | (_, Some(("specific_heat", _))) => "workpiece.override",
+                (_, Some(("edge_radius", _))) => "tool",
+                (_, Some((key, _))) if key.ends_with("_friction") => "tool.friction",
+                (_, Some(_)) => "effects",
+                _ => "",
+            };
+            if wanted.is_empty() {
+                assert!(differs.is_empty(), "{change:?}: {differs:?}");
+            } else {
+                assert!(
+                    // inertia_number bounds inertia by the flow stress: another strength, another mass scaling.
+                    differs.iter().any(|own| own.contains(wanted))
+                        && differs.iter().all(|own| own.contains(wanted) || *own == "numerics"),
+                    "{change:?}: {differs:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_run_of_a_library_is_another() {
+        let all: BTreeSet<Settings> = library().into_iter().map(|(_, run, _)| run).collect();
+        assert_eq!(all.len(), changes(&SCATTER, true).len());
+    }
+}

@@ -105,7 +105,7 @@ width_of_cut = "1 mm"
 [resolution]
 particle_spacing = "40 um"
 [numerics]
-inertia_number = 0.2
+inertia_number = 1.0
 [output]
 snapshots = 2
 [stop]
