@@ -7,6 +7,8 @@ mod run;
 mod score;
 mod seal;
 mod truth;
+mod twin;
+mod twin_files;
 
 use clap::{Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -28,6 +30,52 @@ pub enum Conceal {
         /// The physics that the cuts obey.
         #[arg(long, value_enum, default_value_t = Truths::Opponents)]
         physics: Truths,
+    },
+    /// Cases cut by the particle solver: write the sweep that they need, `DIR/runs.toml`. Its runs follow from the answers: do not read it.
+    Twin {
+        /// The scenario that is to explain them; its materials are shipped ones.
+        #[arg(long)]
+        base: PathBuf,
+        /// Folder for the cases; must not exist.
+        #[arg(long)]
+        out: PathBuf,
+        /// File of the key, kept away from the cases; drawn anew if it does not exist.
+        #[arg(long)]
+        key: PathBuf,
+        /// Number of cases: one of three is null, one of fifteen is a pair, one of ten outside the library.
+        #[arg(long, default_value_t = 60)]
+        cases: usize,
+        /// Travel of each run in uncut chip thicknesses.
+        #[arg(long, default_value_t = 30.0)]
+        travel: f64,
+    },
+    /// Make the recordings of cases of the particle solver, when `sphcut sweep DIR/runs.toml --out DIR/swept` has ended, and seal their
+    /// answers.
+    Record {
+        /// Folder of the cases.
+        #[arg(long)]
+        cases: PathBuf,
+        /// File of the key.
+        #[arg(long)]
+        key: PathBuf,
+        /// Number of cases, as they were drawn.
+        #[arg(long, default_value_t = 60)]
+        count: usize,
+    },
+    /// Diagnose all cases with `sphcut diagnose` and its paired runs, and write what is claimed.
+    Claim {
+        /// Folder of the cases.
+        #[arg(long)]
+        cases: PathBuf,
+        /// The program.
+        #[arg(long)]
+        sphcut: PathBuf,
+        /// Folder that keeps the paired runs.
+        #[arg(long)]
+        store: PathBuf,
+        /// File for the claims; beside it a folder `NAME.pages` with every diagnosis.
+        #[arg(long)]
+        out: PathBuf,
     },
     /// Diagnose all cases with the closed-form model, as `sphcut diagnose` does, and write what is claimed.
     Run {
@@ -84,6 +132,15 @@ pub enum Truths {
 pub fn run(what: &Conceal) -> Result<(), String> {
     match what {
         Conceal::Draw { out, key, cases, physics } => draw_all(out, key, *cases, *physics),
+        Conceal::Twin { base, out, key, cases, travel } => {
+            twin_files::draw(base, out, &opened_key(key)?, *cases, *travel)
+        }
+        Conceal::Record { cases, key, count } => {
+            twin_files::record(cases, &seal::Key::from_text(&read(key)?)?, *count)
+        }
+        Conceal::Claim { cases, sphcut, store, out } => {
+            write(out, &twin_files::claims(cases, sphcut, store, &out.with_extension("pages"))?)
+        }
         Conceal::Run { cases, out, without_reference, held_out, threads, first } => {
             let mut folders = run::folders(cases)?;
             folders.truncate(first.unwrap_or(usize::MAX));
@@ -106,14 +163,19 @@ fn write(path: &Path, text: &str) -> Result<(), String> {
     std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
 }
 
+/// The key in a file, drawn anew if there is none.
+fn opened_key(file: &Path) -> Result<seal::Key, String> {
+    if !file.exists() {
+        write(file, &seal::Key::draw().to_text())?;
+    }
+    seal::Key::from_text(&read(file)?)
+}
+
 fn draw_all(out: &Path, key: &Path, cases: usize, physics: Truths) -> Result<(), String> {
     if out.exists() {
         return Err(format!("{} exists: cases are never mixed", out.display()));
     }
-    if !key.exists() {
-        write(key, &seal::Key::draw().to_text())?;
-    }
-    let key = seal::Key::from_text(&read(key)?)?;
+    let key = opened_key(key)?;
     let drawn = draw::cases(key.seed(), cases, physics)?;
     for case in &drawn {
         let folder = out.join(&case.name);

@@ -65,6 +65,13 @@ pub enum DiagnoseError {
         /// What it has.
         what: String,
     },
+    /// Paired runs cannot be made of a scenario.
+    NoPairedRuns {
+        /// Why.
+        what: String,
+        /// What to do; empty where nothing is known.
+        help: &'static str,
+    },
     /// A table of the file of a diagnosis cannot be used.
     Table {
         /// Its section.
@@ -114,6 +121,9 @@ impl fmt::Display for DiagnoseError {
             }
             Self::Scenario { what } => {
                 write!(f, "the closed-form model cannot take the scenario: {what}")
+            }
+            Self::NoPairedRuns { what, .. } => {
+                write!(f, "paired runs cannot be made of the scenario: {what}")
             }
             Self::Table { section, reason } => write!(f, "the table of [{section}]: {reason}"),
         }

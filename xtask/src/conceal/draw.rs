@@ -10,13 +10,13 @@ use sphcut_greybox::Random;
 /// Raw changes in which effects are hidden, as shares: weak, middle, strong.
 pub const STRATA: [(f64, f64); 3] = [(0.02, 0.05), (0.05, 0.10), (0.10, 0.25)];
 /// Noise as a share of the value.
-const NOISES: [f64; 3] = [0.01, 0.03, 0.05];
+pub(super) const NOISES: [f64; 3] = [0.01, 0.03, 0.05];
 /// Cuts of every condition.
 const REPEATS: usize = 2;
 /// Length of one cut in m.
 const CUT_LENGTH: f64 = 20.0;
 /// Share of the cells that are lost, where some are.
-const LOST: f64 = 0.1;
+pub(super) const LOST: f64 = 0.1;
 /// Draws of what is hidden after which a case is given up: the plan then shows nothing of any effect.
 const MOST_DRAWS: usize = 200;
 /// Not hidden: they are the instruments' own errors, which every case has.
@@ -194,7 +194,7 @@ fn case(name: String, plan: Plan, mut random: Random) -> Result<Case, String> {
     Ok(Case { name, plan, channels, recordings, commissioning, hidden, strength, nuisances })
 }
 
-fn middle(conditions: &[Condition], observed: &[Observables]) -> Middle {
+pub(super) fn middle(conditions: &[Condition], observed: &[Observables]) -> Middle {
     let of = |values: &mut dyn Iterator<Item = f64>| {
         let ends = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value), high.max(value))
@@ -317,7 +317,7 @@ impl Gauge<'_> {
 }
 
 /// From where a parameter vanishes (t = 0) to the far end of its prior; `ahead` chooses the side where it has two.
-fn along(prior: (f64, f64), vanishing: f64, scale: Scale, ahead: bool, t: f64) -> f64 {
+pub(super) fn along(prior: (f64, f64), vanishing: f64, scale: Scale, ahead: bool, t: f64) -> f64 {
     let (low, high) = prior;
     let far = if low < vanishing && vanishing < high {
         if ahead { high } else { low }

@@ -75,7 +75,7 @@ fn cut_toml() -> String {
     )
 }
 
-fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
+pub fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
     let mut text = "v_c [m/min],h [mm],order,cut_length [m]".to_owned();
     for channel in channels {
         let (name, unit, _) = column(*channel);

@@ -85,28 +85,40 @@ pub struct Truth {
 impl Truth {
     pub fn at(&self, condition: &Condition) -> Result<Observables, Error> {
         let mut found = predict(&self.cut, condition, &self.hidden.effects)?;
-        if let Some((outside, amplitude)) = self.hidden.outside {
-            let band =
-                |x: f64, (middle, width): (f64, f64)| (-((x - middle) / width).powi(2)).exp();
-            match outside {
-                Outside::Transformation => {
-                    let (middle, width) = self.middle.temperature;
-                    let excess = (found.interface_temperature - middle) / (0.4 * width);
-                    let factor = 1.0 - amplitude / (1.0 + (-excess).exp());
-                    found.cutting_force *= factor;
-                    found.feed_force *= factor;
-                }
-                Outside::SpeedBand => {
-                    let share = band(condition.cutting_speed.ln(), self.middle.speed);
-                    found.feed_force *= 1.0 + amplitude * share;
-                }
-                Outside::ThicknessBand => {
-                    let share = band(condition.uncut_chip_thickness.ln(), self.middle.thickness);
-                    found.cutting_force *= 1.0 - amplitude * share;
-                }
-            }
+        if let Some(outside) = self.hidden.outside {
+            outside.0.act(outside.1, condition, self.middle, &mut found);
         }
         Ok(found)
+    }
+}
+
+impl Outside {
+    /// Changes what is measured at a condition.
+    pub fn act(
+        self,
+        amplitude: f64,
+        condition: &Condition,
+        middle: Middle,
+        found: &mut Observables,
+    ) {
+        let band = |x: f64, (middle, width): (f64, f64)| (-((x - middle) / width).powi(2)).exp();
+        match self {
+            Self::Transformation => {
+                let (middle, width) = middle.temperature;
+                let excess = (found.interface_temperature - middle) / (0.4 * width);
+                let factor = 1.0 - amplitude / (1.0 + (-excess).exp());
+                found.cutting_force *= factor;
+                found.feed_force *= factor;
+            }
+            Self::SpeedBand => {
+                let share = band(condition.cutting_speed.ln(), middle.speed);
+                found.feed_force *= 1.0 + amplitude * share;
+            }
+            Self::ThicknessBand => {
+                let share = band(condition.uncut_chip_thickness.ln(), middle.thickness);
+                found.cutting_force *= 1.0 - amplitude * share;
+            }
+        }
     }
 }
 

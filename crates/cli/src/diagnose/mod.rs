@@ -1,6 +1,5 @@
 //! `sphcut diagnose`: which physics a simulation left out.
 
-mod changes;
 mod patch;
 mod runs;
 

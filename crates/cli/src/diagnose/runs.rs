@@ -1,13 +1,13 @@
 //! The paired runs of a diagnosis, through a store like any sweep.
 
-use super::changes::Base;
 use crate::arguments::DiagnoseArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
 use crate::{interrupt, loading, sweep, terminal};
 use sphcut_diagnose::{
-    CHANNELS, Change, Channel, Condition, Diagnosis, PairedRun, PairedRuns, Predictor, STATES,
-    changes, condition_of, rerun_changes, rerun_conditions, support,
+    CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, PairedRun, PairedRuns,
+    PairedScenario, Predictor, STATES, changes, condition_of, rerun_changes, rerun_conditions,
+    support,
 };
 use sphcut_scenario::{DiagnosisCase, Sweep};
 use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Table};
@@ -42,9 +42,11 @@ impl Paired {
         (title, name): (&str, &str),
         runs: Vec<(Condition, Change)>,
     ) -> Result<Self, Failure> {
-        let base = Base::of(&case.base, &case.runs)?;
+        let base = PairedScenario::of(&case.base, case.runs.travel).map_err(refused)?;
         let worn = runs.iter().any(|(_, change)| change.wear_land.is_some());
-        let values = runs.iter().map(|(condition, change)| base.values(condition, change, worn));
+        let values = runs
+            .iter()
+            .map(|(condition, change)| base.values(condition, change, worn).map_err(refused));
         let values: Vec<Vec<String>> = values.collect::<Result<_, _>>()?;
         let sweep = Sweep::listed(
             (title, name),
@@ -166,6 +168,15 @@ impl Paired {
             PairedRun { condition: *condition, change: change.clone(), means: means(row) }
         });
         Ok(Ended::Finished(results.collect()))
+    }
+}
+
+/// Why a scenario has no paired runs, with advice.
+fn refused(error: DiagnoseError) -> Failure {
+    let failure = Failure::input(error.to_string());
+    match error {
+        DiagnoseError::NoPairedRuns { help, .. } if !help.is_empty() => failure.advise(help),
+        _ => failure,
     }
 }
 

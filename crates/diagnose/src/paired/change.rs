@@ -58,6 +58,12 @@ pub(crate) const RUN_EFFECTS: &[(&str, &[Level])] = &[
     ("flank_wear", &[Level { values: &[100e-6] }, Level { values: &[300e-6] }]),
 ];
 
+/// The effects that a run can have in constant strength, by their keys.
+#[must_use]
+pub fn run_effects() -> Vec<&'static str> {
+    RUN_EFFECTS.iter().map(|(key, _)| *key).filter(|key| *key != "flank_wear").collect()
+}
+
 /// Effects that follow from the runs without effect: the machine gives way, the channels talk to each other.
 pub(crate) const DERIVED_EFFECTS: &[&str] = &["compliance", "cross_talk"];
 

@@ -2,10 +2,12 @@
 
 mod change;
 mod field;
+mod keys;
 mod model;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use change::can_be_run;
-pub use change::{Change, changes, support};
+pub use change::{Change, changes, run_effects, support};
+pub use keys::PairedScenario;
 pub use model::{PairedRun, PairedRuns};

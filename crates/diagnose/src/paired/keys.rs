@@ -1,10 +1,12 @@
 //! A change of a paired run as keys of the scenario.
 
-use crate::failure::Failure;
+use super::change::Change;
+use crate::closed_form_cut::closed_form_cut;
+use crate::error::DiagnoseError;
+use crate::predictor::Condition;
 use sphcut_analytic::FlowStress;
-use sphcut_diagnose::{Change, Condition, closed_form_cut};
 use sphcut_physics::effects;
-use sphcut_scenario::{PairedRunsPlan, Scenario};
+use sphcut_scenario::Scenario;
 use toml::{Table, Value};
 
 /// Digits of changed properties: enough to tell runs apart, few enough to be read.
@@ -21,7 +23,7 @@ const BASE_LENGTH: f64 = 4.0;
 const REST: f64 = 20.0;
 
 /// What every run sets.
-pub const KEYS: [&str; 10] = [
+const KEYS: [&str; 10] = [
     "process.cutting_speed",
     "process.uncut_chip_thickness",
     "workpiece.height",
@@ -34,13 +36,13 @@ pub const KEYS: [&str; 10] = [
     "tool.edge_radius",
 ];
 /// And only where a tool is worn.
-pub const WEAR_KEY: &str = "tool.wear_land";
+const WEAR_KEY: &str = "tool.wear_land";
 /// And only where the spacing of the particles is a length and not a preset, which follows the thickness by itself.
-pub const SPACING_KEY: &str = "resolution.particle_spacing";
+const SPACING_KEY: &str = "resolution.particle_spacing";
 
 /// A scenario as the base of paired runs.
 #[derive(Debug)]
-pub struct Base {
+pub struct PairedScenario {
     table: Table,
     /// Height of the workpiece beyond three thicknesses, in m: what a rounded edge and the held bottom need.
     below: f64,
@@ -58,13 +60,16 @@ pub struct Base {
     travel: f64,
 }
 
-impl Base {
-    /// Of a scenario with a window, whose friction is Coulomb's below the shear strength.
-    pub fn of(scenario: &Scenario, plan: &PairedRunsPlan) -> Result<Self, Failure> {
-        let cut = closed_form_cut(scenario).map_err(|error| Failure::input(error.to_string()))?;
-        let cannot = |what: &str, help: &str| {
-            Failure::input(format!("paired runs cannot be made of the scenario: {what}"))
-                .advise(help)
+impl PairedScenario {
+    /// Of a scenario with a window, whose friction is Coulomb's below the shear strength; runs go `travel` thicknesses far.
+    ///
+    /// # Errors
+    /// What keeps it from being the base of paired runs, with advice.
+    pub fn of(scenario: &Scenario, travel: f64) -> Result<Self, DiagnoseError> {
+        let cut = closed_form_cut(scenario)?;
+        let cannot = |what: &str, help: &'static str| DiagnoseError::NoPairedRuns {
+            what: what.to_owned(),
+            help,
         };
         let table: Table =
             scenario.text.parse().map_err(|_| cannot("it is not TOML", "check it"))?;
@@ -121,12 +126,13 @@ impl Base {
                 ("softening_exponent", flow.softening_exponent),
             ],
             specific_heat: heat,
-            travel: plan.travel,
+            travel,
             table,
         })
     }
 
     /// The keys that runs set, `worn` if any tool is worn.
+    #[must_use]
     pub fn keys(&self, worn: bool) -> Vec<&'static str> {
         let mut keys = KEYS.to_vec();
         keys.extend(self.across.map(|_| SPACING_KEY));
@@ -134,13 +140,16 @@ impl Base {
         keys
     }
 
-    /// The values of [`Base::keys`] for a run at `condition`.
+    /// The values of [`PairedScenario::keys`] for a run at `condition`.
+    ///
+    /// # Errors
+    /// A change that the scenario cannot have.
     pub fn values(
         &self,
         condition: &Condition,
         change: &Change,
         worn: bool,
-    ) -> Result<Vec<String>, Failure> {
+    ) -> Result<Vec<String>, DiagnoseError> {
         let h = condition.uncut_chip_thickness;
         let far = if change.is_none() { BASE_LENGTH } else { 1.0 } * self.travel * h;
         // One length for all runs of a thickness, and that of the scenario where it is enough.
@@ -199,7 +208,7 @@ impl Base {
     }
 
     /// `[workpiece.override]` of the scenario with the changed properties.
-    fn overridden(&self, change: &Change) -> Result<String, Failure> {
+    fn overridden(&self, change: &Change) -> Result<String, DiagnoseError> {
         let workpiece = self.table.get("workpiece").and_then(Value::as_table);
         let own = workpiece.and_then(|own| own.get("override")).and_then(Value::as_table);
         let mut all = own.cloned().unwrap_or_default();
@@ -225,7 +234,7 @@ impl Base {
     }
 
     /// cp(T) + s cp(T_0) (T - T_0)/1000 K up to the melting temperature.
-    fn steeper(&self, share: f64) -> Result<Value, Failure> {
+    fn steeper(&self, share: f64) -> Result<Value, DiagnoseError> {
         let known = |at: f64| {
             let after = self.specific_heat.iter().position(|(t, _)| *t >= at);
             match after {
@@ -246,8 +255,8 @@ impl Base {
         let pairs = places.into_iter().map(|t| {
             let value = known(t) + share * at_start * (t - self.start) / THERMAL_SPAN;
             if value <= 0.0 {
-                let message = format!("the specific heat would be {value} J/(kg K) at {t} K");
-                return Err(Failure::input(message));
+                let what = format!("the specific heat would be {value} J/(kg K) at {t} K");
+                return Err(DiagnoseError::NoPairedRuns { what, help: "" });
             }
             let value = digits(value, DIGITS);
             Ok(Value::Array(vec![kelvin(t).into(), format!("{value} J/(kg K)").into()]))
@@ -256,14 +265,16 @@ impl Base {
     }
 
     /// The effects of the catalogue.
-    fn effects(&self, change: &Change) -> Result<String, Failure> {
+    fn effects(&self, change: &Change) -> Result<String, DiagnoseError> {
         let own = self.table.get("effects").and_then(Value::as_table);
         let mut all = own.cloned().unwrap_or_default();
         for (key, values) in &change.effects {
             let Some(entry) = effects::find(key) else { continue };
             let registered = sphcut_analytic::EFFECTS.iter().find(|effect| effect.key == *key);
-            let registered =
-                registered.ok_or_else(|| Failure::input(format!("no effect `{key}`")))?;
+            let registered = registered.ok_or_else(|| DiagnoseError::NoPairedRuns {
+                what: format!("there is no effect `{key}`"),
+                help: "",
+            })?;
             let known = [
                 ("melting_temperature", self.melting_temperature),
                 ("saturated_share", self.taylor_quinney),
@@ -311,8 +322,8 @@ fn digits(value: f64, digits: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::changes;
     use super::*;
-    use sphcut_diagnose::changes;
     use sphcut_scenario::{LoadOptions, Sweep, load};
     use std::collections::BTreeSet;
     use std::path::Path;
@@ -350,8 +361,7 @@ mod tests {
             cut_length: 0.0,
             run_order: 0.0,
         };
-        let plan = PairedRunsPlan { range: [[None; 2]; 2], travel: 30.0, repaired: 0, most: 1000 };
-        let base = Base::of(&scenario, &plan).unwrap();
+        let base = PairedScenario::of(&scenario, 30.0).unwrap();
         let all = changes(&SCATTER, true);
         let values: Vec<Vec<String>> =
             all.iter().map(|change| base.values(&condition, change, true).unwrap()).collect();
@@ -374,11 +384,11 @@ mod tests {
                 .symmetric_difference(&plain)
                 .map(|(section, key, _)| (section.as_str(), key.as_str()))
                 .filter(|(section, key)| {
-                    !section.starts_with("stop")
-                        && !(*section == "workpiece" && *key == "length")
-                        && !(*section == "tool" && *key == "wear_land")
-                        // Defaults that follow the travel.
-                        && !section.starts_with("output")
+                    // How far it goes, what follows from that, and where there may be wear.
+                    !(section.starts_with("stop")
+                        || section.starts_with("output")
+                        || *section == "workpiece" && *key == "length"
+                        || *section == "tool" && *key == "wear_land")
                 })
                 .map(|(section, _)| section)
                 .collect();

@@ -1,0 +1,365 @@
+//! Twin cases: cuts of the particle solver itself, of another batch of material, with something hidden in them.
+//!
+//! Two steps, since the runs take hours: [`plan`] says what has to be run as a file of a sweep, and [`record`] makes recordings of what
+//! that sweep gave. Both follow from the key alone.
+
+use super::draw::{Case, Kind, LOST, NOISES, Plan, Recorded, STRATA, along, middle};
+use super::truth::{Hidden, Instrument, NUISANCES, Outside};
+use sphcut_analytic::{ActiveEffect, Channel, Condition, Observables, Physics, find};
+use sphcut_diagnose::{Change, PairedScenario, run_effects};
+use sphcut_greybox::Random;
+use sphcut_scenario::{CutTableRow, LoadOptions, MEASURED, Scenario, Sweep};
+use std::path::Path;
+
+/// Cutting conditions of a case: as many as a day in the workshop, in a square without a repeated speed or thickness.
+const CUTS: usize = 9;
+/// Recordings of each.
+const REPEATS: usize = 2;
+/// v_c in m/min and h in mm from which conditions are drawn.
+const RANGE: [[f64; 2]; 2] = [[20.0, 400.0], [0.04, 0.2]];
+/// The weakest that is hidden, as a share of the way from nothing to the far end of the prior.
+const WEAKEST: f64 = 0.15;
+/// Amplitudes of what no effect describes.
+const OUTSIDE: [f64; 2] = [0.08, 0.3];
+
+/// What a case hides and where it is cut.
+#[derive(Debug, Clone)]
+pub struct Twin {
+    pub name: String,
+    pub kind: Kind,
+    pub noise: f64,
+    pub has_gaps: bool,
+    pub nuisances: [f64; NUISANCES.len()],
+    pub hidden: Hidden,
+    pub conditions: Vec<Condition>,
+}
+
+impl Twin {
+    /// What a run changes, with what is hidden and without.
+    fn change(&self, hidden: bool) -> Change {
+        let effects = self.hidden.effects.iter().filter(|_| hidden);
+        Change {
+            nuisances: NUISANCES.iter().map(|(key, _)| *key).zip(self.nuisances).collect(),
+            effects: effects.map(|own| (own.effect.key, own.values().to_vec())).collect(),
+            wear_land: None,
+        }
+    }
+
+    /// Whether the same cuts without what is hidden are needed: they say how strong it is.
+    fn needs_plain(&self) -> bool {
+        !self.hidden.effects.is_empty()
+    }
+}
+
+/// `count` cases that follow from `seed`: of 30 ten are null, fifteen hide an effect, two a pair, three something else.
+pub fn twins(seed: u64, count: usize) -> Vec<Twin> {
+    let mut random = Random::new(seed, &[20]);
+    let mut deal = |parts: usize| {
+        let mut hand: Vec<usize> = (0..count).map(|index| index % parts).collect();
+        random.shuffle(&mut hand);
+        hand
+    };
+    let hands = [30, NOISES.len(), 2].map(&mut deal);
+    let of = |index: usize| {
+        let kind = match hands[0][index] {
+            0..10 => Kind::Null,
+            10..25 => Kind::Single,
+            25..27 => Kind::Pair,
+            _ => Kind::Outside,
+        };
+        let mut random = Random::new(seed, &[21, index as u64]);
+        Twin {
+            name: format!("case-{:04}", index + 1),
+            kind,
+            noise: NOISES[hands[1][index]],
+            has_gaps: hands[2][index] == 1,
+            nuisances: NUISANCES.map(|(_, deviation)| deviation * random.normal()),
+            hidden: hidden(kind, &mut random),
+            conditions: conditions(&mut random),
+        }
+    };
+    (0..count).map(of).collect()
+}
+
+fn hidden(kind: Kind, random: &mut Random) -> Hidden {
+    let mut keys = run_effects();
+    random.shuffle(&mut keys);
+    let count = match kind {
+        Kind::Single => 1,
+        Kind::Pair => 2,
+        Kind::Null | Kind::Outside => 0,
+    };
+    let effects = keys.into_iter().take(count).map(|key| effect(key, random)).collect();
+    let outside = (kind == Kind::Outside).then(|| {
+        let [low, high] = OUTSIDE;
+        (Outside::ALL[random.below(Outside::ALL.len())], low + (high - low) * random.uniform())
+    });
+    Hidden { effects, outside }
+}
+
+fn effect(key: &str, random: &mut Random) -> ActiveEffect {
+    let effect = find(key).expect("paired runs are of effects of the registry");
+    let ahead = random.uniform() < 0.5;
+    let values: Vec<f64> = effect
+        .free
+        .iter()
+        .map(|free| {
+            let share = random.uniform();
+            match free.vanishing {
+                Some(vanishing) => {
+                    let t = WEAKEST + (1.0 - WEAKEST) * share;
+                    short(along(free.prior, vanishing, free.scale, ahead, t))
+                }
+                None => short(free.prior.0 + (free.prior.1 - free.prior.0) * share),
+            }
+        })
+        .collect();
+    ActiveEffect::of(effect, &values).expect("values within the prior")
+}
+
+/// To four digits, as they are written into scenarios.
+fn short(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// Even in the logarithms: a Latin square, every cell somewhere within.
+fn conditions(random: &mut Random) -> Vec<Condition> {
+    let mut axis = |[low, high]: [f64; 2]| {
+        let mut cells: Vec<usize> = (0..CUTS).collect();
+        random.shuffle(&mut cells);
+        cells
+            .into_iter()
+            .map(|cell| {
+                short(low * (high / low).powf((cell as f64 + random.uniform()) / CUTS as f64))
+            })
+            .collect::<Vec<f64>>()
+    };
+    let [speeds, sizes] = RANGE.map(&mut axis);
+    speeds.iter().zip(&sizes).map(|(v, h)| Condition::new(v / 60.0, h * 1e-3)).collect()
+}
+
+/// The file of the sweep whose runs the cases need; `travel` in thicknesses.
+pub fn plan(
+    twins: &[Twin],
+    (base, path): (&Scenario, &Path),
+    travel: f64,
+) -> Result<String, String> {
+    let runs = PairedScenario::of(base, travel).map_err(|error| error.to_string())?;
+    let mut values = Vec::new();
+    for twin in twins {
+        for condition in &twin.conditions {
+            let at = sphcut_diagnose::Condition {
+                cutting_speed: condition.cutting_speed,
+                uncut_chip_thickness: condition.uncut_chip_thickness,
+                cut_length: 0.0,
+                run_order: 0.0,
+            };
+            let states = if twin.needs_plain() { vec![false, true] } else { vec![true] };
+            for hidden in states {
+                let run = runs.values(&at, &twin.change(hidden), false);
+                values.push(run.map_err(|error| error.to_string())?);
+            }
+        }
+    }
+    let keys = runs.keys(false);
+    let title = "Cuts of the particle solver for sealed cases";
+    let options = LoadOptions::default();
+    let sweep = Sweep::listed((title, "runs"), (base, path), &options, (&keys, &values))?;
+    Ok(sweep.text.replacen('\n', "\nbase = \"cut.toml\"\n", 1))
+}
+
+/// The cases from the table of simulated cuts that the sweep wrote. A cut without a result is left out of its case.
+pub fn record(seed: u64, twins: &[Twin], simulated: &[CutTableRow]) -> Result<Vec<Case>, String> {
+    let all = twins.iter().enumerate();
+    all.map(|(index, twin)| case(twin, simulated, Random::new(seed, &[22, index as u64]))).collect()
+}
+
+const CHANNELS: [Channel; 4] = [
+    Channel::CuttingForce,
+    Channel::FeedForce,
+    Channel::InterfaceTemperature,
+    Channel::ChipThickness,
+];
+
+fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Case, String> {
+    let mut cuts: Vec<(Condition, Observables, Observables)> = Vec::new();
+    for condition in &twin.conditions {
+        let own: Vec<Observables> =
+            simulated.iter().filter(|row| is_there(row, condition)).filter_map(seen).collect();
+        match (own.as_slice(), twin.needs_plain()) {
+            ([plain, hidden], true) => cuts.push((*condition, *plain, *hidden)),
+            ([only], false) => cuts.push((*condition, *only, *only)),
+            _ => {}
+        }
+    }
+    if cuts.len() < CUTS - 2 {
+        return Err(format!("{}: {} of {CUTS} cuts have a result", twin.name, cuts.len()));
+    }
+    let places: Vec<Condition> = cuts.iter().map(|(condition, ..)| *condition).collect();
+    let plain: Vec<Observables> = cuts.iter().map(|(_, plain, _)| *plain).collect();
+    let middle = middle(&places, &plain);
+    if let Some((outside, amplitude)) = twin.hidden.outside {
+        for (condition, _, hidden) in &mut cuts {
+            outside.act(amplitude, condition, middle, hidden);
+        }
+    }
+    let strength = CHANNELS
+        .iter()
+        .map(|channel| {
+            let change = |(_, plain, hidden): &(Condition, Observables, Observables)| {
+                (hidden.get(*channel) / plain.get(*channel) - 1.0).powi(2)
+            };
+            (cuts.iter().map(change).sum::<f64>() / cuts.len() as f64).sqrt()
+        })
+        .fold(0.0, f64::max);
+    let stratum = STRATA.iter().rposition(|(low, _)| strength >= *low).unwrap_or(0);
+    let forces_only = random.uniform() < 0.5;
+    let channels = CHANNELS[..if forces_only { 2 } else { CHANNELS.len() }].to_vec();
+    let instruments: Vec<Instrument> =
+        channels.iter().map(|channel| Instrument::draw(*channel, &mut random)).collect();
+    let mut order: Vec<usize> = (0..REPEATS * cuts.len()).collect();
+    random.shuffle(&mut order);
+    let last = (order.len() - 1) as f64;
+    let mut recordings = Vec::new();
+    for (run, place) in order.into_iter().enumerate() {
+        let (condition, _, hidden) = &cuts[place % cuts.len()];
+        let mut values = Vec::new();
+        for (channel, instrument) in channels.iter().zip(&instruments) {
+            let shown = instrument.shown(hidden.get(*channel), run as f64 / last - 0.5);
+            let value = shown * (twin.noise * random.normal()).exp();
+            let lost = random.uniform() < LOST && twin.has_gaps;
+            values.push((!lost && value > 0.0).then_some((value, twin.noise * value)));
+        }
+        let condition = Condition { run_order: run as f64, ..*condition };
+        recordings.push(Recorded { condition, values });
+    }
+    let plan = Plan {
+        kind: twin.kind,
+        stratum,
+        noise: twin.noise,
+        is_wide: true,
+        forces_only,
+        has_commissioning: false,
+        has_gaps: twin.has_gaps,
+        physics: ("particle_solver", Physics::LIBRARY),
+    };
+    Ok(Case {
+        name: twin.name.clone(),
+        plan,
+        channels,
+        recordings,
+        commissioning: Vec::new(),
+        hidden: twin.hidden.clone(),
+        strength: if twin.kind == Kind::Null { 0.0 } else { strength },
+        nuisances: twin.nuisances,
+    })
+}
+
+fn is_there(row: &CutTableRow, condition: &Condition) -> bool {
+    let same = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-6;
+    same(row.cutting_speed, condition.cutting_speed)
+        && same(row.uncut_chip_thickness, condition.uncut_chip_thickness)
+}
+
+/// What was simulated; none without one of [`CHANNELS`].
+fn seen(row: &CutTableRow) -> Option<Observables> {
+    let value = |key: &str| row.values[MEASURED.iter().position(|own| *own == key)?];
+    Some(Observables {
+        cutting_force: value("F_c")?,
+        feed_force: value("F_f")?,
+        interface_temperature: value("T_interface")?,
+        shear_plane_temperature: f64::NAN,
+        chip_thickness: value("chip_thickness")?,
+        contact_length: value("contact_length").unwrap_or(f64::NAN),
+        shear_angle: f64::NAN,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphcut_scenario::{load, load_sweep, read_cut_table};
+    use std::fmt::Write;
+
+    fn base() -> (Scenario, std::path::PathBuf) {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ti6al4v_orthogonal.toml");
+        (load(&path, &LoadOptions::default()).unwrap(), path)
+    }
+
+    #[test]
+    fn the_runs_of_the_cases_are_a_sweep() {
+        let drawn = twins(5, 30);
+        let count = |kind| drawn.iter().filter(|twin| twin.kind == kind).count();
+        assert_eq!((count(Kind::Null), count(Kind::Single)), (10, 15));
+        assert_eq!((count(Kind::Pair), count(Kind::Outside)), (2, 3));
+        let (scenario, path) = base();
+        let folder = std::env::temp_dir().join(format!("sphcut-twin-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        // Long enough for any of the runs.
+        let long = scenario.text.replace("length = \"15 mm\"", "length = \"60 mm\"");
+        std::fs::write(folder.join("cut.toml"), long).unwrap();
+        let text = plan(&drawn, (&scenario, &path), 30.0).unwrap();
+        std::fs::write(folder.join("runs.toml"), &text).unwrap();
+        let sweep = load_sweep(&folder.join("runs.toml"), &LoadOptions::default());
+        std::fs::remove_dir_all(&folder).unwrap();
+        let sweep =
+            sweep.unwrap_or_else(|p| panic!("{}", p[0].render(sphcut_scenario::Colours::Plain)));
+        assert!(sweep.axes.iter().any(|axis| axis.key.to_string() == "tool.friction"));
+        // 17 of the 30 need the same cuts without what is hidden.
+        assert_eq!(text.matches("m/min\",").count(), CUTS * (30 + 17));
+        assert_eq!(text, plan(&twins(5, 30), (&scenario, &path), 30.0).unwrap());
+    }
+
+    /// Forces made up as a power of the thickness; what is hidden raises the feed force by a fifth.
+    #[test]
+    fn recordings_are_what_was_simulated() {
+        let drawn = twins(6, 30);
+        let mut table =
+            "v_c [m/min],h [mm],b [mm],F_c [N],F_f [N],chip_thickness [mm],contact_length [mm],T_interface [degC]\n"
+                .to_owned();
+        for twin in &drawn {
+            for condition in &twin.conditions {
+                let (v, h) = (condition.cutting_speed * 60.0, condition.uncut_chip_thickness * 1e3);
+                let mut line = |feed: f64| {
+                    let _ = writeln!(
+                        table,
+                        "{v:.8},{h:.8},1,{},{},{},{},600",
+                        1800.0 * h,
+                        feed * h,
+                        2.0 * h,
+                        h
+                    );
+                };
+                if twin.needs_plain() {
+                    line(900.0);
+                }
+                line(if twin.hidden.effects.is_empty() { 900.0 } else { 1080.0 });
+            }
+        }
+        let rows = read_cut_table(&table).unwrap();
+        let cases = record(6, &drawn, &rows).unwrap();
+        for (case, twin) in cases.iter().zip(&drawn) {
+            assert_eq!(case.recordings.len(), REPEATS * CUTS);
+            match case.plan.kind {
+                Kind::Null => assert_eq!(case.strength, 0.0),
+                Kind::Single | Kind::Pair => {
+                    assert!((case.strength - 0.2).abs() < 1e-6, "{}", case.strength);
+                    assert_eq!(case.plan.stratum, 2);
+                }
+                Kind::Outside => assert!(case.strength > 0.01),
+            }
+            // Noise, gain, drift and offset are all that stands between simulation and recording.
+            if twin.hidden.effects.is_empty() && twin.hidden.outside.is_none() {
+                for cut in &case.recordings {
+                    let Some((force, _)) = cut.values[0] else { continue };
+                    let simulated = 1800.0 * cut.condition.uncut_chip_thickness * 1e3;
+                    let apart = (force / simulated - 1.0).abs();
+                    assert!(apart < 5.0 * (twin.noise + 0.02) + 15.0 / simulated, "{apart}");
+                }
+            }
+        }
+        // Without half of the cuts there is no case.
+        assert!(record(6, &drawn, &rows[..rows.len() / 2]).is_err());
+    }
+}

@@ -1,0 +1,165 @@
+//! Files of the twin cases, and what `sphcut diagnose` claims of them.
+
+use super::score::HEAD;
+use super::twin::{plan, record as recorded, twins};
+use super::{files, read, run, seal, write};
+use serde_json::Value;
+use sphcut_scenario::{Colours, LoadOptions, load, read_cut_table};
+use std::path::Path;
+use std::process::Command;
+
+const BASE: &str = "cut.toml";
+const RUNS: &str = "runs.toml";
+/// What the sweep writes.
+const SIMULATED: &str = "swept/simulated.csv";
+
+/// Base and sweep.
+pub fn draw(
+    base: &Path,
+    out: &Path,
+    key: &seal::Key,
+    cases: usize,
+    travel: f64,
+) -> Result<(), String> {
+    if out.exists() {
+        return Err(format!("{} exists: cases are never mixed", out.display()));
+    }
+    let scenario = load(base, &LoadOptions::default()).map_err(|problems| {
+        problems.iter().map(|problem| problem.render(Colours::Plain)).collect::<String>()
+    })?;
+    let runs = plan(&twins(key.seed(), cases), (&scenario, base), travel)?;
+    std::fs::create_dir_all(out).map_err(|error| error.to_string())?;
+    write(&out.join(BASE), &scenario.text)?;
+    write(&out.join(RUNS), &runs)?;
+    println!(
+        "Next: sphcut sweep {}/{RUNS} --out {}/swept, then conceal record",
+        out.display(),
+        out.display()
+    );
+    Ok(())
+}
+
+/// A folder for each case, and the sealed answers.
+pub fn record(folder: &Path, key: &seal::Key, count: usize) -> Result<(), String> {
+    let simulated = folder.join(SIMULATED);
+    let rows = read_cut_table(&read(&simulated)?)
+        .map_err(|problem| format!("{}: {problem}", simulated.display()))?;
+    let cases = recorded(key.seed(), &twins(key.seed(), count), &rows)?;
+    let base = read(&folder.join(BASE))?;
+    for case in &cases {
+        let own = folder.join(&case.name);
+        std::fs::create_dir_all(&own).map_err(|error| error.to_string())?;
+        write(&own.join(BASE), &base)?;
+        write(&own.join("recordings.csv"), &files::table(&case.channels, &case.recordings))?;
+        write(&own.join("diagnosis.toml"), &diagnosis_toml(&case.name))?;
+    }
+    write(&folder.join("answers.sealed"), &seal::close(key, &files::answers(&cases)))?;
+    println!("{} cases in {}", cases.len(), folder.display());
+    Ok(())
+}
+
+/// One library for all: its range is stated, since every case has conditions of its own.
+fn diagnosis_toml(name: &str) -> String {
+    format!(
+        "title = \"{name}\"\nsource = \"cargo xtask conceal\"\nscenario = \"{BASE}\"\n\n[measured]\nfile = \"recordings.csv\"\n\n\
+         [runs]\nlowest_speed = \"20 m/min\"\nhighest_speed = \"400 m/min\"\nthinnest = \"0.04 mm\"\nthickest = \"0.2 mm\"\nrepaired = 0\n\n\
+         [checks]\nself_test = 0\ncontrol = 0\n"
+    )
+}
+
+/// The claims of all cases.
+pub fn claims(cases: &Path, sphcut: &Path, store: &Path, pages: &Path) -> Result<String, String> {
+    let mut text = format!("{HEAD}\n");
+    for folder in run::folders(cases)? {
+        let name = folder.file_name().map(|name| name.to_string_lossy().into_owned());
+        let name = name.ok_or("a folder without a name")?;
+        let out = pages.join(&name);
+        let ended = Command::new(sphcut)
+            .arg("diagnose")
+            .arg(folder.join("diagnosis.toml"))
+            .args(["--force", "--out"])
+            .arg(&out)
+            .arg("--store")
+            .arg(store)
+            .output()
+            .map_err(|error| format!("{}: {error}", sphcut.display()))?;
+        if !ended.status.success() {
+            return Err(format!("{name}: {}", String::from_utf8_lossy(&ended.stderr)));
+        }
+        let found: Value = serde_json::from_str(&read(&out.join("diagnosis.json"))?)
+            .map_err(|error| format!("{name}: {error}"))?;
+        text += &line(&name, &found).ok_or_else(|| format!("{name}: not a diagnosis"))?;
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+/// A line of the claims from `diagnosis.json`.
+fn line(name: &str, found: &Value) -> Option<String> {
+    let list = |value: &Value| -> Option<Vec<String>> {
+        value.as_array()?.iter().map(|one| Some(one.as_str()?.to_owned())).collect()
+    };
+    let mut effects: Vec<(String, f64)> = found["effects"]
+        .as_array()?
+        .iter()
+        .map(|one| Some((one["effect"].as_str()?.to_owned(), one["probability"].as_f64()?)))
+        .collect::<Option<_>>()?;
+    effects.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let ranking: Vec<String> = effects.into_iter().map(|(key, _)| key).collect();
+    let verdict = match found["verdict"].as_str()? {
+        "no_alarm" => "nothing",
+        other => other,
+    };
+    let named = list(&found["named"])?;
+    let mut set = if verdict == "nothing" { Vec::new() } else { list(&found["set"])? };
+    if verdict != "nothing" && found["set_has_none_of_these"].as_bool()? {
+        set.push("none".to_owned());
+    }
+    let family = found["families"][0]["family"].as_str().unwrap_or_default();
+    let estimate = named.first().and_then(|first| {
+        let explanations = found["estimates"].as_array()?.iter();
+        let own = explanations.filter(|one| list(&one["explanation"]).as_ref() == Some(&named));
+        let parameters = own.filter_map(|one| one["parameters"].as_array()).flatten();
+        let mut first_of = parameters.filter(|one| one["effect"] == first.as_str());
+        let one = first_of.next()?;
+        let [low, high] = [0, 1].map(|k: usize| one["interval"][k].as_f64());
+        Some(format!("{:.6e},{:.6e},{:.6e}", one["value"].as_f64()?, low?, high?))
+    });
+    Some(format!(
+        "{name},{verdict},{},{},{},{family},{}",
+        named.join(";"),
+        ranking.join(";"),
+        set.join(";"),
+        estimate.unwrap_or_else(|| ",,".to_owned())
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::score;
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_diagnosis_becomes_a_claim() {
+        let found = json!({
+            "verdict": "named", "named": ["edge_radius"], "set": ["edge_radius"], "set_has_none_of_these": false,
+            "families": [{ "family": "edge", "probability": 0.97 }],
+            "effects": [{ "effect": "size_effect", "probability": 0.02 }, { "effect": "edge_radius", "probability": 0.97 }],
+            "estimates": [{ "explanation": ["edge_radius"], "parameters": [
+                { "effect": "edge_radius", "value": 2e-5, "interval": [1e-5, 3e-5] }] }],
+        });
+        let claims =
+            score::claims(&format!("{HEAD}\n{}\n", line("case-0001", &found).unwrap())).unwrap();
+        assert_eq!(claims[0].verdict, score::Verdict::Named);
+        assert_eq!(claims[0].ranking, ["edge_radius", "size_effect"]);
+        assert_eq!(claims[0].estimate, Some([2e-5, 1e-5, 3e-5]));
+        let quiet = json!({
+            "verdict": "no_alarm", "named": [], "set": ["edge_radius"], "set_has_none_of_these": true,
+            "families": [], "effects": [], "estimates": [],
+        });
+        let claims =
+            score::claims(&format!("{HEAD}\n{}\n", line("case-0002", &quiet).unwrap())).unwrap();
+        assert!(claims[0].set.is_empty() && claims[0].verdict == score::Verdict::Nothing);
+    }
+}
