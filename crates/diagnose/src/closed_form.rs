@@ -18,10 +18,10 @@ const PREDICTED: [Channel; 5] = [
 ];
 
 /// With which the probability of the right effect is greatest over 60 cases of the opponents drawn for development (docs/diagnosis.md).
-const POWER: f64 = 0.25;
+pub(crate) const POWER: f64 = 0.25;
 /// The opponents of docs/analytic_model.md, with the same effects at the same strength, change what is measured by 1 to 70 % more or
 /// less than the library (root mean square of the difference over that of the change).
-const CHANGE_ERRORS: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
+pub(crate) const CHANGE_ERRORS: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
 
 /// The only effect left that depends on what was cut before.
 const GROWS: &str = "flank_wear";

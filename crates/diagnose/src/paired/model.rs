@@ -3,7 +3,7 @@
 use super::change::{Change, DERIVED_EFFECTS, NUISANCE_STEP, RUN_EFFECTS, registered, strength};
 use super::field::{Field, Law, Support};
 use crate::channel::{CHANNELS, Channel};
-use crate::closed_form::candidate;
+use crate::closed_form::{CHANGE_ERRORS, POWER, candidate};
 use crate::predictor::{Active, Condition, Effect, Nuisance, Predictor};
 use nalgebra::DMatrix;
 
@@ -296,6 +296,16 @@ impl Predictor for PairedRuns {
 
     fn channels(&self) -> &[Channel] {
         &self.channels
+    }
+
+    /// That of the closed form. Recordings come from a physics that the particle solver does not have either; how far its effects are
+    /// from theirs has not been measured, and until it has been it is not trusted more.
+    fn change_errors(&self) -> &[f64] {
+        &CHANGE_ERRORS
+    }
+
+    fn likelihood_power(&self) -> f64 {
+        POWER
     }
 
     fn log_observables(
