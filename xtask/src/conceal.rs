@@ -30,6 +30,12 @@ pub enum Conceal {
         /// The physics that the cuts obey.
         #[arg(long, value_enum, default_value_t = Truths::Opponents)]
         physics: Truths,
+        /// Give every case commissioning sets; otherwise half of them have none.
+        #[arg(long)]
+        with_reference: bool,
+        /// Hide nothing in any case: for the rate of false alarms.
+        #[arg(long)]
+        nulls: bool,
     },
     /// Cases cut by the particle solver: write the sweep that they need, `DIR/runs.toml`. Its runs follow from the answers: do not read it.
     Twin {
@@ -131,7 +137,11 @@ pub enum Truths {
 /// Runs it.
 pub fn run(what: &Conceal) -> Result<(), String> {
     match what {
-        Conceal::Draw { out, key, cases, physics } => draw_all(out, key, *cases, *physics),
+        Conceal::Draw { out, key, cases, physics, with_reference, nulls } => {
+            let wanted =
+                draw::Wanted { physics: *physics, with_reference: *with_reference, nulls: *nulls };
+            draw_all(out, key, *cases, wanted)
+        }
         Conceal::Twin { base, out, key, cases, travel } => {
             twin_files::draw(base, out, &opened_key(key)?, *cases, *travel)
         }
@@ -171,12 +181,12 @@ fn opened_key(file: &Path) -> Result<seal::Key, String> {
     seal::Key::from_text(&read(file)?)
 }
 
-fn draw_all(out: &Path, key: &Path, cases: usize, physics: Truths) -> Result<(), String> {
+fn draw_all(out: &Path, key: &Path, cases: usize, wanted: draw::Wanted) -> Result<(), String> {
     if out.exists() {
         return Err(format!("{} exists: cases are never mixed", out.display()));
     }
     let key = opened_key(key)?;
-    let drawn = draw::cases(key.seed(), cases, physics)?;
+    let drawn = draw::cases(key.seed(), cases, wanted)?;
     for case in &drawn {
         let folder = out.join(&case.name);
         std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;

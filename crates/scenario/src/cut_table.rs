@@ -8,8 +8,8 @@ pub const MEASURED: [&str; 7] =
     ["F_c", "F_f", "F_p", "T_interface", "chip_thickness", "contact_length", "springback"];
 /// Columns beside them, which come first.
 const OTHERS: usize = 7;
-/// Columns that `sphcut sweep` writes and that are read over.
-const READ_OVER: usize = 3;
+/// Of how many of [`MEASURED`], from the first on, `sphcut sweep` writes half widths.
+const INTERVALS: usize = 4;
 
 /// One line of the table in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +30,8 @@ pub struct CutTableRow {
     pub values: [Option<f64>; MEASURED.len()],
     /// Standard deviations between cuts.
     pub deviations: [Option<f64>; MEASURED.len()],
+    /// Half widths of the 95 % intervals of simulated values.
+    pub half_widths: [Option<f64>; MEASURED.len()],
 }
 
 const fn column(
@@ -41,7 +43,7 @@ const fn column(
     ColumnRule { name, quantity, unit, required, positive }
 }
 
-const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + READ_OVER] = [
+const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + INTERVALS] = [
     column("v_c", Quantity::Speed, "m/min", (true, true)),
     column("h", Quantity::Length, "mm", (true, true)),
     column("cut_length", Quantity::Length, "m", (false, false)),
@@ -66,11 +68,12 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + READ_OVER] = [
     column("F_c_ci95", Quantity::Force, "N", (false, false)),
     column("F_f_ci95", Quantity::Force, "N", (false, false)),
     column("F_p_ci95", Quantity::Force, "N", (false, false)),
+    column("T_interface_ci95", Quantity::TemperatureDifference, "K", (false, false)),
 ];
 
 /// Reads a table with the columns `v_c` and `h` and at least one of [`MEASURED`]; if it has them, also standard deviations
 /// (`F_c_sd` and so on), `n`, `order`, `cut_length` and `b`; in any order, each with its unit in brackets: `v_c [m/min]`. A
-/// cell of what was not measured is empty. A column `time`, and the half widths of intervals that `sphcut sweep` writes, are read over. Empty lines and lines that begin with `#` are
+/// cell of what was not measured is empty. The half widths of intervals that `sphcut sweep` writes (`F_c_ci95` and so on) say nothing of recordings. A column `time` is read over. Empty lines and lines that begin with `#` are
 /// skipped.
 ///
 /// # Errors
@@ -99,6 +102,11 @@ pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
             width_of_cut: values[5],
             values: part(&values, OTHERS),
             deviations: part(&values, OTHERS + MEASURED.len()),
+            half_widths: {
+                let mut part = [None; MEASURED.len()];
+                part[..INTERVALS].copy_from_slice(&values[OTHERS + 2 * MEASURED.len()..]);
+                part
+            },
         });
     }
     if rows.iter().all(|row| row.values.iter().all(Option::is_none)) {
@@ -123,6 +131,10 @@ mod tests {
         assert_eq!((rows[0].values[3], rows[0].deviations[3]), (Some(773.15), Some(5.0)));
         assert_eq!((rows[0].order, rows[0].cut_length), (Some(1.0), Some(30.0)));
         assert_eq!((rows[1].values[3], rows[1].deviations[0]), (None, None));
+        let text = "v_c [m/min],h [mm],F_c [N],F_c_ci95 [N],T_interface [K],T_interface_ci95 [K]\n60,0.1,180,4,700,6\n";
+        let row = read_cut_table(text).unwrap()[0];
+        assert_eq!((row.half_widths[0], row.half_widths[1]), (Some(4.0), None));
+        assert_eq!((row.half_widths[3], row.deviations), (Some(6.0), [None; MEASURED.len()]));
     }
 
     #[test]

@@ -180,7 +180,7 @@ impl Table {
     pub fn simulated_csv(&self) -> Option<String> {
         let mut text = String::from(
             "v_c [m/min],h [mm],b [mm],F_c [N],F_c_ci95 [N],F_f [N],F_f_ci95 [N],F_p [N],F_p_ci95 [N],chip_thickness [mm],\
-             contact_length [mm],T_interface [degC]\n",
+             contact_length [mm],T_interface [degC],T_interface_ci95 [K]\n",
         );
         let mut cuts = 0;
         for row in &self.rows {
@@ -195,6 +195,7 @@ impl Table {
                 number("chip.thickness_mm"),
                 number("contact.length_mm"),
                 number("temperature.interface_mean_k").map(|kelvin| kelvin - ZERO_CELSIUS),
+                number("temperature.interface_ci95_k"),
             ];
             let conditions = [speed, thickness, width].map(|number| number.to_string());
             // In the plane there is no passive force to know.

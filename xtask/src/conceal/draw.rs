@@ -42,6 +42,22 @@ impl Kind {
     }
 }
 
+/// What kinds of cases.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted {
+    pub physics: Truths,
+    /// Commissioning sets in every case.
+    pub with_reference: bool,
+    /// Nothing hidden in any.
+    pub nulls: bool,
+}
+
+impl From<Truths> for Wanted {
+    fn from(physics: Truths) -> Self {
+        Self { physics, with_reference: false, nulls: false }
+    }
+}
+
 /// The plan of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
@@ -61,6 +77,8 @@ pub struct Plan {
 pub struct Recorded {
     pub condition: Condition,
     pub values: Vec<Option<(f64, f64)>>,
+    /// Logarithm of what the noise made of each value; the instruments' errors are no noise.
+    pub noise: Vec<f64>,
 }
 
 /// A case with its answer.
@@ -78,8 +96,8 @@ pub struct Case {
 }
 
 /// `count` cases that follow from `seed`.
-pub fn cases(seed: u64, count: usize, physics: Truths) -> Result<Vec<Case>, String> {
-    plans(seed, count, physics)
+pub fn cases(seed: u64, count: usize, wanted: impl Into<Wanted>) -> Result<Vec<Case>, String> {
+    plans(seed, count, wanted.into())
         .into_iter()
         .enumerate()
         .map(|(index, plan)| {
@@ -90,7 +108,7 @@ pub fn cases(seed: u64, count: usize, physics: Truths) -> Result<Vec<Case>, Stri
 }
 
 /// Every property in equal shares, each dealt out independently of the others.
-fn plans(seed: u64, count: usize, physics: Truths) -> Vec<Plan> {
+fn plans(seed: u64, count: usize, wanted: Wanted) -> Vec<Plan> {
     let mut random = Random::new(seed, &[0]);
     let mut deal = |parts: usize| {
         let mut hand: Vec<usize> = (0..count).map(|index| index % parts).collect();
@@ -106,14 +124,14 @@ fn plans(seed: u64, count: usize, physics: Truths) -> Vec<Plan> {
     };
     let hands = [40, 3, 3, 2, 2, 2, 3, 2].map(&mut deal);
     let of = |index: usize| Plan {
-        kind: kind(hands[0][index]),
+        kind: if wanted.nulls { Kind::Null } else { kind(hands[0][index]) },
         stratum: hands[1][index],
         noise: NOISES[hands[2][index]],
         is_wide: hands[3][index] == 1,
         forces_only: hands[4][index] == 1,
-        has_commissioning: hands[5][index] == 1,
+        has_commissioning: wanted.with_reference || hands[5][index] == 1,
         has_gaps: hands[6][index] == 1,
-        physics: match physics {
+        physics: match wanted.physics {
             Truths::Opponents => OPPONENTS[hands[7][index]],
             Truths::Library => ("library", Physics::LIBRARY),
         },
@@ -356,15 +374,16 @@ impl Bench<'_> {
         for condition in cuts {
             let real = truth.at(condition).map_err(|error| error.to_string())?;
             let place = condition.run_order / last - 0.5;
-            let mut values = Vec::new();
+            let (mut values, mut drawn) = (Vec::new(), Vec::new());
             for (channel, instrument) in self.channels.iter().zip(self.instruments) {
                 let shown = instrument.shown(real.get(*channel), place);
-                let value = shown * (noise * random.normal()).exp();
+                drawn.push(noise * random.normal());
+                let value = shown * drawn[drawn.len() - 1].exp();
                 let lost = random.uniform() < LOST && has_gaps;
                 // Of the value recorded: that of the real one would give the real one away.
                 values.push((!lost && value > 0.0).then_some((value, noise * value)));
             }
-            recorded.push(Recorded { condition: *condition, values });
+            recorded.push(Recorded { condition: *condition, values, noise: drawn });
         }
         Ok(recorded)
     }
@@ -407,6 +426,14 @@ mod tests {
         keys.sort_unstable();
         keys.dedup();
         assert!(keys.len() >= 6, "{keys:?}");
+    }
+
+    #[test]
+    fn all_can_be_nulls_with_commissioning_sets() {
+        let wanted = Wanted { physics: Truths::Opponents, with_reference: true, nulls: true };
+        let drawn = cases(3, 8, wanted).unwrap();
+        assert!(drawn.iter().all(|case| case.plan.kind == Kind::Null && case.strength == 0.0));
+        assert!(drawn.iter().all(|case| !case.commissioning.is_empty()));
     }
 
     #[test]

@@ -131,10 +131,24 @@ pub fn answers(cases: &[Case]) -> String {
             "gaps": case.plan.has_gaps,
             "physics": case.plan.physics.0,
             "nuisances": nuisances,
+            "noise_drawn": noise_drawn(case),
         })
     };
     let all: Vec<Value> = cases.iter().map(answer).collect();
     format!("{:#}\n", Value::Array(all))
+}
+
+/// By channel, in the order of the recordings.
+fn noise_drawn(case: &Case) -> Value {
+    let of = |(place, channel): (usize, &Channel)| {
+        let own: Vec<Value> = case
+            .recordings
+            .iter()
+            .map(|cut| json!((cut.noise[place] * 1e6).round() / 1e6))
+            .collect();
+        (column(*channel).0.to_owned(), Value::Array(own))
+    };
+    Value::Object(case.channels.iter().enumerate().map(of).collect())
 }
 
 /// What the score needs of an answer.
@@ -150,6 +164,8 @@ pub struct Answer {
     pub forces_only: bool,
     pub has_commissioning: bool,
     pub physics: String,
+    /// log(recorded / what would have been recorded without noise), by channel and recording; empty where it is not known.
+    pub noise_drawn: BTreeMap<String, Vec<f64>>,
 }
 
 /// The opened answers.
@@ -176,6 +192,10 @@ fn answer(one: &Value) -> Option<Answer> {
         forces_only: one["forces_only"].as_bool()?,
         has_commissioning: one["commissioning"].as_bool()?,
         physics: text(&one["physics"])?,
+        noise_drawn: match &one["noise_drawn"] {
+            Value::Null => BTreeMap::new(),
+            drawn => serde_json::from_value(drawn.clone()).ok()?,
+        },
     })
 }
 

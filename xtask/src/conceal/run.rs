@@ -4,7 +4,7 @@ use super::score::HEAD;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sphcut_diagnose::{
-    ClosedForm, Diagnosis, Predictor, Verdict, closed_form_cut, diagnose_case_as,
+    ClosedForm, Diagnosis, Held, HeldValue, Predictor, Verdict, closed_form_cut, diagnose_case_as,
 };
 use sphcut_scenario::{Colours, DiagnosisCase, LoadOptions};
 use std::fmt::Write;
@@ -91,6 +91,17 @@ pub fn load(path: &Path) -> Result<DiagnosisCase, String> {
     })
 }
 
+/// Recording and channel of every value, and log(prediction / recorded): repaired, fitted again, regressions.
+fn each(held: &Held) -> Value {
+    let of = |value: &HeldValue| {
+        let errors =
+            [value.plain[2], value.plain[1]].into_iter().chain(value.grey_box.iter().copied());
+        let errors: Vec<f64> = errors.map(|error| (error * 1e6).round() / 1e6).collect();
+        json!([value.recording, value.channel.key(), errors])
+    };
+    held.each.iter().map(of).collect()
+}
+
 /// What is claimed of a case.
 fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> Claimed {
     let effects = model.effects();
@@ -136,7 +147,7 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
             let grey: Vec<f64> = held.grey_box.iter().map(|(_, error)| *error).collect();
             json!({ "part": held.part.key(), "values": held.values, "before": held.before,
                     "refitted": held.refitted, "repaired": held.repaired, "ratio": held.ratio,
-                    "grey_box": grey })
+                    "grey_box": grey, "each": each(held) })
         })
         .collect();
     let gates: Vec<Value> =

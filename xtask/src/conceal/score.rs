@@ -278,6 +278,7 @@ pub fn report(answers: &[Answer], claims: &[Claim]) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
 
     fn answer(case: &str, kind: &str, key: Option<&str>) -> Answer {
         let effects =
@@ -292,6 +293,7 @@ mod tests {
             forces_only: false,
             has_commissioning: true,
             physics: "opponent_all".to_owned(),
+            noise_drawn: BTreeMap::new(),
         }
     }
 

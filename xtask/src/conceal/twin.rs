@@ -19,6 +19,10 @@ const REPEATS: usize = 2;
 const RANGE: [[f64; 2]; 2] = [[20.0, 400.0], [0.04, 0.2]];
 /// The weakest that is hidden, as a share of the way from nothing to the far end of the prior.
 const WEAKEST: f64 = 0.15;
+/// Scatter of a mean over a run whose interval is not known, as a share.
+const UNKNOWN_SCATTER: f64 = 0.03;
+/// Half width of a 95 % interval in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Amplitudes of what no effect describes.
 const OUTSIDE: [f64; 2] = [0.08, 0.3];
 
@@ -183,12 +187,27 @@ const CHANNELS: [Channel; 4] = [
 
 fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Case, String> {
     let mut cuts: Vec<(Condition, Observables, Observables)> = Vec::new();
+    let mut scatter: Vec<[f64; CHANNELS.len()]> = Vec::new();
+    // Variance of the logarithm of hidden over plain by chaos alone.
+    let mut apart: Vec<[f64; CHANNELS.len()]> = Vec::new();
     for condition in &twin.conditions {
-        let own: Vec<Observables> =
-            simulated.iter().filter(|row| is_there(row, condition)).filter_map(seen).collect();
+        let own: Vec<(&CutTableRow, Observables)> = simulated
+            .iter()
+            .filter(|row| is_there(row, condition))
+            .filter_map(|row| Some((row, seen(row)?)))
+            .collect();
         match (own.as_slice(), twin.needs_plain()) {
-            ([plain, hidden], true) => cuts.push((*condition, *plain, *hidden)),
-            ([only], false) => cuts.push((*condition, *only, *only)),
+            ([(without, plain), (row, hidden)], true) => {
+                cuts.push((*condition, *plain, *hidden));
+                let (own, other) = (scatter_of(row), scatter_of(without));
+                apart.push(std::array::from_fn(|k| own[k].powi(2) + other[k].powi(2)));
+                scatter.push(own);
+            }
+            ([(row, only)], false) => {
+                cuts.push((*condition, *only, *only));
+                apart.push([0.0; CHANNELS.len()]);
+                scatter.push(scatter_of(row));
+            }
             _ => {}
         }
     }
@@ -203,13 +222,18 @@ fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Ca
             outside.act(amplitude, condition, middle, hidden);
         }
     }
-    let strength = CHANNELS
-        .iter()
-        .map(|channel| {
-            let change = |(_, plain, hidden): &(Condition, Observables, Observables)| {
-                (hidden.get(*channel) / plain.get(*channel) - 1.0).powi(2)
+    // What chaos adds is no strength: chaos alone would be one.
+    let strength = (0..CHANNELS.len())
+        .map(|k| {
+            let square = |((_, plain, hidden), apart): (
+                &(Condition, Observables, Observables),
+                &[f64; CHANNELS.len()],
+            )| {
+                let ratio = hidden.get(CHANNELS[k]) / plain.get(CHANNELS[k]);
+                (ratio - 1.0).powi(2) - ratio * ratio * apart[k]
             };
-            (cuts.iter().map(change).sum::<f64>() / cuts.len() as f64).sqrt()
+            let sum: f64 = cuts.iter().zip(&apart).map(square).sum();
+            (sum.max(0.0) / cuts.len() as f64).sqrt()
         })
         .fold(0.0, f64::max);
     let stratum = STRATA.iter().rposition(|(low, _)| strength >= *low).unwrap_or(0);
@@ -223,15 +247,20 @@ fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Ca
     let mut recordings = Vec::new();
     for (run, place) in order.into_iter().enumerate() {
         let (condition, _, hidden) = &cuts[place % cuts.len()];
-        let mut values = Vec::new();
-        for (channel, instrument) in channels.iter().zip(&instruments) {
+        let (mut values, mut noise) = (Vec::new(), Vec::new());
+        for (which, (channel, instrument)) in channels.iter().zip(&instruments).enumerate() {
             let shown = instrument.shown(hidden.get(*channel), run as f64 / last - 0.5);
-            let value = shown * (twin.noise * random.normal()).exp();
+            noise.push(twin.noise * random.normal());
+            let value = shown * noise[noise.len() - 1].exp();
             let lost = random.uniform() < LOST && twin.has_gaps;
-            values.push((!lost && value > 0.0).then_some((value, twin.noise * value)));
+            // Chaos of a run as short as that is common to the recordings of it, of which there are REPEATS: with this variance for each
+            // their mean has noise^2 / REPEATS + run^2.
+            let run = scatter[place % cuts.len()][which];
+            let stated = (twin.noise.powi(2) + REPEATS as f64 * run * run).sqrt();
+            values.push((!lost && value > 0.0).then_some((value, stated * value)));
         }
         let condition = Condition { run_order: run as f64, ..*condition };
-        recordings.push(Recorded { condition, values });
+        recordings.push(Recorded { condition, values, noise });
     }
     let plan = Plan {
         kind: twin.kind,
@@ -259,6 +288,15 @@ fn is_there(row: &CutTableRow, condition: &Condition) -> bool {
     let same = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-6;
     same(row.cutting_speed, condition.cutting_speed)
         && same(row.uncut_chip_thickness, condition.uncut_chip_thickness)
+}
+
+/// Standard deviation of the mean of each of [`CHANNELS`] over the run, as a share.
+fn scatter_of(row: &CutTableRow) -> [f64; CHANNELS.len()] {
+    ["F_c", "F_f", "T_interface", "chip_thickness"].map(|key| {
+        let place = MEASURED.iter().position(|own| *own == key);
+        let known = place.and_then(|p| Some(row.half_widths[p]? / row.values[p]?));
+        known.map_or(UNKNOWN_SCATTER, |share| share / NORMAL_95)
+    })
 }
 
 /// What was simulated; none without one of [`CHANNELS`].
@@ -316,7 +354,7 @@ mod tests {
     fn recordings_are_what_was_simulated() {
         let drawn = twins(6, 30);
         let mut table =
-            "v_c [m/min],h [mm],b [mm],F_c [N],F_f [N],chip_thickness [mm],contact_length [mm],T_interface [degC]\n"
+            "v_c [m/min],h [mm],b [mm],F_c [N],F_c_ci95 [N],F_f [N],F_f_ci95 [N],chip_thickness [mm],contact_length [mm],T_interface [degC]\n"
                 .to_owned();
         for twin in &drawn {
             for condition in &twin.conditions {
@@ -324,9 +362,10 @@ mod tests {
                 let mut line = |feed: f64| {
                     let _ = writeln!(
                         table,
-                        "{v:.8},{h:.8},1,{},{},{},{},600",
+                        "{v:.8},{h:.8},1,{},0,{},{},{},{},600",
                         1800.0 * h,
                         feed * h,
+                        0.04 * NORMAL_95 * feed * h,
                         2.0 * h,
                         h
                     );
@@ -344,10 +383,19 @@ mod tests {
             match case.plan.kind {
                 Kind::Null => assert_eq!(case.strength, 0.0),
                 Kind::Single | Kind::Pair => {
-                    assert!((case.strength - 0.2).abs() < 1e-6, "{}", case.strength);
+                    // A fifth, less the scatter of 4 % of both.
+                    let strength = (0.04 - 1.44 * 2.0 * 0.04_f64.powi(2)).sqrt();
+                    assert!((case.strength - strength).abs() < 1e-6, "{}", case.strength);
                     assert_eq!(case.plan.stratum, 2);
                 }
                 Kind::Outside => assert!(case.strength > 0.01),
+            }
+            // The scatter of the feed force is in its stated deviation; that of the cutting force is none.
+            for cut in &case.recordings {
+                let share = |k: usize| cut.values[k].map_or(f64::NAN, |(value, sd)| sd / value);
+                let feed = (twin.noise.powi(2) + 2.0 * 0.04_f64.powi(2)).sqrt();
+                assert!(share(0).is_nan() || (share(0) - twin.noise).abs() < 1e-9);
+                assert!(share(1).is_nan() || (share(1) - feed).abs() < 1e-5, "{}", share(1));
             }
             // Noise, gain, drift and offset are all that stands between simulation and recording.
             if twin.hidden.effects.is_empty() && twin.hidden.outside.is_none() {
