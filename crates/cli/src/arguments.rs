@@ -196,6 +196,7 @@ Examples:
 What appears in the output folder:
   diagnosis.html        one page: where, what, repair, does it help, can it be trusted, what next
   diagnosis.json        the same as numbers
+  held_out.csv          every value that a fit had not seen, with what it predicted
   scenario.patch.toml   the missing effect with its parameters, where one is named
   runs/                 what each effect changes: a sweep of the particle solver with its table and page
 

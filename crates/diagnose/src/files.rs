@@ -35,6 +35,7 @@ impl Part {
             Self::Blocks => "blocks",
             Self::HighestSpeed => "highest_speed",
             Self::ThinnestChip => "thinnest_chip",
+            Self::UnfittedChannel => "unfitted_channel",
         }
     }
 }
@@ -170,6 +171,42 @@ pub fn diagnosis_json(
         })),
     });
     format!("{page:#}\n")
+}
+
+/// Every value that was left out: its line in the table (from 1), what was measured, and what was predicted of it. SI units.
+#[must_use]
+pub fn held_out_csv(found: &Diagnosis, recordings: &Recordings) -> String {
+    let methods: Vec<&str> = found
+        .help
+        .first()
+        .map_or(Vec::new(), |h| h.grey_box.iter().map(|(m, _)| m.key()).collect());
+    let mut text = "left_out,line,v_c [m/s],h [m],channel,unit,measured,as_simulated,nuisances_fitted_again,repaired"
+        .to_owned();
+    methods.iter().for_each(|method| text += &format!(",{method}"));
+    text.push('\n');
+    for held in &found.help {
+        for value in &held.each {
+            let recording = &recordings.all()[value.recording];
+            let measured = recording.values[value.channel.index()].unwrap_or(f64::NAN);
+            let condition = &recording.condition;
+            text += &format!(
+                "{},{},{:.6},{:.4e},{},{},{measured:.6e}",
+                held.part.key(),
+                value.recording + 1,
+                condition.cutting_speed,
+                condition.uncut_chip_thickness,
+                value.channel.key(),
+                value.channel.unit(),
+            );
+            let shown =
+                value.plain.iter().chain(&value.grey_box).map(|error| error.exp() * measured);
+            shown.for_each(|prediction| text += &format!(",{prediction:.6e}"));
+            // A channel to which nothing is fitted has no regression.
+            text += &",".repeat(methods.len() - value.grey_box.len());
+            text.push('\n');
+        }
+    }
+    text
 }
 
 fn condition(condition: &Condition) -> Value {

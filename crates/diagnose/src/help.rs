@@ -28,6 +28,21 @@ pub enum Part {
     HighestSpeed,
     /// The thinnest chips.
     ThinnestChip,
+    /// Every channel in turn, in all conditions: an observable to which nothing was fitted.
+    UnfittedChannel,
+}
+
+/// A value that was left out, and what was predicted of it: log(prediction / measured).
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldValue {
+    /// Its recording: the place in the table.
+    pub recording: usize,
+    /// Its channel.
+    pub channel: Channel,
+    /// By the base scenario as it is, fitted again, repaired.
+    pub plain: [f64; 3],
+    /// By each regression, in the order of [`Held::grey_box`].
+    pub grey_box: Vec<f64>,
 }
 
 /// Errors on what was held out: mean of |log(prediction / measured)|.
@@ -47,8 +62,11 @@ pub struct Held {
     pub ratio: [f64; 3],
     /// The same by channel: fitted again, repaired.
     pub channels: Vec<(Channel, [f64; 2])>,
-    /// The base scenario corrected by regression of its residual over v_c and h.
+    /// The base scenario corrected by regression of its residual over v_c and h; empty for a channel of which there is nothing to learn
+    /// from.
     pub grey_box: Vec<(Method, f64)>,
+    /// Every value.
+    pub each: Vec<HeldValue>,
 }
 
 impl Held {
@@ -57,14 +75,6 @@ impl Held {
     pub fn improves(&self) -> bool {
         self.ratio[2] < 1.0
     }
-}
-
-/// Absolute errors of a value by each prediction.
-struct Errors {
-    condition: usize,
-    channel: Channel,
-    plain: [f64; 3],
-    grey_box: Vec<f64>,
 }
 
 /// Leaves out one block after the other and predicts it by what the rest teaches, with `fit` as the repair.
@@ -85,12 +95,12 @@ pub fn does_it_help(
     let settings = learners.settings();
     let context = Context { problem, predictor, repair, learners: &learners, settings: &settings };
     let mut found = Vec::new();
-    for (part, folds) in blocks.parts() {
-        let each: Result<Vec<Vec<Errors>>, DiagnoseError> =
-            folds.par_iter().map(|fold| context.held_out(fold)).collect();
-        let errors = each?.into_iter().flatten().collect::<Vec<Errors>>();
-        if !errors.is_empty() {
-            found.push(summary(part, &errors, seed));
+    for (part, folds) in blocks.parts(problem) {
+        let each: Result<Vec<Vec<HeldValue>>, DiagnoseError> =
+            folds.par_iter().map(|fold| context.held_out(part, fold)).collect();
+        let each = each?.into_iter().flatten().collect::<Vec<HeldValue>>();
+        if !each.is_empty() {
+            found.push(summary(part, each, &condition_of, seed));
         }
     }
     Ok(found)
@@ -135,15 +145,23 @@ impl Blocks {
         self.rows.iter().filter(|(_, place)| keep(*place)).map(|(row, _)| *row).collect()
     }
 
-    fn parts(&self) -> Vec<(Part, Vec<Vec<usize>>)> {
+    fn parts(&self, problem: &Problem) -> Vec<(Part, Vec<Vec<usize>>)> {
         let quarter = |fast: bool, thick: bool| {
             self.those(|[v, h]| (v >= 0.5) == fast && (h >= 0.5) == thick)
         };
         let quarters = [(false, false), (false, true), (true, false), (true, true)];
+        let channels = problem.channels();
+        let of = |channel| {
+            let own = self.rows.iter().filter(|(row, _)| problem.rows[*row].channel == channel);
+            own.map(|(row, _)| *row).collect()
+        };
+        let unfitted =
+            if channels.len() > 1 { channels.into_iter().map(of).collect() } else { Vec::new() };
         vec![
             (Part::Blocks, quarters.map(|(fast, thick)| quarter(fast, thick)).to_vec()),
             (Part::HighestSpeed, vec![self.those(|[v, _]| v > 0.75)]),
             (Part::ThinnestChip, vec![self.those(|[_, h]| h < 0.25)]),
+            (Part::UnfittedChannel, unfitted),
         ]
     }
 }
@@ -157,11 +175,12 @@ struct Context<'a> {
 }
 
 impl Context<'_> {
-    fn held_out(&self, held: &[usize]) -> Result<Vec<Errors>, DiagnoseError> {
+    fn held_out(&self, part: Part, held: &[usize]) -> Result<Vec<HeldValue>, DiagnoseError> {
         let problem = self.problem;
         let kept: Vec<usize> = (0..problem.rows.len()).filter(|row| !held.contains(row)).collect();
-        let few = kept.iter().filter(|&&row| problem.is_diagnosed(row)).count() < held.len() / 2;
-        if held.is_empty() || few {
+        let left = kept.iter().filter(|&&row| problem.is_diagnosed(row)).count();
+        // Of five channels of which one was measured everywhere, the others cannot stand for it.
+        if held.is_empty() || left < held.len() / 2 {
             return Ok(Vec::new());
         }
         let training = problem.select(&kept)?;
@@ -176,20 +195,20 @@ impl Context<'_> {
             self.predicted(&training, &kept, &null),
             self.predicted(&training, &kept, &full),
         ];
-        let corrections = self.learners.corrections(self.settings, &kept, held);
-        let errors = held.iter().enumerate().map(|(k, &row)| {
+        let corrections = match part {
+            Part::UnfittedChannel => Vec::new(),
+            _ => self.learners.corrections(self.settings, &kept, held),
+        };
+        let values = held.iter().enumerate().map(|(k, &row)| {
             let measured = problem.rows[row].log_value;
-            Errors {
-                condition: self.learners.condition_of[problem.rows[row].recording],
+            HeldValue {
+                recording: problem.rows[row].recording,
                 channel: problem.rows[row].channel,
-                plain: [0, 1, 2].map(|p: usize| (predictions[p][row] - measured).abs()),
-                grey_box: corrections
-                    .iter()
-                    .map(|all| (base[row] + all[k] - measured).abs())
-                    .collect(),
+                plain: [0, 1, 2].map(|p: usize| predictions[p][row] - measured),
+                grey_box: corrections.iter().map(|all| base[row] + all[k] - measured).collect(),
             }
         });
-        Ok(errors.filter(|errors| errors.plain.iter().all(|e| e.is_finite())).collect())
+        Ok(values.filter(|value| value.plain.iter().all(|e| e.is_finite())).collect())
     }
 
     /// log y of all rows by a fit of some, with what it says of the bias: Sigma_*k Sigma_kk^-1 r.
@@ -285,26 +304,26 @@ impl Learners<'_> {
     }
 }
 
-fn summary(part: Part, errors: &[Errors], seed: u64) -> Held {
-    let mean =
-        |of: &dyn Fn(&Errors) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
-    let [before, refitted, repaired] = [0, 1, 2].map(|p: usize| mean(&|e: &Errors| e.plain[p]));
-    let grey_box = METHODS
-        .iter()
-        .enumerate()
-        .map(|(m, &method)| (method, mean(&|e: &Errors| e.grey_box[m])))
-        .collect();
-    let both = errors.iter().map(|e| (e.condition, [e.plain[1], e.plain[2]]));
+fn summary(part: Part, each: Vec<HeldValue>, condition_of: &[usize], seed: u64) -> Held {
+    let mean = |of: &dyn Fn(&HeldValue) -> f64| {
+        each.iter().map(|value| of(value).abs()).sum::<f64>() / each.len() as f64
+    };
+    let [before, refitted, repaired] = [0, 1, 2].map(|p: usize| mean(&|e| e.plain[p]));
+    let methods = METHODS.iter().enumerate().take(each[0].grey_box.len());
+    let grey_box = methods.map(|(m, &method)| (method, mean(&|e| e.grey_box[m]))).collect();
+    let both =
+        each.iter().map(|e| (condition_of[e.recording], [e.plain[1].abs(), e.plain[2].abs()]));
     let [low, high] = ratio_interval(both, seed);
     let ratio = [repaired / refitted, low, high];
     let of = |channel: Channel| {
-        let own = || errors.iter().filter(move |e| e.channel == channel);
+        let own = || each.iter().filter(move |e| e.channel == channel);
         let count = own().count();
-        let mean = |p: usize| own().map(|e| e.plain[p]).sum::<f64>() / count as f64;
+        let mean = |p: usize| own().map(|e| e.plain[p].abs()).sum::<f64>() / count as f64;
         (count > 0).then(|| (channel, [mean(1), mean(2)]))
     };
     let channels = CHANNELS.into_iter().filter_map(of).collect();
-    Held { part, values: errors.len(), before, refitted, repaired, ratio, channels, grey_box }
+    let values = each.len();
+    Held { part, values, before, refitted, repaired, ratio, channels, grey_box, each }
 }
 
 /// 95 % interval of the ratio of the mean errors: whole conditions drawn with replacement, both errors of a value together

@@ -66,17 +66,19 @@ pub use closed_form_cut::closed_form_cut;
 pub use commissioning::{Batch, Bias, BiasOrigin, Comparison};
 pub use data::{Noise, NoiseSource, Recording, Recordings};
 pub use error::DiagnoseError;
-pub use files::{Provenance, diagnosis_json};
+pub use files::{Provenance, diagnosis_json, held_out_csv};
 pub use fit::{Fit, fit};
 pub use growth::{Amount, Cause, Direction, Growth, LeftOut, Segment, grows};
 pub use growth_files::{growth_csv, growth_json, growth_words};
-pub use help::{Held, Part, does_it_help};
+pub use help::{Held, HeldValue, Part, does_it_help};
 pub use locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
 pub use next_experiment::{NextExperiment, Rival, next_experiment};
 pub use paired::{Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support};
 pub use predictor::{Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior};
 pub use problem::{InstrumentPriors, Problem, Row, Site};
-pub use rerun::{Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions};
+pub use rerun::{
+    Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions, unseen_fits,
+};
 pub use self_test::{PositiveControl, Rate, Simulator};
 pub use session::{Diagnosis, Estimate, Request, diagnose};
 pub use setups::SetupScatter;

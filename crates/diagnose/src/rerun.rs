@@ -1,7 +1,7 @@
-//! The repaired scenario in the particle solver itself.
+//! The repaired scenario in the particle solver itself, at cutting conditions that the fits have not seen.
 
 use crate::channel::{CHANNELS, Channel};
-use crate::fit::Fit;
+use crate::fit::{Fit, fit};
 use crate::help::ratio_interval;
 use crate::paired::{Change, PairedRun};
 use crate::predictor::{Condition, Predictor};
@@ -34,7 +34,10 @@ pub struct RerunChannel {
     pub ratio: [f64; 3],
 }
 
-/// Conditions of the recordings at which to look: at most `most`, spread over speed and thickness by always taking the one that is
+/// The share of the conditions that is left out of the fits at most: one of three.
+const LEFT_OUT: usize = 3;
+
+/// Conditions of the recordings at which to look: at most `most` and a third of all, spread over speed and thickness by always taking the one that is
 /// farthest from those taken (Kennard and Stone 1969), from the fastest on.
 #[must_use]
 pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<Condition> {
@@ -50,8 +53,9 @@ pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<Condition> {
     }
     let apart =
         |a: usize, b: usize| -> f64 { (0..3).map(|k| (places[a][k] - places[b][k]).powi(2)).sum() };
+    let most = most.min(left.len() / LEFT_OUT);
     let mut taken: Vec<usize> = Vec::new();
-    while taken.len() < most && !left.is_empty() {
+    while taken.len() < most {
         let worth = |row: usize| {
             let near = taken.iter().map(|&other| apart(row, other)).fold(f64::INFINITY, f64::min);
             if near.is_finite() { near } else { places[row][0] }
@@ -62,6 +66,25 @@ pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<Condition> {
         taken.push(left.swap_remove(place));
     }
     taken.into_iter().map(|row| *problem.condition(row)).collect()
+}
+
+/// The fit in which nothing is missing and that of `repair`, without the recordings at `conditions`. `None` where a fit fails.
+#[must_use]
+pub fn unseen_fits(
+    problem: &Problem,
+    predictor: &dyn Predictor,
+    repair: &Fit,
+    conditions: &[Condition],
+) -> Option<(Fit, Fit)> {
+    let is_seen = |&row: &usize| {
+        let own = problem.condition(row);
+        !problem.is_diagnosed(row) || !conditions.iter().any(|c| crate::data::same_cut(c, own))
+    };
+    let kept: Vec<usize> = (0..problem.rows.len()).filter(is_seen).collect();
+    let training = problem.select(&kept).ok()?;
+    let start = repair.unknowns.rows(0, problem.unknowns()).into_owned();
+    let null = fit(&training, predictor, &[], &start)?;
+    Some((null, fit(&training, predictor, &repair.effects, &repair.unknowns)?))
 }
 
 /// What the three states change at a condition. `None` if the scenario has no key for an effect of the repair.

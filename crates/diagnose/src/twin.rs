@@ -429,8 +429,10 @@ mod whole {
         let twin = Twin::new();
         let data = twin.recorded(&hidden(0, -0.15), 0.02, 3);
         let found = diagnose(&request(&data), &twin).unwrap();
-        assert_eq!(found.help.len(), 3);
-        for held in &found.help {
+        let parts: Vec<Part> = found.help.iter().map(|held| held.part).collect();
+        let all = [Part::Blocks, Part::HighestSpeed, Part::ThinnestChip, Part::UnfittedChannel];
+        assert_eq!(parts, all);
+        for held in &found.help[..3] {
             assert!(held.repaired < held.refitted, "{held:?}");
             // The noise of 2 % leaves a mean error of 0.02 sqrt(2 / pi) = 0.016 and that of what was learnt.
             assert!(held.repaired < 0.035, "{held:?}");
@@ -440,6 +442,22 @@ mod whole {
             blocks.part == Part::Blocks && blocks.improves() && blocks.values == 80,
             "{blocks:?}"
         );
+        // Of a channel that nothing was fitted to there is nothing to learn from; every value of every channel is left out once.
+        let unfitted = &found.help[3];
+        assert!(unfitted.grey_box.is_empty() && unfitted.values == blocks.values, "{unfitted:?}");
+        // The effect shows in the feed force alone. Nuisances bent to that say wrong things of the cutting force, the repair does not;
+        // and nothing in the cutting force could foretell it.
+        let [(_, cutting), (_, feed)] = unfitted.channels[..] else { panic!("{unfitted:?}") };
+        assert!(cutting[1] < 0.2 * cutting[0], "{cutting:?}");
+        assert!((feed[1] / feed[0] - 1.0).abs() < 1e-6, "{feed:?}");
+        let mean = unfitted.each.iter().map(|one| one.plain[2].abs()).sum::<f64>() / 80.0;
+        assert!((mean - unfitted.repaired).abs() < 1e-12);
+        let one = &unfitted.each[3];
+        let measured = data.all()[one.recording].values[one.channel.index()].unwrap();
+        let condition = &data.all()[one.recording].condition;
+        let base = twin.log_observables(condition, &vec![0.0; twin.nuisances().len()], &[]);
+        let place = twin.channels().iter().position(|own| *own == one.channel).unwrap();
+        assert!((base[place] - measured.ln() - one.plain[0]).abs() < 1e-12);
         // Put into data without it, the effect is fitted to almost nothing and changes nothing.
         let quiet = twin.recorded(&[], 0.02, 3);
         let problem = twin.problem(&quiet);

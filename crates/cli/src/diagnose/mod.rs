@@ -9,18 +9,19 @@ use crate::{loading, results, terminal};
 use runs::{Ended, Paired};
 use sphcut_diagnose::{
     ClosedForm, DiagnoseError, Predictor, Provenance, closed_form_cut, compare_rerun,
-    diagnose_case, diagnosis_json,
+    diagnose_case, diagnosis_json, held_out_csv,
 };
 use sphcut_report::{DiagnosisPage, diagnosis_words, render_diagnosis};
 
 const PAGE: &str = "diagnosis.html";
 const NUMBERS: &str = "diagnosis.json";
 const PATCH: &str = "scenario.patch.toml";
+const HELD_OUT: &str = "held_out.csv";
 
 /// Diagnoses and writes page, numbers and, where an effect is named, the patch.
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
-    let files = [PAGE, NUMBERS, PATCH].map(|name| out.join(name));
+    let files = [PAGE, NUMBERS, PATCH, HELD_OUT].map(|name| out.join(name));
     if let Some(old) = files.iter().find(|path| path.exists())
         && !arguments.force
     {
@@ -47,15 +48,13 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let pool = loading::pool(loading::threads(arguments.threads))?;
     let (recordings, mut found) = pool.install(|| diagnose_case(&case, model)).map_err(mistaken)?;
     if !arguments.closed_form
-        && let Some(runs) = Paired::repaired(&case, arguments, (&found, model))?
+        && let Some((runs, null, repair)) = Paired::repaired(&case, arguments, (&found, model))?
     {
         match runs.run(arguments)? {
             Ended::Interrupted => return Ok(interrupted()),
             Ended::Finished(results) => {
-                let fits = found.repair.map(|repair| (&found.null, &found.fits[repair]));
                 let own = runs.in_order(&results);
-                found.rerun =
-                    fits.and_then(|fits| compare_rerun(&found.problem, fits, &own, case.seed));
+                found.rerun = compare_rerun(&found.problem, (&null, &repair), &own, case.seed);
             }
         }
     }
@@ -81,6 +80,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         })?,
         None => {}
     }
+    results::save(&files[3], held_out_csv(&found, &recordings).as_bytes())?;
     diagnosis_words(&page).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("report  {}", files[0].display()));
     Ok(ExitCode::Done)

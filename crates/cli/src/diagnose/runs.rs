@@ -5,9 +5,9 @@ use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
 use crate::{interrupt, loading, sweep, terminal};
 use sphcut_diagnose::{
-    CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, PairedRun, PairedRuns,
+    CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, Fit, PairedRun, PairedRuns,
     PairedScenario, Predictor, STATES, changes, condition_of, rerun_changes, rerun_conditions,
-    support,
+    support, unseen_fits,
 };
 use sphcut_scenario::{DiagnosisCase, Sweep};
 use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Table};
@@ -93,18 +93,23 @@ impl Paired {
         terminal::answer(&format!("{}\n{total}{warnings}", self.sweep.title))
     }
 
-    /// The scenario as it is, fitted again and repaired, at some of the recorded conditions; `None` if there is no repair, or none
-    /// that the scenario has keys for.
+    /// The scenario as it is, fitted again and repaired, at some of the recorded conditions, and the two fits, which have not seen these;
+    /// `None` if there is no repair, or none that the scenario has keys for.
     pub fn repaired(
         case: &DiagnosisCase,
         arguments: &DiagnoseArguments,
         (found, predictor): (&Diagnosis, &dyn Predictor),
-    ) -> Result<Option<Self>, Failure> {
-        let Some(repair) = found.repair else { return Ok(None) };
-        let fits = (&found.null, &found.fits[repair]);
+    ) -> Result<Option<(Self, Fit, Fit)>, Failure> {
+        let problem = &found.problem;
+        let Some(repair) = found.repair.map(|repair| &found.fits[repair]) else { return Ok(None) };
+        let conditions = rerun_conditions(problem, case.runs.repaired);
+        let Some((null, repair)) = unseen_fits(problem, predictor, repair, &conditions) else {
+            return Ok(None);
+        };
         let mut runs = Vec::new();
-        for condition in rerun_conditions(&found.problem, case.runs.repaired) {
-            let Some(changes) = rerun_changes(&found.problem, predictor, fits, &condition) else {
+        for condition in conditions {
+            let Some(changes) = rerun_changes(problem, predictor, (&null, &repair), &condition)
+            else {
                 return Ok(None);
             };
             runs.extend(changes.map(|change| (condition, change)));
@@ -112,7 +117,8 @@ impl Paired {
         if runs.is_empty() {
             return Ok(None);
         }
-        Self::new(case, arguments, ("The repaired scenario", "repaired"), runs).map(Some)
+        let paired = Self::new(case, arguments, ("The repaired scenario", "repaired"), runs)?;
+        Ok(Some((paired, null, repair)))
     }
 
     /// The results in the order of the runs.

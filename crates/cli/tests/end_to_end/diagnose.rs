@@ -28,6 +28,14 @@ fn what_the_example_conceals_is_among_what_is_claimed() {
     assert_eq!(numbers["false_alarms"]["trials"], 20);
     let named = numbers["verdict"] == "named";
     assert_eq!(shop.path("missing/scenario.patch.toml").exists(), named);
+    let held_out = shop.read("missing/held_out.csv");
+    let head = held_out.lines().next().unwrap();
+    assert!(head.starts_with("left_out,line,v_c [m/s],h [m],channel,unit,measured,as_simulated,"));
+    let cells = head.split(',').count();
+    assert!(held_out.lines().all(|line| line.split(',').count() == cells), "{head}");
+    for part in ["blocks", "highest_speed", "thinnest_chip", "unfitted_channel"] {
+        assert!(held_out.contains(&format!("\n{part},")), "{part}");
+    }
     let page = shop.read("missing/diagnosis.html");
     for heading in
         ["Where", "What", "Repair", "Does it help", "Can this be trusted", "What to measure next"]

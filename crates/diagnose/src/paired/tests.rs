@@ -3,8 +3,9 @@
 
 use super::{Change, PairedRun, PairedRuns, changes, support};
 use crate::{
-    Active, CHANNELS, Channel, ClosedForm, Condition, InstrumentPriors, Predictor, Recording,
+    Active, CHANNELS, Channel, ClosedForm, Condition, Fit, InstrumentPriors, Predictor, Recording,
     Recordings, Request, STATES, Verdict, compare_rerun, diagnose, rerun_changes, rerun_conditions,
+    unseen_fits,
 };
 use sphcut_analytic::Cut;
 use sphcut_greybox::Random;
@@ -185,9 +186,28 @@ fn a_repair_is_run_again_where_it_was_recorded() {
     let hidden = Change { effects: vec![("edge_radius", vec![30e-6])], ..Change::default() };
     let data = recorded(&model, &hidden, 1);
     let found = diagnose(&request(&data), &library).unwrap();
-    let fits = (&found.null, &found.fits[found.repair.unwrap()]);
     let conditions = rerun_conditions(&found.problem, 6);
     assert_eq!(conditions.len(), 6);
+    let repair = &found.fits[found.repair.unwrap()];
+    let (null, repair) = unseen_fits(&found.problem, &library, repair, &conditions).unwrap();
+    let fits = (&null, &repair);
+    // What was recorded there has no say in the fits, what was recorded elsewhere has.
+    let other = |there: bool| {
+        let mut changed = found.problem.clone();
+        for row in 0..changed.rows.len() {
+            let own = *changed.condition(row);
+            if conditions.iter().any(|c| crate::data::same_cut(c, &own)) == there {
+                changed.rows[row].log_value += 0.1;
+            }
+        }
+        unseen_fits(&changed, &library, &repair, &conditions).unwrap()
+    };
+    let apart = |(a, b): &(Fit, Fit)| {
+        (&a.unknowns - &null.unknowns).norm() + (&b.unknowns - &repair.unknowns).norm()
+    };
+    assert!(apart(&other(true)) < 1e-3 && apart(&other(false)) > 0.1);
+    // A third of them at most.
+    assert_eq!(rerun_conditions(&found.problem, 30).len(), 40 / 3);
     let fastest = (0..40).map(|k| at(k).cutting_speed).fold(0.0, f64::max);
     assert_eq!(conditions[0].cutting_speed, fastest);
     let runs: Vec<[Option<PairedRun>; STATES]> = conditions

@@ -241,11 +241,12 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                         td.n { (percent(held.before)) } td.n { (percent(held.refitted)) } td.n { (percent(held.repaired)) }
                         td.n { (three_digits(held.ratio[0])) " (" (three_digits(held.ratio[1])) " to " (three_digits(held.ratio[2])) ")" }
                         @for (_, error) in &held.grey_box { td.n { (percent(*error)) } }
+                        @for _ in held.grey_box.len()..first.grey_box.len() { td.n { "\u{2013}" } }
                     } } }
                 } }
                 p { "The repair helps beyond doubt where the whole interval of the ratio lies below 1." }
                 div.scroll { table {
-                    caption { "The same by channel." }
+                    caption { "The same by channel. A channel that nothing was fitted to is foretold only if the others show what is missing, too." }
                     thead { tr {
                         th scope="col" { "Left out" } th scope="col" { "Channel" } th.n scope="col" { "Nuisances fitted again" }
                         th.n scope="col" { "Repaired" } th.n scope="col" { "Repaired / fitted again" }
@@ -267,7 +268,8 @@ fn in_the_solver(rerun: &Rerun) -> Markup {
     html! {
         div.scroll { table {
             caption { "The scenario itself, run again in the particle solver at " (rerun.conditions) " of the recorded conditions: as it is, with material and friction \
-                fitted again, and with the repair. Mean error over the recordings there, which the fits have seen." }
+                fitted again, and with the repair. Mean error over the recordings there. The fits have not seen them, and the corners of speed and thickness are \
+                among them: for those the fits look beyond the rest." }
             thead { tr {
                 th scope="col" { "Channel" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
                 th.n scope="col" { "Nuisances fitted again" } th.n scope="col" { "Repaired" } th.n scope="col" { "Repaired / fitted again" }

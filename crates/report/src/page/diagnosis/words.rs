@@ -27,6 +27,7 @@ pub(super) fn part(part: Part) -> &'static str {
         Part::Blocks => "quarters of the range of speed and thickness, one after the other",
         Part::HighestSpeed => "the highest speeds (beyond the rest)",
         Part::ThinnestChip => "the thinnest chips (beyond the rest)",
+        Part::UnfittedChannel => "each channel in turn, which then nothing is fitted to",
     }
 }
 
