@@ -4,7 +4,7 @@ use crate::channel::Channel;
 use crate::commissioning::{Batch, Comparison};
 use crate::data::{Recording, Recordings};
 use crate::error::DiagnoseError;
-use crate::predictor::{Condition, Predictor};
+use crate::predictor::{Condition, Predictor, ToolShape};
 use crate::problem::InstrumentPriors;
 use crate::session::{Diagnosis, Request, diagnose};
 use sphcut_scenario::{CutTableRow, DiagnosisCase, MEASURED};
@@ -79,6 +79,7 @@ pub fn condition_of(row: &CutTableRow) -> Condition {
         uncut_chip_thickness: row.uncut_chip_thickness,
         cut_length: row.cut_length.unwrap_or(0.0),
         run_order: row.order.unwrap_or(0.0),
+        tool: ToolShape { rake_angle: row.rake_angle, edge_radius: row.edge_radius },
     }
 }
 

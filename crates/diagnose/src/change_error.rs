@@ -1,7 +1,7 @@
 //! How wrong the model may be in what an effect changes.
 
 use crate::problem::Problem;
-use crate::templates::scaled_places;
+use crate::templates::{scaled_places, tool_axes};
 use nalgebra::{DMatrix, DVector};
 
 /// Share of the variance of the error that is the same at all conditions; the rest is shared by the other terms.
@@ -10,7 +10,7 @@ const CONSTANT: f64 = 0.5;
 const LEAK: f64 = 0.3;
 /// Rounds in which each channel finds its error while the others keep theirs.
 const ROUNDS: usize = 4;
-/// Terms: 1, v, h, v h, v^2, h^2.
+/// Terms: 1, v, h, v h, v^2, h^2. Slopes over rake and edge radius follow where the tools differ.
 const TERMS: usize = 6;
 
 /// Columns whose products with standard normal numbers are the error of `change`, what an effect adds to log y in `rows`:
@@ -20,41 +20,46 @@ const TERMS: usize = 6;
 /// ```
 ///
 /// with S the root mean square of d over all rows, and p and q, independent for every channel, a constant, slopes, twist and bends over
-/// log v_c and log h (Legendre's polynomials over the range, normal coefficients) with a mean square of 1. Each channel multiplies it with
+/// log v_c and log h, and slopes over what differs between the tools (Legendre's polynomials over the range, normal coefficients), with a
+/// mean square of 1. Each channel multiplies it with
 /// its own share of [`Predictor::change_errors`](crate::Predictor::change_errors). Another physics of the cut has the same effects with other
 /// strengths from channel to channel and condition to condition; without this term the data are taken to speak
 /// against the right effect as soon as they are more precise than the model.
 pub(crate) fn columns(problem: &Problem, rows: &[usize], change: &DVector<f64>) -> DMatrix<f64> {
     let places = scaled_places(problem);
+    let of_tool = tool_axes(&places);
     let channels = problem.channels();
     let scale = LEAK * (change.norm_squared() / rows.len().max(1) as f64).sqrt();
-    let mut columns = DMatrix::zeros(rows.len(), 2 * TERMS * channels.len());
+    let width = TERMS + of_tool.len();
+    let mut columns = DMatrix::zeros(rows.len(), 2 * width * channels.len());
     for (k, &row) in rows.iter().enumerate() {
         let own = problem.rows[row].channel;
         let Some(c) = channels.iter().position(|channel| *channel == own) else { continue };
-        let terms = terms(2.0 * places[row][0] - 1.0, 2.0 * places[row][1] - 1.0);
-        for (term, value) in terms.iter().enumerate() {
-            columns[(k, 2 * TERMS * c + term)] = change[k] * value;
-            columns[(k, 2 * TERMS * c + TERMS + term)] = scale * value;
+        let centred = |axis: usize| 2.0 * places[row][axis] - 1.0;
+        let tool: Vec<f64> = of_tool.iter().map(|&axis| centred(axis)).collect();
+        for (term, value) in terms(centred(0), centred(1), &tool).iter().enumerate() {
+            columns[(k, 2 * width * c + term)] = change[k] * value;
+            columns[(k, 2 * width * c + width + term)] = scale * value;
         }
     }
     columns
 }
 
-/// Normal terms over the square from -1 to 1, their mean squares adding up to 1.
-fn terms(a: f64, b: f64) -> [f64; TERMS] {
+/// Normal terms over the range from -1 to 1, their mean squares adding up to 1.
+fn terms(a: f64, b: f64, tool: &[f64]) -> Vec<f64> {
     let bend = |x: f64| 5.0_f64.sqrt() * 0.5 * (3.0 * x * x - 1.0);
     let root = 3.0_f64.sqrt();
-    let share = ((1.0 - CONSTANT) / (TERMS - 1) as f64).sqrt();
-    let others = [root * a, root * b, 3.0 * a * b, bend(a), bend(b)].map(|x| share * x);
-    let [v, h, twist, vv, hh] = others;
-    [CONSTANT.sqrt(), v, h, twist, vv, hh]
+    let share = ((1.0 - CONSTANT) / (TERMS - 1 + tool.len()) as f64).sqrt();
+    let cut = [root * a, root * b, 3.0 * a * b, bend(a), bend(b)];
+    let others = cut.into_iter().chain(tool.iter().map(|x| root * x));
+    [CONSTANT.sqrt()].into_iter().chain(others.map(|x| share * x)).collect()
 }
 
 /// The columns with the error of each channel.
 pub(crate) fn scaled(mut columns: DMatrix<f64>, errors: &[f64]) -> DMatrix<f64> {
+    let width = (columns.ncols() / errors.len()).max(1);
     for (k, mut column) in columns.column_iter_mut().enumerate() {
-        column *= errors[k / (2 * TERMS)];
+        column *= errors[k / width];
     }
     columns
 }
@@ -68,13 +73,15 @@ pub(crate) struct Loose {
 }
 
 impl Loose {
-    /// With the errors of a change: a group for each channel.
+    /// With the errors of a change: a group for each of so many channels.
     pub(crate) fn new(
         columns: &DMatrix<f64>,
+        channels: usize,
         slopes: &DMatrix<f64>,
         deviation: &DVector<f64>,
     ) -> Self {
-        let groups = (0..columns.ncols()).map(|k| k / (2 * TERMS)).collect();
+        let width = (columns.ncols() / channels.max(1)).max(1);
+        let groups = (0..columns.ncols()).map(|k| k / width).collect();
         Self::grouped(&[columns, slopes], groups, deviation)
     }
 
@@ -178,7 +185,7 @@ mod tests {
         let solved = covariance.clone().lu().solve(&deviation).unwrap();
         let determinant = covariance.determinant().ln();
         let expected = -0.5 * (deviation.dot(&solved) + determinant);
-        let loose = Loose::new(&columns, &slopes, &deviation);
+        let loose = Loose::new(&columns, 2, &slopes, &deviation);
         let found = loose.log_evidence(&errors);
         assert!((found - expected).abs() < 1e-8, "{found} {expected}");
         let (best, mean) = loose.most_probable(&[0.3, 0.8]);
@@ -191,13 +198,17 @@ mod tests {
     fn the_terms_have_a_mean_square_of_one() {
         let count = 400;
         let at = |k: usize| 2.0 * (k as f64 + 0.5) / f64::from(count) - 1.0;
-        let mut sum = 0.0;
+        let (mut sum, mut with_tools) = (0.0, 0.0);
         for i in 0..count as usize {
             for j in 0..count as usize {
-                sum += terms(at(i), at(j)).iter().map(|x| x * x).sum::<f64>();
+                let square =
+                    |tool: &[f64]| -> f64 { terms(at(i), at(j), tool).iter().map(|x| x * x).sum() };
+                sum += square(&[]);
+                with_tools += square(&[at((i * 7 + j) % count as usize)]);
             }
         }
-        let mean = sum / f64::from(count * count);
-        assert!((mean - 1.0).abs() < 1e-3, "{mean}");
+        for mean in [sum, with_tools].map(|sum| sum / f64::from(count * count)) {
+            assert!((mean - 1.0).abs() < 1e-3, "{mean}");
+        }
     }
 }

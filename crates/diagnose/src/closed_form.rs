@@ -1,7 +1,9 @@
 //! The closed-form model of `sphcut-analytic` as a predictor.
 
 use crate::channel::Channel;
-use crate::predictor::{Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior};
+use crate::predictor::{
+    Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior, ToolShape,
+};
 use sphcut_analytic::{ActiveEffect, Cut, EFFECTS, FlowStress, Scale, predict};
 
 /// Effects of the registry that the regression already holds as nuisances of every instrument: they are fitted under every
@@ -50,9 +52,11 @@ impl ClosedForm {
         Self { cut, nuisances, effects, entries }
     }
 
-    /// The cut with its nuisances.
-    fn changed(&self, nuisances: &[f64]) -> Cut {
+    /// The cut with its nuisances and, where it has its own, its tool.
+    fn changed(&self, tool: &ToolShape, nuisances: &[f64]) -> Cut {
         let mut cut = self.cut.clone();
+        cut.tool.rake_angle = tool.rake_angle.unwrap_or(cut.tool.rake_angle);
+        cut.tool.edge_radius = tool.edge_radius.unwrap_or(cut.tool.edge_radius);
         for (nuisance, log) in self.nuisances.iter().zip(nuisances) {
             let factor = log.exp();
             if nuisance.key == "friction_coefficient" {
@@ -138,7 +142,8 @@ impl Predictor for ClosedForm {
             .iter()
             .map(|one| ActiveEffect::of(self.entries[one.effect], &one.values))
             .collect();
-        let seen = effects.and_then(|effects| predict(&self.changed(nuisances), &at, &effects));
+        let seen = effects
+            .and_then(|effects| predict(&self.changed(&condition.tool, nuisances), &at, &effects));
         match seen {
             Ok(seen) => [
                 seen.cutting_force,
@@ -157,7 +162,9 @@ impl Predictor for ClosedForm {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CHANNELS, InstrumentPriors, Recording, Recordings, Request, Verdict, diagnose};
+    use crate::{
+        CHANNELS, InstrumentPriors, Recording, Recordings, Request, ToolShape, Verdict, diagnose,
+    };
     use sphcut_greybox::Random;
 
     const SCATTER: [(&str, f64); 6] = [
@@ -181,6 +188,7 @@ mod tests {
                 uncut_chip_thickness: 2e-5 * 12.5_f64.powf((place / 8) as f64 / 4.0),
                 cut_length: 0.0,
                 run_order: order as f64,
+                tool: ToolShape::default(),
             };
             let logs = model.log_observables(&condition, &hidden, active);
             let (mut values, mut deviations) = ([None; CHANNELS.len()], [None; CHANNELS.len()]);
@@ -217,6 +225,7 @@ mod tests {
             uncut_chip_thickness: 1e-4,
             cut_length: 10.0,
             run_order: 1.0,
+            tool: ToolShape::default(),
         };
         let late = Condition { cut_length: 500.0, run_order: 30.0, ..early };
         for (effect, entry) in model.effects().iter().enumerate() {
@@ -226,6 +235,86 @@ mod tests {
             assert_eq!(at(&early) != at(&late), model.follows_series(&active), "{}", entry.key);
         }
         assert!(!model.follows_series(&[]));
+    }
+
+    #[test]
+    fn each_cut_has_its_own_tool() {
+        let cut = Cut::aisi_1045();
+        let model = ClosedForm::new(cut.clone(), &SCATTER);
+        let mut ground = cut.clone();
+        ground.tool.rake_angle = -0.12;
+        ground.tool.edge_radius = 35e-6;
+        let other = ClosedForm::new(ground, &SCATTER);
+        let plain = Condition {
+            cutting_speed: 3.0,
+            uncut_chip_thickness: 1.5e-4,
+            cut_length: 0.0,
+            run_order: 0.0,
+            tool: ToolShape::default(),
+        };
+        let of_table = ToolShape { rake_angle: Some(-0.12), edge_radius: Some(35e-6) };
+        let at = |model: &ClosedForm, tool: ToolShape| {
+            model.log_observables(&Condition { tool, ..plain }, &[0.0; 6], &[])
+        };
+        assert_eq!(at(&model, of_table), at(&other, ToolShape::default()));
+        assert_ne!(at(&model, of_table), at(&model, ToolShape::default()));
+        let own = ToolShape {
+            rake_angle: Some(cut.tool.rake_angle),
+            edge_radius: Some(cut.tool.edge_radius),
+        };
+        assert_eq!(at(&model, own), at(&model, ToolShape::default()));
+    }
+
+    /// Four speeds and three thicknesses with two rakes.
+    #[test]
+    fn an_effect_is_found_with_tools_of_two_rakes() {
+        let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+        let effect = model.effects().iter().position(|e| e.key == "edge_radius").unwrap();
+        let active = [Active { effect, values: vec![20e-6] }];
+        let mut random = Random::new(3, &[9]);
+        let mut cuts = Vec::new();
+        for k in 0..24 {
+            let condition = Condition {
+                cutting_speed: 0.6 * 2.0_f64.powi(k % 4),
+                uncut_chip_thickness: 4e-5 * 2.0_f64.powi(k / 4 % 3),
+                cut_length: 0.0,
+                run_order: 0.0,
+                tool: ToolShape {
+                    rake_angle: Some([-7.0_f64, 8.0][k as usize / 12].to_radians()),
+                    edge_radius: None,
+                },
+            };
+            let logs = model.log_observables(&condition, &[0.0; 6], &active);
+            let (mut values, mut deviations) = ([None; CHANNELS.len()], [None; CHANNELS.len()]);
+            for (channel, log) in PREDICTED.iter().zip(logs) {
+                let value = (log + 0.02 * random.normal()).exp();
+                values[channel.index()] = Some(value);
+                deviations[channel.index()] = Some(0.02 * value);
+            }
+            cuts.push(Recording { condition, count: None, values, deviations });
+        }
+        let data = Recordings::new(cuts, &PREDICTED).unwrap();
+        let found = diagnose(&request(&data), &model).unwrap();
+        assert_eq!(found.finding.verdict, Verdict::Named(vec![effect]), "{:?}", found.finding);
+        let patterns = &found.location.contrasts;
+        assert!(patterns.iter().any(|c| c.pattern == "v rake"));
+        assert!(!patterns.iter().any(|c| c.pattern.contains("edge radius")));
+        let tools = found.help.iter().find(|held| held.part == crate::Part::Tools).unwrap();
+        assert_eq!(tools.values, data.all().len() * PREDICTED.len());
+        // What is proposed next has one of the tools of the table.
+        let next = found.next.iter().flat_map(|next| &next.conditions);
+        assert!(next.clone().all(|cut| cut.tool.rake_angle.is_some()));
+        // The two rakes are two conditions, and each has its own prediction.
+        let problem = &found.problem;
+        let same = |a: usize, b: usize| {
+            let at = |k: usize| problem.sites[k].condition;
+            at(a).cutting_speed == at(b).cutting_speed
+                && at(a).uncut_chip_thickness == at(b).uncut_chip_thickness
+        };
+        assert!(same(0, 12) && problem.sites.len() == 24);
+        let told = problem.predict(&model, &nalgebra::DVector::zeros(6), &[]);
+        let row = |site: usize| problem.rows.iter().position(|row| row.site == site).unwrap();
+        assert!(told[row(0)] != told[row(12)]);
     }
 
     #[test]
@@ -243,11 +332,13 @@ mod tests {
         let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
         let mut logs = [0.0; 6];
         logs[5] = 2.0_f64.ln();
-        assert!((model.changed(&logs).friction_coefficient / 0.5 - 1.0).abs() < 1e-12);
+        assert!(
+            (model.changed(&ToolShape::default(), &logs).friction_coefficient / 0.5 - 1.0).abs()
+                < 1e-12
+        );
         logs[0] = -0.1;
-        let FlowStress::JohnsonCook(law) = model.changed(&logs).workpiece.flow_stress else {
-            panic!()
-        };
+        let cut = model.changed(&ToolShape::default(), &logs);
+        let FlowStress::JohnsonCook(law) = cut.workpiece.flow_stress else { panic!() };
         assert!((law.initial_yield / 331e6 - (-0.1_f64).exp()).abs() < 1e-12);
     }
 

@@ -7,7 +7,7 @@ use crate::fit::fit;
 use crate::law::{Factor, Law, principal};
 use crate::predictor::Predictor;
 use crate::problem::{InstrumentPriors, Problem, add_rows, instrument_columns};
-use crate::templates::SMOOTH;
+use crate::templates::{SMOOTH, TOOL_AXES};
 use nalgebra::{DMatrix, DVector};
 
 /// Amplitudes of the bias that are tried, as shares of the value.
@@ -52,7 +52,8 @@ pub enum BiasOrigin {
     Stated,
 }
 
-/// The bias of the model as a normal process of log v_c and log h, independent between channels:
+/// The bias of the model as a normal process of log v_c and log h, and of rake and edge radius where the tools of the recordings differ,
+/// independent between channels:
 ///
 /// ```text
 /// cov(b(x), b(x')) = a^2 exp(-|x - x'|^2 / (2 l^2))
@@ -228,7 +229,8 @@ impl Problem {
         let Bias { amplitude, length, .. } = bias;
         let kernel = DMatrix::from_fn(cuts.len(), cuts.len(), |i, j| {
             let apart = |axis: usize| places[cuts[i]][axis] - places[cuts[j]][axis];
-            let square = apart(0).powi(2) + apart(1).powi(2);
+            let tool: f64 = TOOL_AXES.map(|axis| apart(axis).powi(2)).sum();
+            let square = apart(0).powi(2) + apart(1).powi(2) + tool;
             let same = f64::from(i == j);
             if length > 0.0 { (-0.5 * square / (length * length)).exp() } else { same }
         });

@@ -3,10 +3,17 @@
 use crate::channel::{CHANNELS, Channel};
 use crate::error::DiagnoseError;
 use crate::noise::{NoiseLaw, Scatter};
-use crate::predictor::Condition;
+use crate::predictor::{Condition, ToolShape};
 
-/// Different conditions (v_c, h) that a diagnosis needs: as many as a quadratic in both has coefficients.
+/// Different conditions that a diagnosis needs: as many as a quadratic in v_c and h has coefficients.
 const FEWEST_CONDITIONS: usize = 6;
+/// And where the noise of every channel is stated, so that no value has to teach it: two steps of two quantities, which show what either
+/// changes and what both change together.
+const FEWEST_CONDITIONS_STATED: usize = 4;
+/// Values for each condition that make up for the others, on average. With three, four conditions have as many values as six with both
+/// forces, and twice as many as a pair of effects can have parameters (six). And no effect can follow a third channel as it likes: it
+/// changes F_c, F_f and temperature together.
+const VALUES_STATED: usize = 3;
 /// Degrees of freedom below which repeats say nothing useful of a noise.
 const FEWEST_FREEDOM: f64 = 3.0;
 /// Relative difference below which two conditions are the same.
@@ -62,9 +69,19 @@ fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.abs().max(b.abs())
 }
 
-/// Whether two cuts have the same speed and thickness.
+/// Whether two cuts have the same speed and thickness, and tools of the same shape.
 pub(crate) fn same_cut(a: &Condition, b: &Condition) -> bool {
-    same(a.cutting_speed, b.cutting_speed) && same(a.uncut_chip_thickness, b.uncut_chip_thickness)
+    same(a.cutting_speed, b.cutting_speed)
+        && same(a.uncut_chip_thickness, b.uncut_chip_thickness)
+        && same_tool(&a.tool, &b.tool)
+}
+
+/// Whether two tools have the same shape.
+pub(crate) fn same_tool(a: &ToolShape, b: &ToolShape) -> bool {
+    a.parts().into_iter().zip(b.parts()).all(|pair| match pair {
+        (Some(a), Some(b)) => same(a, b),
+        (a, b) => a == b,
+    })
 }
 
 impl Recordings {
@@ -86,10 +103,7 @@ impl Recordings {
             }
         }
         let groups = groups(&recordings);
-        if groups.len() < FEWEST_CONDITIONS {
-            let (found, needed) = (groups.len(), FEWEST_CONDITIONS);
-            return Err(DiagnoseError::TooFewConditions { found, needed });
-        }
+        check_number(&recordings, &groups, predicted)?;
         let mut found = Self {
             variances: vec![[None; CHANNELS.len()]; recordings.len()],
             recordings,
@@ -248,7 +262,43 @@ impl Recordings {
     }
 }
 
-/// The recordings of each (v_c, h).
+/// Refuses conditions that are too few to tell anything: see the constants.
+fn check_number(
+    recordings: &[Recording],
+    groups: &[Vec<usize>],
+    predicted: &[Channel],
+) -> Result<(), DiagnoseError> {
+    let found = groups.len();
+    let is_stated = recordings.iter().all(|r| {
+        let known =
+            |c: &Channel| r.values[c.index()].is_none() || r.deviations[c.index()].is_some();
+        r.count.is_none() && predicted.iter().all(known)
+    });
+    let has = |group: &[usize], c: &Channel| {
+        group.iter().any(|&k| recordings[k].values[c.index()].is_some())
+    };
+    let own = |group: &Vec<usize>| predicted.iter().filter(|c| has(group, c)).count();
+    let values: usize = groups.iter().map(own).sum();
+    let few = is_stated && found >= FEWEST_CONDITIONS_STATED && values >= VALUES_STATED * found;
+    if found >= FEWEST_CONDITIONS || few {
+        Ok(())
+    } else {
+        Err(DiagnoseError::TooFewConditions { found, needed: FEWEST_CONDITIONS })
+    }
+}
+
+/// The tools of different shape.
+pub(crate) fn tools(recordings: &[Recording]) -> Vec<ToolShape> {
+    let mut found: Vec<ToolShape> = Vec::new();
+    for recording in recordings {
+        if !found.iter().any(|tool| same_tool(tool, &recording.condition.tool)) {
+            found.push(recording.condition.tool);
+        }
+    }
+    found
+}
+
+/// The recordings of each condition.
 pub(crate) fn groups(recordings: &[Recording]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (k, recording) in recordings.iter().enumerate() {
@@ -274,6 +324,7 @@ mod tests {
             uncut_chip_thickness: 1e-4,
             cut_length: 0.0,
             run_order: 0.0,
+            tool: ToolShape::default(),
         };
         let mut values = [None; CHANNELS.len()];
         values[0] = Some(force);
@@ -341,11 +392,53 @@ mod tests {
         assert!((found.noise()[0].freedom - 18.0).abs() < 1e-12);
     }
 
+    /// Two speeds and two rakes with F_c, F_f and temperature whose noise is stated: twelve values.
+    #[test]
+    fn four_conditions_are_enough_with_three_channels_of_stated_noise() {
+        let channels = [Channel::CuttingForce, Channel::FeedForce, Channel::InterfaceTemperature];
+        let four = || -> Vec<Recording> {
+            (0..4)
+                .map(|k| {
+                    let mut one = recording(f64::from(1 + k % 2), 500.0);
+                    one.condition.tool.rake_angle = Some(f64::from(k / 2) * 0.1);
+                    for channel in channels {
+                        one.values[channel.index()] = Some(500.0);
+                        one.deviations[channel.index()] = Some(5.0);
+                    }
+                    one
+                })
+                .collect()
+        };
+        let found = Recordings::new(four(), &channels).unwrap();
+        assert_eq!(found.noise().len(), 3);
+        let refused = |recordings: Vec<Recording>| {
+            let error = Recordings::new(recordings, &channels).unwrap_err();
+            assert!(matches!(error, DiagnoseError::TooFewConditions { .. }), "{error}");
+        };
+        // Eleven values; a value without a deviation; means of some cuts; three conditions; a channel that is not predicted.
+        let changed = |change: fn(&mut Recording)| {
+            let mut all = four();
+            change(&mut all[2]);
+            all
+        };
+        refused(changed(|one| one.values[0] = None));
+        refused(changed(|one| one.deviations[1] = None));
+        refused(changed(|one| one.count = Some(4.0)));
+        refused(four()[..3].to_vec());
+        refused(changed(|one| {
+            one.values[2] = one.values[3];
+            one.values[3] = None;
+        }));
+        // The same rake twice is no other condition.
+        refused(changed(|one| one.condition.tool.rake_angle = Some(0.0)));
+    }
+
     #[test]
     fn what_cannot_be_diagnosed_is_refused() {
         let few: Vec<Recording> = (1..=5).map(|v| recording(f64::from(v), 1.0)).collect();
         let error = Recordings::new(few, &FORCE).unwrap_err();
         assert_eq!(error, DiagnoseError::TooFewConditions { found: 5, needed: 6 });
+        assert!(error.to_string().contains("four are enough"), "{error}");
         let single: Vec<Recording> = (1..=9).map(|v| recording(f64::from(v), 1.0)).collect();
         let error = Recordings::new(single.clone(), &FORCE).unwrap_err();
         assert!(error.to_string().contains("the noise of F_c is unknown"), "{error}");

@@ -87,7 +87,8 @@ impl fmt::Display for DiagnoseError {
             Self::TooFewConditions { found, needed } => write!(
                 f,
                 "{found} different conditions are too few: {needed} are needed before a trend over speed and \
-                 thickness can be told from its curvature"
+                 thickness can be told from its curvature; four are enough where every value has its standard deviation \
+                 (`F_c_sd`, without `n`) and a condition has three values that the model predicts, on average"
             ),
             Self::NothingPredicted => {
                 write!(f, "nothing that was measured is predicted by the model")

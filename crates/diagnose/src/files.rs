@@ -5,7 +5,7 @@ use crate::commissioning::BiasOrigin;
 use crate::data::{NoiseSource, Recordings};
 use crate::fit::Fit;
 use crate::help::{Held, Part};
-use crate::predictor::{Condition, Predictor};
+use crate::predictor::{Condition, Predictor, ToolShape};
 use crate::self_test::Rate;
 use crate::session::Diagnosis;
 use crate::verdict::Verdict;
@@ -36,6 +36,7 @@ impl Part {
             Self::HighestSpeed => "highest_speed",
             Self::ThinnestChip => "thinnest_chip",
             Self::UnfittedChannel => "unfitted_channel",
+            Self::Tools => "tools",
         }
     }
 }
@@ -210,10 +211,17 @@ pub fn held_out_csv(found: &Diagnosis, recordings: &Recordings) -> String {
 }
 
 fn condition(condition: &Condition) -> Value {
-    json!({
+    let mut own = json!({
         "cutting_speed": condition.cutting_speed,
         "uncut_chip_thickness": condition.uncut_chip_thickness,
-    })
+    });
+    let ToolShape { rake_angle, edge_radius } = condition.tool;
+    for (key, part) in [("rake_angle", rake_angle), ("edge_radius", edge_radius)] {
+        if let Some(value) = part {
+            own[key] = json!(value);
+        }
+    }
+    own
 }
 
 fn estimates(found: &Diagnosis, fit: &Fit, predictor: &dyn Predictor) -> Value {

@@ -223,7 +223,9 @@ impl System<'_> {
         let noise = &self.problem.noise;
         let deviation = &self.measured - &point.prediction + &point.jacobian * &point.unknowns;
         let slopes = noise.whiten(point.jacobian.clone());
-        Loose::new(&noise.whiten(columns.clone()), &slopes, &noise.whiten_vector(deviation))
+        let channels = self.problem.channels().len();
+        let columns = noise.whiten(columns.clone());
+        Loose::new(&columns, channels, &slopes, &noise.whiten_vector(deviation))
     }
 
     fn end(

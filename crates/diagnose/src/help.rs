@@ -30,6 +30,8 @@ pub enum Part {
     ThinnestChip,
     /// Every channel in turn, in all conditions: an observable to which nothing was fitted.
     UnfittedChannel,
+    /// The tools of each rake and edge radius, one after the other.
+    Tools,
 }
 
 /// A value that was left out, and what was predicted of it: log(prediction / measured).
@@ -118,6 +120,8 @@ fn conditions(recordings: &Recordings) -> Vec<usize> {
 /// Rank of the speed and the thickness of each diagnosed row among the different ones, from 0 to 1.
 struct Blocks {
     rows: Vec<(usize, [f64; 2])>,
+    /// The rows of each tool.
+    tools: Vec<Vec<usize>>,
 }
 
 impl Blocks {
@@ -138,7 +142,14 @@ impl Blocks {
             .filter(|&row| problem.is_diagnosed(row))
             .map(|row| (row, [speed(problem.condition(row)), size(problem.condition(row))]))
             .collect();
-        Self { rows }
+        let tools = crate::data::tools(recordings.all()).into_iter().map(|tool| {
+            let is_own = |row: &usize| {
+                problem.is_diagnosed(*row)
+                    && crate::data::same_tool(&problem.condition(*row).tool, &tool)
+            };
+            (0..problem.rows.len()).filter(is_own).collect()
+        });
+        Self { rows, tools: tools.collect() }
     }
 
     fn those(&self, keep: impl Fn([f64; 2]) -> bool) -> Vec<usize> {
@@ -157,12 +168,16 @@ impl Blocks {
         };
         let unfitted =
             if channels.len() > 1 { channels.into_iter().map(of).collect() } else { Vec::new() };
-        vec![
+        let mut parts = vec![
             (Part::Blocks, quarters.map(|(fast, thick)| quarter(fast, thick)).to_vec()),
             (Part::HighestSpeed, vec![self.those(|[v, _]| v > 0.75)]),
             (Part::ThinnestChip, vec![self.those(|[_, h]| h < 0.25)]),
             (Part::UnfittedChannel, unfitted),
-        ]
+        ];
+        if self.tools.len() > 1 {
+            parts.push((Part::Tools, self.tools.clone()));
+        }
+        parts
     }
 }
 

@@ -74,7 +74,9 @@ pub use help::{Held, HeldValue, Part, does_it_help};
 pub use locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
 pub use next_experiment::{NextExperiment, Rival, next_experiment};
 pub use paired::{Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support};
-pub use predictor::{Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior};
+pub use predictor::{
+    Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior, ToolShape,
+};
 pub use problem::{InstrumentPriors, Problem, Row, Site};
 pub use rerun::{
     Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions, unseen_fits,

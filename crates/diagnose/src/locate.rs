@@ -2,7 +2,7 @@
 
 use crate::channel::Channel;
 use crate::problem::Problem;
-use crate::templates::{Templates, scaled_places};
+use crate::templates::{AXES, Templates, scaled_places};
 use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -18,7 +18,7 @@ const WINDOW: f64 = 0.15;
 pub struct Contrast {
     /// The channel.
     pub channel: Channel,
-    /// The pattern: `v`, `h`, `v^2`, `v h`, `h^2`, a corner, `order`, `cut length`.
+    /// The pattern: `v`, `h`, `v^2`, `v h`, `h^2`, a corner, `order`, `cut length`, `rake`, `edge radius`, `v rake` and so on.
     pub pattern: &'static str,
     /// Standard deviations from 0; positive where the measured value lies above the model.
     pub score: f64,
@@ -112,7 +112,7 @@ type Value<'a> = &'a dyn Fn(usize) -> f64;
 /// The patterns that the design of a channel can show.
 fn patterns(
     problem: &Problem,
-    places: &[[f64; 3]],
+    places: &[[f64; AXES]],
     channel: Channel,
 ) -> Vec<(&'static str, DVector<f64>)> {
     let centred = |row: usize, axis: usize| 2.0 * places[row][axis] - 1.0;
@@ -121,7 +121,8 @@ fn patterns(
     let corner = |row: usize, signs: [f64; 2]| {
         f64::from(signs[0] * v(row) > 1.0 / 3.0 && signs[1] * h(row) > 1.0 / 3.0)
     };
-    let wanted: [(&'static str, Value<'_>); 11] = [
+    let (rake, edge) = (|row| centred(row, 3), |row| centred(row, 4));
+    let wanted: [(&'static str, Value<'_>); 17] = [
         ("v", &v),
         ("h", &h),
         ("v^2", &|row| v(row) * v(row)),
@@ -133,24 +134,36 @@ fn patterns(
         ("high v, high h", &|row| corner(row, [1.0, 1.0])),
         ("order", &|row| problem.rows[row].order),
         ("cut length", &|row| places[row][2]),
+        ("rake", &rake),
+        ("v rake", &|row| v(row) * rake(row)),
+        ("h rake", &|row| h(row) * rake(row)),
+        ("edge radius", &edge),
+        ("v edge radius", &|row| v(row) * edge(row)),
+        ("h edge radius", &|row| h(row) * edge(row)),
     ];
     let rows: Vec<usize> =
         (0..problem.rows.len()).filter(|&row| is_of(problem, row, channel)).collect();
-    wanted
-        .into_iter()
-        .filter_map(|(pattern, value)| {
-            let mean = rows.iter().map(|&row| value(row)).sum::<f64>() / rows.len() as f64;
-            let mut contrast = DVector::zeros(problem.rows.len());
-            rows.iter().for_each(|&row| contrast[row] = value(row) - mean);
-            (contrast.amax() > 1e-9).then_some((pattern, contrast))
-        })
-        .collect()
+    let mut shown: Vec<(&'static str, DVector<f64>)> = Vec::new();
+    for (pattern, value) in wanted {
+        let mean = rows.iter().map(|&row| value(row)).sum::<f64>() / rows.len() as f64;
+        let mut contrast = DVector::zeros(problem.rows.len());
+        rows.iter().for_each(|&row| contrast[row] = value(row) - mean);
+        if contrast.amax() > 1e-9 && !shown.iter().any(|(_, other)| is_parallel(&contrast, other)) {
+            shown.push((pattern, contrast));
+        }
+    }
+    shown
+}
+
+/// Whether two patterns ask the same: with one thickness a twist over speed and thickness is a slope over the speed.
+fn is_parallel(a: &DVector<f64>, b: &DVector<f64>) -> bool {
+    a.dot(b).abs() > (1.0 - 1e-9) * a.norm() * b.norm()
 }
 
 /// The score of a window around each point of the map.
 fn map(
     problem: &Problem,
-    places: &[[f64; 3]],
+    places: &[[f64; AXES]],
     channel: Channel,
     score: &dyn Fn(DVector<f64>) -> f64,
 ) -> Vec<MapPoint> {

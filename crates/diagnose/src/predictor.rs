@@ -4,6 +4,22 @@ use crate::channel::Channel;
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+/// What the tool of a cut has of its own; `None`: what the scenario says. SI units.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ToolShape {
+    /// gamma in rad.
+    pub rake_angle: Option<f64>,
+    /// r_n in m.
+    pub edge_radius: Option<f64>,
+}
+
+impl ToolShape {
+    /// Its parts in the order of the fields.
+    pub(crate) fn parts(&self) -> [Option<f64>; 2] {
+        [self.rake_angle, self.edge_radius]
+    }
+}
+
 /// A cut. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condition {
@@ -15,6 +31,8 @@ pub struct Condition {
     pub cut_length: f64,
     /// Place in the order of the runs: any number that rises; 0 where it is unknown.
     pub run_order: f64,
+    /// Where the tools of the recordings differ.
+    pub tool: ToolShape,
 }
 
 /// A property of material or friction that differs from batch to batch: the model multiplies its value by exp(x), and
@@ -140,7 +158,7 @@ pub trait Predictor: Sync {
     }
 
     /// Whether the answer with these effects depends on the cut length or on the place in the order of the runs. If not, cuts
-    /// with the same v_c and h are asked once.
+    /// with the same v_c, h and tool are asked once.
     fn follows_series(&self, active: &[Active]) -> bool {
         let _ = active;
         true

@@ -72,7 +72,7 @@ pub struct Problem {
     /// For each channel its place in the predictor's answer.
     places: [Option<usize>; CHANNELS.len()],
     deviations: Vec<f64>,
-    /// For each site the first with the same v_c, h and batch: among those in the same part of the data, and among all.
+    /// For each site the first with the same v_c, h, tool and batch: among those in the same part of the data, and among all.
     first: Vec<[usize; 2]>,
 }
 
@@ -283,6 +283,7 @@ fn first_of(sites: &[Site], site: usize) -> [usize; 2] {
         other.batch == own.batch
             && other.condition.cutting_speed == own.condition.cutting_speed
             && other.condition.uncut_chip_thickness == own.condition.uncut_chip_thickness
+            && other.condition.tool == own.condition.tool
     };
     let first = |keep: &dyn Fn(&Site) -> bool| {
         sites.iter().position(|other| is_same(other) && keep(other)).unwrap_or(site)

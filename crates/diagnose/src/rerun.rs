@@ -41,7 +41,8 @@ const LEFT_OUT: usize = 3;
 /// farthest from those taken (Kennard and Stone 1969), from the fastest on.
 #[must_use]
 pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<Condition> {
-    let places = crate::templates::scaled_places(problem);
+    use crate::templates::{AXES, scaled_places};
+    let places = scaled_places(problem);
     let mut left: Vec<usize> = Vec::new();
     for row in (0..problem.rows.len()).filter(|&row| problem.is_diagnosed(row)) {
         let same = |&other: &usize| {
@@ -51,8 +52,9 @@ pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<Condition> {
             left.push(row);
         }
     }
-    let apart =
-        |a: usize, b: usize| -> f64 { (0..3).map(|k| (places[a][k] - places[b][k]).powi(2)).sum() };
+    let apart = |a: usize, b: usize| -> f64 {
+        (0..AXES).map(|k| (places[a][k] - places[b][k]).powi(2)).sum()
+    };
     let most = most.min(left.len() / LEFT_OUT);
     let mut taken: Vec<usize> = Vec::new();
     while taken.len() < most {

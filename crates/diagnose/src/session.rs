@@ -3,13 +3,13 @@
 use crate::attribute::{Attribution, Hypothesis, attribute};
 use crate::channel::Channel;
 use crate::commissioning::{Batch, Bias, Comparison};
-use crate::data::{Recordings, groups};
+use crate::data::{Recordings, groups, tools};
 use crate::error::DiagnoseError;
 use crate::fit::{Fit, fit};
 use crate::help::{Held, does_it_help};
 use crate::locate::{Location, locate};
 use crate::next_experiment::{NextExperiment, Rival, next_experiment};
-use crate::predictor::{Active, Condition, Predictor};
+use crate::predictor::{Active, Condition, Predictor, ToolShape};
 use crate::problem::{InstrumentPriors, Problem};
 use crate::rerun::Rerun;
 use crate::self_test::{PositiveControl, Rate, Simulator};
@@ -252,7 +252,7 @@ fn next(
     next_experiment(problem, predictor, &rivals, &candidates, (request.batch, request.seed))
 }
 
-/// A grid, even in the logarithms, of cuts with the edge as it is at the end of the recordings.
+/// A grid, even in the logarithms, of cuts with every tool of the recordings and the edge as it is at their end.
 fn candidates(request: &Request<'_>) -> Vec<Condition> {
     let all = request.recordings.all();
     let of = |axis: fn(&Condition) -> f64| {
@@ -268,12 +268,16 @@ fn candidates(request: &Request<'_>) -> Vec<Condition> {
         low * (high / low).powf(k as f64 / (CANDIDATES - 1) as f64)
     };
     let places = (0..CANDIDATES).flat_map(|i| (0..CANDIDATES).map(move |j| (i, j)));
-    places
-        .map(|(i, j)| Condition {
-            cutting_speed: at(speeds, i),
-            uncut_chip_thickness: at(sizes, j),
-            cut_length: last,
-            run_order: 0.0,
-        })
+    let places: Vec<(usize, usize)> = places.collect();
+    let cut = |tool: ToolShape, (i, j): (usize, usize)| Condition {
+        cutting_speed: at(speeds, i),
+        uncut_chip_thickness: at(sizes, j),
+        cut_length: last,
+        run_order: 0.0,
+        tool,
+    };
+    tools(all)
+        .into_iter()
+        .flat_map(|tool| places.iter().map(move |&place| cut(tool, place)))
         .collect()
 }

@@ -7,6 +7,7 @@ use crate::error::DiagnoseError;
 use crate::law::{Covariance, Factor, Law};
 use crate::predictor::Predictor;
 use crate::problem::Problem;
+use crate::templates::tool_axes;
 use nalgebra::{DMatrix, DVector};
 
 /// Standard deviations of the scatter that are tried, as shares of the value.
@@ -41,7 +42,7 @@ impl Problem {
     /// z_i = quadratic(log v, log h) + smooth(log v, log h) + setup(condition) + noise_i
     /// ```
     ///
-    /// a quadratic with free coefficients, a normal process of amplitude a and length l, and an independent normal
+    /// a quadratic with free coefficients (and slopes over rake and edge radius, with v and h, where tools differ), a normal process of amplitude a and length l, and an independent normal
     /// deviation s of each condition. s is that of greatest evidence over a, l and s, and 0 unless it is convincingly better than none.
     ///
     /// # Errors
@@ -80,9 +81,14 @@ impl Problem {
         let z = rows.iter().map(|&k| self.rows[k].log_value - base[k]);
         let z = DVector::from_iterator(count, z);
         let places = crate::templates::scaled_places(self);
-        let quadratic = DMatrix::from_fn(count, 6, |i, term| {
-            let [x, y, _] = places[rows[i]];
-            UNKNOWN * [1.0, x, y, x * x, x * y, y * y][term]
+        let of_tool = tool_axes(&places);
+        let quadratic = DMatrix::from_fn(count, 6 + 3 * of_tool.len(), |i, term| {
+            let place = places[rows[i]];
+            let [x, y] = [place[0], place[1]];
+            if term < 6 {
+                return UNKNOWN * [1.0, x, y, x * x, x * y, y * y][term];
+            }
+            UNKNOWN * place[of_tool[(term - 6) / 3]] * [1.0, x, y][(term - 6) % 3]
         });
         let noise = Covariance { factors: Vec::new(), ..self.covariance.clone() };
         let plain = Law::new(&noise.select(&rows))?.with(&Factor::of_all(quadratic))?;
@@ -116,7 +122,7 @@ fn independent(deviation: f64) -> Bias {
 #[cfg(test)]
 mod tests {
     use crate::data::{Recording, Recordings};
-    use crate::predictor::{Active, Condition, Predictor};
+    use crate::predictor::{Active, Condition, Predictor, ToolShape};
     use crate::twin::Twin;
     use sphcut_greybox::Random;
 
@@ -132,6 +138,7 @@ mod tests {
                 uncut_chip_thickness: 0.03e-3 * 1.5_f64.powi(k / 7),
                 cut_length: 0.0,
                 run_order: 0.0,
+                tool: ToolShape::default(),
             };
             let logs = twin.log_observables(&condition, &[0.0, 0.0], active);
             let (mut values, mut deviations) = ([None; 7], [None; 7]);

@@ -20,7 +20,7 @@ pub(crate) const AMPLITUDES: [f64; 6] = [0.0, 0.01, 0.02, 0.04, 0.08, 0.16];
 const LEAST: f64 = 1e-3;
 /// Share of the largest eigenvalue below which a direction of the discrepancy does not count.
 const COARSE: f64 = 1e-4;
-/// Length over which it changes, in shares of the range of log v_c, log h and cut length.
+/// Length over which it changes, in shares of the range of log v_c, log h, cut length, rake and edge radius.
 const LENGTH: f64 = 0.5;
 /// Share of the largest eigenvalue below which a direction of a smooth process does not count.
 pub(crate) const SMOOTH: f64 = 1e-8;
@@ -291,7 +291,8 @@ impl Templates {
             let slopes = self.slopes(effects, &DVector::from_column_slice(t));
             let left = signal - self.change(effects, t);
             let deviation = left + &slopes * DVector::from_column_slice(t);
-            Loose::new(columns, &slopes, &deviation).most_probable(&self.errors)
+            let channels = self.problem.channels().len();
+            Loose::new(columns, channels, &slopes, &deviation).most_probable(&self.errors)
         };
         let mut t = rigid.coordinates;
         for _ in 0..ERROR_ROUNDS {
@@ -405,7 +406,7 @@ impl Templates {
                 .collect();
             let kernel = DMatrix::from_fn(rows.len(), rows.len(), |i, j| {
                 let (a, b) = (places[self.diagnosed[rows[i]]], places[self.diagnosed[rows[j]]]);
-                let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
+                let square: f64 = (0..AXES).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
                 (-0.5 * square / (LENGTH * LENGTH)).exp()
             });
             let (values, vectors) = principal(kernel, COARSE);
@@ -437,20 +438,28 @@ impl Templates {
     }
 }
 
-/// log v_c, log h and cut length of each row, from 0 to 1 over all rows.
-pub(crate) fn scaled_places(problem: &Problem) -> Vec<[f64; 3]> {
-    let raw: Vec<[f64; 3]> = (0..problem.rows.len())
+/// Of a cut: log v_c, log h, cut length, rake angle, edge radius.
+pub(crate) const AXES: usize = 5;
+/// Those of the tool among them.
+pub(crate) const TOOL_AXES: std::ops::Range<usize> = 3..AXES;
+
+/// The place of each row along [`AXES`], from 0 to 1 over all rows; 0 along an axis where all are at the same place.
+pub(crate) fn scaled_places(problem: &Problem) -> Vec<[f64; AXES]> {
+    let raw: Vec<[f64; AXES]> = (0..problem.rows.len())
         .map(|row| {
             let condition = problem.condition(row);
+            let [rake, edge] = condition.tool.parts().map(|part| part.unwrap_or(0.0));
             [
                 condition.cutting_speed.ln(),
                 condition.uncut_chip_thickness.ln(),
                 condition.cut_length,
+                rake,
+                edge,
             ]
         })
         .collect();
     let mut scaled = raw.clone();
-    for axis in 0..3 {
+    for axis in 0..AXES {
         let low = raw.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
         let high = raw.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
         for (to, from) in scaled.iter_mut().zip(&raw) {
@@ -458,4 +467,9 @@ pub(crate) fn scaled_places(problem: &Problem) -> Vec<[f64; 3]> {
         }
     }
     scaled
+}
+
+/// Axes of the tool along which the recordings differ.
+pub(crate) fn tool_axes(places: &[[f64; AXES]]) -> Vec<usize> {
+    TOOL_AXES.filter(|&axis| places.iter().any(|place| place[axis] > 0.0)).collect()
 }

@@ -69,6 +69,7 @@ impl Twin {
                         uncut_chip_thickness: 0.04e-3 * 1.7_f64.powi(j),
                         cut_length: 0.0,
                         run_order: 0.0,
+                        tool: crate::ToolShape::default(),
                     },
                     count: None,
                     values: [None; CHANNELS.len()],

@@ -7,7 +7,9 @@ use sphcut_physics::Quantity;
 pub const MEASURED: [&str; 7] =
     ["F_c", "F_f", "F_p", "T_interface", "chip_thickness", "contact_length", "springback"];
 /// Columns beside them, which come first.
-const OTHERS: usize = 7;
+const OTHERS: usize = 9;
+/// Largest rake either way, in rad.
+const STEEPEST: f64 = std::f64::consts::FRAC_PI_3 * (1.0 + 1e-12);
 /// Of how many of [`MEASURED`], from the first on, `sphcut sweep` writes half widths.
 const INTERVALS: usize = 4;
 
@@ -26,6 +28,10 @@ pub struct CutTableRow {
     pub count: Option<f64>,
     /// b in m.
     pub width_of_cut: Option<f64>,
+    /// gamma of this cut's tool in rad.
+    pub rake_angle: Option<f64>,
+    /// r_n of this cut's edge before it has cut, in m.
+    pub edge_radius: Option<f64>,
     /// What was measured.
     pub values: [Option<f64>; MEASURED.len()],
     /// Standard deviations between cuts.
@@ -51,6 +57,8 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + INTERVALS] = [
     column("n", Quantity::Dimensionless, "", (false, true)),
     column("b", Quantity::Length, "mm", (false, true)),
     column("time", Quantity::Time, "s", (false, false)),
+    column("rake", Quantity::Angle, "deg", (false, false)),
+    column("edge_radius", Quantity::Length, "um", (false, false)),
     column(MEASURED[0], Quantity::Force, "N", (false, true)),
     column(MEASURED[1], Quantity::Force, "N", (false, true)),
     column(MEASURED[2], Quantity::Force, "N", (false, true)),
@@ -72,7 +80,7 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + INTERVALS] = [
 ];
 
 /// Reads a table with the columns `v_c` and `h` and at least one of [`MEASURED`]; if it has them, also standard deviations
-/// (`F_c_sd` and so on), `n`, `order`, `cut_length` and `b`; in any order, each with its unit in brackets: `v_c [m/min]`. A
+/// (`F_c_sd` and so on), `n`, `order`, `cut_length`, `b`, and of the tool `rake` and `edge_radius`, which either all lines have or none; in any order, each with its unit in brackets: `v_c [m/min]`. A
 /// cell of what was not measured is empty. The half widths of intervals that `sphcut sweep` writes (`F_c_ci95` and so on) say nothing of recordings. A column `time` is read over. Empty lines and lines that begin with `#` are
 /// skipped.
 ///
@@ -93,6 +101,21 @@ pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
         if values[2].is_some_and(|length| length < 0.0) {
             return Err(columns::whole(line, "a cut length is never below 0"));
         }
+        if values[7].is_some_and(|rake| rake.abs() > STEEPEST) {
+            return Err(columns::whole(line, "a rake lies between -60 and 60 deg"));
+        }
+        if values[8].is_some_and(|radius| radius < 0.0) {
+            return Err(columns::whole(line, "an edge radius is never below 0"));
+        }
+        for (k, name) in [(7, "rake"), (8, "edge_radius")] {
+            // An empty cell would be the scenario's, and a number that happens to be the same another tool.
+            if rows.first().is_some_and(|first: &CutTableRow| {
+                of_tool(first)[k - 7].is_some() != values[k].is_some()
+            }) {
+                let message = format!("`{name}` has to be known of every cut or of none");
+                return Err(columns::whole(line, message));
+            }
+        }
         rows.push(CutTableRow {
             cutting_speed,
             uncut_chip_thickness,
@@ -100,6 +123,8 @@ pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
             order: values[3],
             count: values[4],
             width_of_cut: values[5],
+            rake_angle: values[7],
+            edge_radius: values[8],
             values: part(&values, OTHERS),
             deviations: part(&values, OTHERS + MEASURED.len()),
             half_widths: {
@@ -114,6 +139,10 @@ pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
         return Err(columns::whole(1, message));
     }
     Ok(rows)
+}
+
+fn of_tool(row: &CutTableRow) -> [Option<f64>; 2] {
+    [row.rake_angle, row.edge_radius]
 }
 
 #[cfg(test)]
@@ -135,6 +164,16 @@ mod tests {
         let row = read_cut_table(text).unwrap()[0];
         assert_eq!((row.half_widths[0], row.half_widths[1]), (Some(4.0), None));
         assert_eq!((row.half_widths[3], row.deviations), (Some(6.0), [None; MEASURED.len()]));
+    }
+
+    #[test]
+    fn tools_differ_from_cut_to_cut() {
+        let text = "v_c [m/min],rake [deg],h [mm],F_c [N],edge_radius [um]\n200,-7,0.1,5,20\n200,60,0.1,5,0\n";
+        let rows = read_cut_table(text).unwrap();
+        assert!((rows[0].rake_angle.unwrap() + 7.0_f64.to_radians()).abs() < 1e-15);
+        assert!((rows[0].edge_radius.unwrap() - 20e-6).abs() < 1e-18);
+        assert_eq!(rows[1].edge_radius, Some(0.0));
+        assert_eq!(rows[0].values[0], Some(5.0));
     }
 
     #[test]
@@ -178,6 +217,22 @@ mod tests {
             (
                 "v_c [m/min],h [mm],F_c [N],cut_length [m]\n150,0.1,5,-1\n".to_owned(),
                 "line 2: a cut length is never below 0",
+            ),
+            (
+                "v_c [m/min],h [mm],F_c [N],rake [deg]\n150,0.1,5,61\n".to_owned(),
+                "line 2: a rake lies between -60 and 60 deg",
+            ),
+            (
+                "v_c [m/min],h [mm],F_c [N],edge_radius [um]\n150,0.1,5,-1\n".to_owned(),
+                "line 2: an edge radius is never below 0",
+            ),
+            (
+                "v_c [m/min],h [mm],F_c [N],rake [deg]\n150,0.1,5,-7\n150,0.1,5,\n".to_owned(),
+                "line 3: `rake` has to be known of every cut or of none",
+            ),
+            (
+                "v_c [m/min],h [mm],F_c [N],rake [mm]\n150,0.1,5,1\n".to_owned(),
+                "line 1, column 4 `rake`: `mm`: this is a length",
             ),
         ] {
             let message = read_cut_table(&text).unwrap_err().to_string();

@@ -157,6 +157,7 @@ pub fn plan(
                 uncut_chip_thickness: condition.uncut_chip_thickness,
                 cut_length: 0.0,
                 run_order: 0.0,
+                tool: sphcut_diagnose::ToolShape::default(),
             };
             let states = if twin.needs_plain() { vec![false, true] } else { vec![true] };
             for hidden in states {

@@ -6,8 +6,8 @@ use crate::progress::Style;
 use crate::{interrupt, loading, sweep, terminal};
 use sphcut_diagnose::{
     CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, Fit, PairedRun, PairedRuns,
-    PairedScenario, Predictor, STATES, changes, condition_of, rerun_changes, rerun_conditions,
-    support, unseen_fits,
+    PairedScenario, Predictor, STATES, ToolShape, changes, condition_of, rerun_changes,
+    rerun_conditions, support, unseen_fits,
 };
 use sphcut_scenario::{DiagnosisCase, Sweep};
 use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Table};
@@ -62,6 +62,7 @@ impl Paired {
     pub fn library(case: &DiagnosisCase, arguments: &DiagnoseArguments) -> Result<Self, Failure> {
         let rows = case.measured.iter().chain(case.reference.iter().flat_map(|cuts| &cuts.rows));
         let conditions: Vec<Condition> = rows.map(condition_of).collect();
+        PairedScenario::check_tools(&case.base, &conditions).map_err(refused)?;
         let [speeds, sizes] = support(&conditions, case.runs.range);
         let wears = conditions.iter().any(|condition| condition.cut_length > 0.0);
         let runs: Vec<(Condition, Change)> = changes(&case.scatter, wears)
@@ -208,7 +209,13 @@ fn missing(plan: &Plan, store: &Store) -> usize {
 }
 
 fn cut(cutting_speed: f64, uncut_chip_thickness: f64) -> Condition {
-    Condition { cutting_speed, uncut_chip_thickness, cut_length: 0.0, run_order: 0.0 }
+    Condition {
+        cutting_speed,
+        uncut_chip_thickness,
+        cut_length: 0.0,
+        run_order: 0.0,
+        tool: ToolShape::default(),
+    }
 }
 
 /// Means and their standard deviations, SI units. A run in the plane has no passive force.

@@ -182,6 +182,7 @@ mod tests {
             uncut_chip_thickness,
             cut_length: 0.0,
             run_order: 0.0,
+            tool: crate::ToolShape::default(),
         };
         let [speeds, sizes] =
             support(&[at(20.0 / 60.0, 2e-4), at(400.0 / 60.0, 4e-5)], [[None; 2]; 2]);

@@ -168,6 +168,7 @@ mod tests {
             uncut_chip_thickness: h,
             cut_length: 0.0,
             run_order: 0.0,
+            tool: crate::ToolShape::default(),
         };
         let support = Support::of([at(1.0, 1e-5), at(4.0, 4e-5)].into_iter());
         let [x, y] = support.place(&at(2.0, 2e-5));

@@ -3,7 +3,7 @@
 use super::change::Change;
 use crate::closed_form_cut::closed_form_cut;
 use crate::error::DiagnoseError;
-use crate::predictor::Condition;
+use crate::predictor::{Condition, ToolShape};
 use sphcut_analytic::FlowStress;
 use sphcut_physics::effects;
 use sphcut_scenario::Scenario;
@@ -61,6 +61,31 @@ pub struct PairedScenario {
 }
 
 impl PairedScenario {
+    /// Refuses cuts whose tools have another rake or edge radius than the scenario: paired runs have one tool.
+    ///
+    /// # Errors
+    /// A cut with another tool.
+    pub fn check_tools(scenario: &Scenario, cuts: &[Condition]) -> Result<(), DiagnoseError> {
+        let tool = closed_form_cut(scenario)?.tool;
+        let own =
+            ToolShape { rake_angle: Some(tool.rake_angle), edge_radius: Some(tool.edge_radius) };
+        let is_own = |cut: &Condition| {
+            let ToolShape { rake_angle, edge_radius } = cut.tool;
+            let of_cut = ToolShape {
+                rake_angle: rake_angle.or(own.rake_angle),
+                edge_radius: edge_radius.or(own.edge_radius),
+            };
+            crate::data::same_tool(&of_cut, &own)
+        };
+        if cuts.iter().all(is_own) {
+            return Ok(());
+        }
+        Err(DiagnoseError::NoPairedRuns {
+            what: "the table has cuts with another rake or edge radius than the scenario, and all runs have one tool".to_owned(),
+            help: "use --closed-form, which takes each cut with its own tool, or a table and a scenario for each tool",
+        })
+    }
+
     /// Of a scenario with a window, whose friction is Coulomb's below the shear strength; runs go `travel` thicknesses far.
     ///
     /// # Errors
@@ -360,6 +385,7 @@ mod tests {
             uncut_chip_thickness: number("process", "uncut_chip_thickness"),
             cut_length: 0.0,
             run_order: 0.0,
+            tool: crate::ToolShape::default(),
         };
         let base = PairedScenario::of(&scenario, 30.0).unwrap();
         let all = changes(&SCATTER, true);
@@ -377,6 +403,26 @@ mod tests {
     }
 
     /// A run differs from the scenario in what its change names, and in how far it goes; a run without a change in nothing else.
+    #[test]
+    fn cuts_with_another_tool_are_refused() {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ti6al4v_orthogonal.toml");
+        let scenario = load(&path, &LoadOptions::default()).unwrap();
+        let tool = closed_form_cut(&scenario).unwrap().tool;
+        let cut = |rake_angle: Option<f64>| Condition {
+            cutting_speed: 1.0,
+            uncut_chip_thickness: 1e-4,
+            cut_length: 0.0,
+            run_order: 0.0,
+            tool: ToolShape { rake_angle, edge_radius: None },
+        };
+        let own = Some(tool.rake_angle);
+        assert!(PairedScenario::check_tools(&scenario, &[cut(None), cut(own)]).is_ok());
+        let other = [cut(own), cut(own.map(|rake| rake + 0.1))];
+        let error = PairedScenario::check_tools(&scenario, &other).unwrap_err();
+        assert!(error.to_string().contains("another rake"), "{error}");
+    }
+
     #[test]
     fn a_run_changes_what_its_change_names() {
         for (change, run, plain) in library() {

@@ -26,6 +26,7 @@ fn at(place: usize) -> Condition {
         uncut_chip_thickness: 3e-5 * 8.0_f64.powf((place / 8) as f64 / 4.0),
         cut_length: 0.0,
         run_order: 0.0,
+        tool: crate::ToolShape::default(),
     }
 }
 
@@ -59,8 +60,7 @@ fn library(model: &ClosedForm, noise: [f64; 3], seed: u64) -> PairedRuns {
         for (&cutting_speed, &uncut_chip_thickness) in
             speeds.iter().flat_map(|v| sizes.iter().map(move |h| (v, h)))
         {
-            let condition =
-                Condition { cutting_speed, uncut_chip_thickness, cut_length: 0.0, run_order: 0.0 };
+            let condition = Condition { cutting_speed, uncut_chip_thickness, ..at(0) };
             // The base runs are four times as long.
             let length = if change.is_none() { 0.5 } else { 1.0 };
             let mut means = [None; CHANNELS.len()];

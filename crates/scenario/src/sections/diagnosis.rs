@@ -50,7 +50,7 @@ pub(crate) fn diagnosis_root() -> Section {
                 "scenario",
                 Kind::Path,
                 Presence::Required,
-                "the cut as it is simulated so far, relative to this file; its speed and thickness are replaced by those of the table",
+                "the cut as it is simulated so far, relative to this file; its speed and thickness, rake and edge radius are replaced by those that the table has",
             )
             .example("\"cut.toml\""),
             table("measured", Presence::Required, "the cuts that are to be explained")
@@ -71,7 +71,7 @@ fn file() -> Field {
         Presence::Required,
         "v_c [m/min],h [mm] and any of F_c [N],F_f [N],F_p [N],T_interface [degC],chip_thickness [mm],contact_length [mm],\
          springback [um] in any order and units, a line per cut; beside them their standard deviations (F_c_sd [N]), n, order, \
-         cut_length [m]. Repeats or standard deviations are needed: they say what is noise",
+         cut_length [m], and rake [deg] and edge_radius [um] where the tools differ. Repeats or standard deviations are needed: they say what is noise",
     )
     .example("\"cuts.csv\"")
 }

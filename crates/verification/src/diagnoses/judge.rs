@@ -20,6 +20,8 @@ pub enum DiagnosisMeasure {
     InSet,
     /// Probability that `effect` is among what is missing.
     Probability,
+    /// 1 if the verdict is that none of the effects explains the data.
+    NoneOfThese,
     /// The most probable value of the first parameter of `effect` in the repair, in SI.
     Estimate,
     /// Error on the quarters left out, repair over fitting nuisances again; of one `channel` or of all.
@@ -75,6 +77,7 @@ impl DiagnosisMeasure {
             Self::Named => "named, and nothing else",
             Self::InSet => "in the 95 % set",
             Self::Probability => "probability to be among what is missing",
+            Self::NoneOfThese => "verdict: none of these",
             Self::Estimate => "most probable size",
             Self::HeldOutRatio => "error on quarters left out, repaired over fitted again",
             Self::HighestSpeedRatio => "error on the highest speeds, repaired over fitted again",
@@ -157,6 +160,9 @@ impl DiagnosisExpectation {
                 Some(f64::from(finding.is_alarm() && finding.set.contains(&effect()?)))
             }
             DiagnosisMeasure::Probability => Some(finding.inclusion[effect()?]),
+            DiagnosisMeasure::NoneOfThese => {
+                Some(f64::from(finding.verdict == Verdict::NoneOfThese))
+            }
             DiagnosisMeasure::Estimate => {
                 let repair = &one.found.fits[one.found.repair?];
                 let effect = effect()?;

@@ -48,6 +48,7 @@ fn folder(name: &str, expected: &str) -> PathBuf {
                 uncut_chip_thickness: h / 1e3,
                 cut_length: 0.0,
                 run_order: 0.0,
+                tool: sphcut_diagnose::ToolShape::default(),
             };
             let logs = model.log_observables(&condition, &[], &[]);
             let (cutting, feed) = (logs[0].exp(), logs[1].exp());

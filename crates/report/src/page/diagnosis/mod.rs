@@ -358,6 +358,9 @@ fn origin(noise: &Noise) -> String {
 
 fn next(page: &DiagnosisPage<'_>) -> Markup {
     let proposal = &page.diagnosis.next;
+    let cuts = proposal.iter().flat_map(|next| &next.conditions);
+    let has_rake = cuts.clone().any(|cut| cut.tool.rake_angle.is_some());
+    let has_edge = cuts.clone().any(|cut| cut.tool.edge_radius.is_some());
     html! {
         section {
             h2 { "What to measure next" }
@@ -365,10 +368,16 @@ fn next(page: &DiagnosisPage<'_>) -> Markup {
                 p { "The cuts on which the explanations that are left differ most. The probability of the right one among them is "
                     (percent(next.expected[0])) " now and is expected to be " (percent(next.expected[1])) " after these cuts." }
                 div.scroll { table {
-                    thead { tr { th scope="col" { "Cut" } th.n scope="col" { "v_c in m/min" } th.n scope="col" { "h in mm" } } }
+                    thead { tr {
+                        th scope="col" { "Cut" } th.n scope="col" { "v_c in m/min" } th.n scope="col" { "h in mm" }
+                        @if has_rake { th.n scope="col" { "Rake in \u{b0}" } }
+                        @if has_edge { th.n scope="col" { "Edge radius in \u{b5}m" } }
+                    } }
                     tbody { @for (k, cut) in next.conditions.iter().enumerate() { tr {
                         th scope="row" { (k + 1) }
                         td.n { (three_digits(cut.cutting_speed * 60.0)) } td.n { (three_digits(cut.uncut_chip_thickness * 1e3)) }
+                        @if let Some(rake) = cut.tool.rake_angle { td.n { (minus(&three_digits(rake.to_degrees()))) } }
+                        @if let Some(radius) = cut.tool.edge_radius { td.n { (three_digits(radius * 1e6)) } }
                     } } }
                 } }
                 @if !next.with_channel.is_empty() {

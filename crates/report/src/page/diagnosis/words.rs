@@ -18,6 +18,12 @@ pub(super) fn pattern(pattern: &str) -> &str {
         "high v, high h" => "fast cuts of thick chips",
         "order" => "a slope over the order of the cuts",
         "cut length" => "a slope over the length that the edge has cut",
+        "rake" => "a slope over the rake",
+        "v rake" => "a twist over speed and rake",
+        "h rake" => "a twist over thickness and rake",
+        "edge radius" => "a slope over the edge radius",
+        "v edge radius" => "a twist over speed and edge radius",
+        "h edge radius" => "a twist over thickness and edge radius",
         other => other,
     }
 }
@@ -28,6 +34,7 @@ pub(super) fn part(part: Part) -> &'static str {
         Part::HighestSpeed => "the highest speeds (beyond the rest)",
         Part::ThinnestChip => "the thinnest chips (beyond the rest)",
         Part::UnfittedChannel => "each channel in turn, which then nothing is fitted to",
+        Part::Tools => "the tools of each rake and edge radius, one after the other",
     }
 }
 
