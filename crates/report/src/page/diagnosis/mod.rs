@@ -64,12 +64,15 @@ fn where_it_is(page: &DiagnosisPage<'_>) -> Markup {
     let location = &page.diagnosis.location;
     let size = location.maps.iter().flat_map(|(_, points)| points).map(|p| p.score.abs());
     let size = size.fold(4.0, f64::max);
+    let sites = &page.diagnosis.problem.sites;
+    let tools_differ = sites.iter().any(|site| site.condition.tool != sites[0].condition.tool);
     html! {
         section {
             h2 { "Where" }
             p { "The residual after material, friction and instruments have been fitted, in standard deviations: what is left that chance does not \
                 explain. Beyond \u{b1}3 is rare by chance at a single place. A place is evidence, not an explanation: the fit moves an effect to where it \
-                cannot follow it." }
+                cannot follow it."
+                @if tools_differ { " A place on the maps is the mean over the tools that cut there; what differs between them is among the patterns." } }
             div.pair { @for (channel, points) in &location.maps {
                 (figure(&map(page, points, size, channel.title()),
                     &format!("{}: measured above the model is red, below is blue. Dots: recordings.", channel.title())))
