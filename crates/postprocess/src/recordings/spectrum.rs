@@ -58,20 +58,27 @@ impl RevolutionLine {
 }
 
 impl Spectrum {
-    /// Welch's estimate: Hann windows with half overlap, each freed of its mean (Welch, IEEE Trans.
-    /// Audio Electroacoust. 15 (1967) 70). Empty for fewer than 64 samples.
+    /// Welch's estimate with a length of segment that follows from that of the series. Empty for fewer than 64 samples.
     #[must_use]
     pub fn welch(values: &[f64], rate: f64) -> Self {
         let longest = (values.len() / SEGMENTS).clamp(1, LONGEST_SEGMENT);
         let length = 1_usize << longest.ilog2();
-        if values.len() < 64 || length < 8 {
-            return Self::default();
+        if values.len() < 64 { Self::default() } else { Self::averaged(values, rate, length).0 }
+    }
+
+    /// Welch's estimate: Hann windows of `length` samples with half overlap, each freed of its mean (Welch, IEEE Trans.
+    /// Audio Electroacoust. 15 (1967) 70), and how many were averaged. Empty where none of at least 8 samples fits.
+    #[must_use]
+    pub fn averaged(values: &[f64], rate: f64, length: usize) -> (Self, usize) {
+        if length < 8 || values.len() < length {
+            return (Self::default(), 0);
         }
         let window: Vec<f64> =
             (0..length).map(|k| 0.5 - 0.5 * (2.0 * PI * k as f64 / length as f64).cos()).collect();
         let power: f64 = window.iter().map(|w| w * w).sum();
         let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
         let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
+        let mut scratch = transform.make_scratch_vec();
         let mut density = vec![0.0; output.len()];
         let starts: Vec<usize> = (0..=values.len() - length).step_by(length / 2).collect();
         for &start in &starts {
@@ -80,18 +87,21 @@ impl Spectrum {
             for ((x, value), w) in input.iter_mut().zip(part).zip(&window) {
                 *x = (value - mean) * w;
             }
-            transform.process(&mut input, &mut output).expect("the buffers come from the plan");
+            transform
+                .process_with_scratch(&mut input, &mut output, &mut scratch)
+                .expect("the buffers come from the plan");
             for (sum, value) in density.iter_mut().zip(&output) {
                 *sum += value.norm_sqr();
             }
         }
         let last = density.len() - 1;
         for (k, value) in density.iter_mut().enumerate() {
-            let sides = if k == 0 || k == last { 1.0 } else { 2.0 };
+            // Of an odd length the last line has a mirror image too.
+            let sides = if k == 0 || (k == last && length.is_multiple_of(2)) { 1.0 } else { 2.0 };
             *value *= sides / (rate * power * starts.len() as f64);
         }
         let frequency = (0..density.len()).map(|k| k as f64 * rate / length as f64).collect();
-        Self { frequency, density }
+        (Self { frequency, density }, starts.len())
     }
 
     /// Width of a bin in Hz.
