@@ -197,6 +197,7 @@ What appears in the output folder:
   diagnosis.html        one page: where, what, repair, does it help, can it be trusted, what next
   diagnosis.json        the same as numbers
   held_out.csv          every value that a fit had not seen, with what it predicted
+  lines.csv             with [series]: lines in the spectra of the forces, and what they follow
   scenario.patch.toml   the missing effect with its parameters, where one is named
   runs/                 what each effect changes: a sweep of the particle solver with its table and page
 

@@ -4,7 +4,7 @@ use crate::arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
 use sphcut_record::{Provenance, Setting};
 use sphcut_scenario::{
-    Colours, DiagnosisCase, Identification, LoadOptions, Mistake, OutsideFiles, Problem,
+    Colours, DiagnosisFile, Identification, LoadOptions, Mistake, OutsideFiles, Problem,
     Recordings, Scenario, Sweep,
 };
 use std::io::IsTerminal;
@@ -30,8 +30,8 @@ pub fn identification(arguments: &ScenarioArguments) -> Result<Identification, F
 }
 
 /// Reads and checks a file of a diagnosis.
-pub fn diagnosis(arguments: &ScenarioArguments) -> Result<DiagnosisCase, Failure> {
-    sphcut_scenario::load_diagnosis(&arguments.scenario, &options(arguments))
+pub fn diagnosis(arguments: &ScenarioArguments) -> Result<DiagnosisFile, Failure> {
+    sphcut_scenario::load_diagnosis_file(&arguments.scenario, &options(arguments))
         .map_err(|problems| refused(arguments, &problems))
 }
 

@@ -1,6 +1,6 @@
 //! `sphcut recordings`: mean forces from raw recordings of a dynamometer.
 
-mod settings;
+pub mod settings;
 
 use crate::arguments::RecordingsArguments;
 use crate::failure::{ExitCode, Failure};
@@ -72,9 +72,16 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
     Ok(ExitCode::Done)
 }
 
-/// The columns of a record.
+/// The columns of the record of a cut.
 fn read(cut: &RecordingCut, file: &RecordingFile) -> Result<RawTable, Failure> {
-    let path = &cut.path;
+    read_record((&cut.path, &cut.group), file)
+}
+
+/// The columns of the record at a path, in a group if it is HDF5.
+pub fn read_record(
+    (path, group): (&Path, &str),
+    file: &RecordingFile,
+) -> Result<RawTable, Failure> {
     let shown = path.display();
     let unreadable =
         |error: &dyn std::fmt::Display| Failure::output(format!("cannot read `{shown}`"), error);
@@ -82,7 +89,7 @@ fn read(cut: &RecordingCut, file: &RecordingFile) -> Result<RawTable, Failure> {
         return Err(tdms(path));
     }
     if file.format == "hdf5" {
-        let columns = read_columns_h5(path, &cut.group).map_err(|error| unreadable(&error))?;
+        let columns = read_columns_h5(path, group).map_err(|error| unreadable(&error))?;
         return Ok(settings::table(columns));
     }
     let bytes = read_bytes(path).map_err(|error| unreadable(&error))?;

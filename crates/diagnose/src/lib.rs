@@ -51,6 +51,7 @@ mod predictor;
 mod problem;
 mod rerun;
 mod self_test;
+pub mod series;
 mod session;
 mod setups;
 mod templates;

@@ -19,9 +19,10 @@ mod ticks;
 
 pub use error::ReportError;
 pub use page::{
-    DiagnosisPage, IdentificationPage, RecordingsPage, SpringbackRun, SweepPage, calibration_words,
-    diagnosis_words, greybox_words, identification_words, recordings_words, render_calibration,
-    render_comparison, render_diagnosis, render_greybox, render_identification, render_recordings,
-    render_report, render_springback, render_sweep, sweep_words, write_report,
+    DiagnosisPage, IdentificationPage, RecordingsPage, SeriesPage, SpringbackRun, SweepPage,
+    calibration_words, diagnosis_words, greybox_words, identification_words, recordings_words,
+    render_calibration, render_comparison, render_diagnosis, render_greybox, render_identification,
+    render_recordings, render_report, render_series, render_springback, render_sweep,
+    series_summary, sweep_words, write_report,
 };
 pub use picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};

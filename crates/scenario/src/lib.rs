@@ -62,7 +62,10 @@ pub use problem::{Colours, Mistake, Problem};
 
 pub use columns::TableProblem;
 pub use cut_table::{CutTableRow, MEASURED, read_cut_table};
-pub use diagnosis::{DiagnosisCase, PairedRunsPlan, ReferenceCuts, load_diagnosis};
+pub use diagnosis::{
+    AirRecord, DiagnosisCase, DiagnosisFile, PairedRunsPlan, ReferenceCuts, SeriesPlan,
+    load_diagnosis, load_diagnosis_file,
+};
 pub use force_table::{ForceTableRow, read_force_table};
 pub use measured::{
     MeasuredForces, MeasuredSpringback, read_measured_forces, read_measured_springback,

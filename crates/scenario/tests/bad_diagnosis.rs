@@ -1,12 +1,12 @@
 //! The bad files of `tests/bad_diagnosis`.
 
-use sphcut_scenario::{LoadOptions, load_diagnosis};
+use sphcut_scenario::{LoadOptions, load_diagnosis_file};
 
 mod shared;
 
 #[test]
 fn every_bad_file_is_refused_with_the_messages_it_names() {
-    shared::refuses("bad_diagnosis", 17, &|path| {
-        load_diagnosis(path, &LoadOptions::default()).expect_err("a bad file")
+    shared::refuses("bad_diagnosis", 22, &|path| {
+        load_diagnosis_file(path, &LoadOptions::default()).expect_err("a bad file")
     });
 }

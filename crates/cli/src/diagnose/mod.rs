@@ -2,36 +2,55 @@
 
 mod patch;
 mod runs;
+mod series;
 
 use crate::arguments::DiagnoseArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use runs::{Ended, Paired};
+use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, with_series};
 use sphcut_diagnose::{
     ClosedForm, DiagnoseError, Predictor, Provenance, closed_form_cut, compare_rerun,
     diagnose_case, diagnosis_json, held_out_csv,
 };
-use sphcut_report::{DiagnosisPage, diagnosis_words, render_diagnosis};
+use sphcut_report::{
+    DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
+};
+use sphcut_scenario::DiagnosisFile;
+use std::path::Path;
 
 const PAGE: &str = "diagnosis.html";
 const NUMBERS: &str = "diagnosis.json";
 const PATCH: &str = "scenario.patch.toml";
 const HELD_OUT: &str = "held_out.csv";
+const LINES: &str = "lines.csv";
 
 /// Diagnoses and writes page, numbers and, where an effect is named, the patch.
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
-    let files = [PAGE, NUMBERS, PATCH, HELD_OUT].map(|name| out.join(name));
+    let files = [PAGE, NUMBERS, PATCH, HELD_OUT, LINES].map(|name| out.join(name));
     if let Some(old) = files.iter().find(|path| path.exists())
         && !arguments.force
     {
         let message = format!("`{}` exists: use --force to replace it", old.display());
         return Err(Failure::input(message));
     }
-    let case = loading::diagnosis(&arguments.scene)?;
+    let file = loading::diagnosis(&arguments.scene)?;
+    let pool = loading::pool(loading::threads(arguments.threads))?;
     if arguments.dry_run {
-        return Paired::library(&case, arguments)?.dry_run(arguments);
+        let Some(case) = &file.case else {
+            return Err(Failure::input(
+                "[series] alone needs no runs: there is nothing to compute",
+            ));
+        };
+        return Paired::library(case, arguments)?.dry_run(arguments);
     }
+    let plan = file.series.as_ref();
+    let series = plan.map(|plan| pool.install(|| series::diagnose(&file, plan))).transpose()?;
+    let Some(case) = file.case.as_deref() else {
+        let found = series.expect("a file without means has series");
+        return series_alone(out, &file, &found);
+    };
     let mistaken = |error: DiagnoseError| Failure::input(error.to_string());
     let closed;
     let paired;
@@ -39,16 +58,15 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
         (&closed, "the closed-form model (Oxley's shear zone, Zorev's contact)")
     } else {
-        match Paired::library(&case, arguments)?.run(arguments)? {
+        match Paired::library(case, arguments)?.run(arguments)? {
             Ended::Interrupted => return Ok(interrupted()),
-            Ended::Finished(results) => paired = runs::model(&case, &results)?,
+            Ended::Finished(results) => paired = runs::model(case, &results)?,
         }
         (&paired, "paired runs of the particle solver")
     };
-    let pool = loading::pool(loading::threads(arguments.threads))?;
-    let (recordings, mut found) = pool.install(|| diagnose_case(&case, model)).map_err(mistaken)?;
+    let (recordings, mut found) = pool.install(|| diagnose_case(case, model)).map_err(mistaken)?;
     if !arguments.closed_form
-        && let Some((runs, null, repair)) = Paired::repaired(&case, arguments, (&found, model))?
+        && let Some((runs, null, repair)) = Paired::repaired(case, arguments, (&found, model))?
     {
         match runs.run(arguments)? {
             Ended::Interrupted => return Ok(interrupted()),
@@ -67,12 +85,24 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         version: env!("CARGO_PKG_VERSION"),
         seed: case.seed,
     };
-    let page =
-        DiagnosisPage { provenance, diagnosis: &found, recordings: &recordings, predictor: model };
+    let page = DiagnosisPage {
+        provenance,
+        diagnosis: &found,
+        recordings: &recordings,
+        predictor: model,
+        series: series.as_ref(),
+    };
     results::save(&files[0], render_diagnosis(&page).as_bytes())?;
     let numbers = diagnosis_json(&provenance, &found, &recordings, model);
+    let numbers = match &series {
+        Some(series) => with_series(&numbers, series),
+        None => numbers,
+    };
     results::save(&files[1], numbers.as_bytes())?;
-    match patch::patch(&provenance, &case, &found, model) {
+    if let Some(series) = &series {
+        results::save(&files[4], series_csv(series).as_bytes())?;
+    }
+    match patch::patch(&provenance, case, &found, model) {
         Some(text) => results::save(&files[2], text.as_bytes())?,
         // An old patch beside a new verdict would be believed.
         None if files[2].exists() => std::fs::remove_file(&files[2]).map_err(|error| {
@@ -82,7 +112,34 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     }
     results::save(&files[3], held_out_csv(&found, &recordings).as_bytes())?;
     diagnosis_words(&page).iter().for_each(|words| terminal::line(words));
+    series.iter().flat_map(series_summary).for_each(|words| terminal::line(&words));
     terminal::line(&format!("report  {}", files[0].display()));
+    Ok(ExitCode::Done)
+}
+
+/// Page and numbers of series without means.
+fn series_alone(
+    out: &Path,
+    file: &DiagnosisFile,
+    found: &SeriesDiagnosis,
+) -> Result<ExitCode, Failure> {
+    std::fs::create_dir_all(out)
+        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
+    let version = env!("CARGO_PKG_VERSION");
+    let page = SeriesPage { title: &file.title, source: &file.source, version, series: found };
+    results::save(&out.join(PAGE), render_series(&page).as_bytes())?;
+    let numbers = serde_json::json!({
+        "schema_version": "1.0",
+        "program_version": version,
+        "title": file.title,
+        "source": file.source,
+        "seed": file.seed,
+        "series": series_json(found),
+    });
+    results::save(&out.join(NUMBERS), format!("{numbers}\n").as_bytes())?;
+    results::save(&out.join(LINES), series_csv(found).as_bytes())?;
+    series_summary(found).iter().for_each(|words| terminal::line(words));
+    terminal::line(&format!("report  {}", out.join(PAGE).display()));
     Ok(ExitCode::Done)
 }
 

@@ -10,5 +10,6 @@ mod identify;
 mod measuring;
 mod recordings;
 mod run;
+mod series;
 mod springback;
 mod sweep;

@@ -12,7 +12,9 @@ mod sweep;
 mod tables;
 
 pub use calibration::{calibration_words, render_calibration};
-pub use diagnosis::{DiagnosisPage, diagnosis_words, render_diagnosis};
+pub use diagnosis::{
+    DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
+};
 pub use greybox::{greybox_words, render_comparison, render_greybox};
 pub use identification::{IdentificationPage, identification_words, render_identification};
 pub use recordings::{RecordingsPage, recordings_words, render_recordings};

@@ -1,5 +1,7 @@
 //! A file of a diagnosis: what was measured, the scenario that is to explain it, priors and checks.
 
+mod series;
+
 use crate::LoadOptions;
 use crate::cut_table::{CutTableRow, read_cut_table};
 use crate::document::{self, contradiction};
@@ -8,9 +10,10 @@ use crate::findings::Findings;
 use crate::problem::Problem;
 use crate::reader;
 use crate::record::Record;
-use crate::scenario::{Scenario, load};
+use crate::scenario::{self, Scenario};
 use crate::section::Section;
 use crate::sections;
+pub use series::{AirRecord, SeriesPlan};
 use std::path::{Path, PathBuf};
 
 /// Largest table in bytes.
@@ -75,17 +78,85 @@ pub struct ReferenceCuts {
     pub same_batch: bool,
 }
 
-/// Reads the file of a diagnosis at `path`, the scenario and the tables it names.
+/// A checked file of a diagnosis: means, series, or both.
+#[derive(Debug, Clone)]
+pub struct DiagnosisFile {
+    /// What was measured.
+    pub title: String,
+    /// Where it comes from.
+    pub source: String,
+    /// Simulated recordings of the self-test.
+    pub self_test: usize,
+    /// Seed.
+    pub seed: u64,
+    /// Means and the scenario that is to explain them.
+    pub case: Option<Box<DiagnosisCase>>,
+    /// Forces over time.
+    pub series: Option<SeriesPlan>,
+}
+
+/// Reads the file of a diagnosis of means at `path`, the scenario and the tables it names.
 ///
 /// # Errors
 /// All mistakes of the file, in its order; those of the scenario where it has some.
 pub fn load_diagnosis(path: &Path, options: &LoadOptions) -> Result<DiagnosisCase, Vec<Problem>> {
-    let mut of_base = Vec::new();
-    let root = sections::diagnosis_root();
-    let case = document::load(path, options, &root, |findings, root, around| {
-        read_document(findings, root, around, options, &mut of_base)
+    let file = load(path, options, true)?;
+    Ok(*file.case.expect("means are asked for"))
+}
+
+/// Reads the file of a diagnosis of means, of series, or of both.
+///
+/// # Errors
+/// All mistakes of the file, in its order; those of the scenario or of the file of recordings where these have some.
+pub fn load_diagnosis_file(
+    path: &Path,
+    options: &LoadOptions,
+) -> Result<DiagnosisFile, Vec<Problem>> {
+    load(path, options, false)
+}
+
+fn load(path: &Path, options: &LoadOptions, means: bool) -> Result<DiagnosisFile, Vec<Problem>> {
+    let mut of_others = Vec::new();
+    let section = sections::diagnosis_root();
+    let file = document::load(path, options, &section, |findings, root, around| {
+        let series = series::read(findings, root, around, (options, &mut of_others));
+        let means = means
+            || ["measured", "reference"].iter().any(|key| !root.lacks(key))
+            || root.lacks("series");
+        if means {
+            for key in ["scenario", "measured"].into_iter().filter(|key| root.lacks(key)) {
+                let field = section.field(key).expect("a key of the section");
+                findings.problem(
+                    &root.source,
+                    root.heading.clone(),
+                    reader::missing(&section, field),
+                );
+            }
+        }
+        let case = means.then(|| read_document(findings, root, around, options, &mut of_others));
+        // What is wrong in it is told with the means; series alone tell it here.
+        let empty = toml::de::DeTable::new();
+        let place = root.table("checks").unwrap_or((&empty, root.heading.clone()));
+        let mut twice = Findings::default();
+        let told = if means { &mut twice } else { findings };
+        let checks = reader::read(told, &root.source, place, &sections::diagnosis_checks(), 2);
+        let case = match case {
+            Some(read) => Some(Box::new(read?)),
+            None => None,
+        };
+        Some(DiagnosisFile {
+            title: root.text("title")?.to_owned(),
+            source: root.text("source")?.to_owned(),
+            self_test: usize::try_from(checks.count("self_test")?).ok()?,
+            seed: u64::try_from(checks.count("seed")?).ok()?,
+            case,
+            series: match series {
+                Some(plan) => Some(plan?),
+                None => None,
+            },
+        })
     });
-    if of_base.is_empty() { case } else { Err(of_base) }
+    if of_others.is_empty() { file } else { Err(of_others) }
 }
 
 fn read_document(
@@ -233,7 +304,7 @@ fn base(
             return None;
         }
     };
-    match load(&path, options) {
+    match scenario::load(&path, options) {
         Ok(base) if base.setup.uncut_chip_thickness.is_none() => {
             let help = "name a scenario with [workpiece], [tool] and [process]";
             contradiction(findings, root, "scenario", "the scenario is no cut", help);

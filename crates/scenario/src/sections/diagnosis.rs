@@ -23,6 +23,8 @@ pub(crate) fn diagnosis_sections() -> Vec<Section> {
         diagnosis_root(),
         diagnosis_measured(),
         diagnosis_reference(),
+        diagnosis_series(),
+        diagnosis_air(),
         diagnosis_priors(),
         diagnosis_checks(),
         diagnosis_next(),
@@ -49,12 +51,13 @@ pub(crate) fn diagnosis_root() -> Section {
             Field::new(
                 "scenario",
                 Kind::Path,
-                Presence::Required,
+                Presence::Derived("needed with [measured]"),
                 "the cut as it is simulated so far, relative to this file; its speed and thickness, rake and edge radius are replaced by those that the table has",
             )
             .example("\"cut.toml\""),
-            table("measured", Presence::Required, "the cuts that are to be explained")
+            table("measured", Presence::Derived("[series] alone is diagnosed"), "the cuts that are to be explained")
                 .example("[measured] with file"),
+            table("series", Presence::Optional, "recordings of the force over time: where a mismatch lives in time and in frequency"),
             table("reference", Presence::Optional, "cuts in which nothing is missing: a fresh edge of known radius, an uncoated tool"),
             table("priors", Presence::Derived("scatter between batches"), "what may differ without being a discovery"),
             table("checks", Presence::Derived("200 and 50 recordings"), "how the diagnosis tests itself"),
@@ -101,6 +104,61 @@ pub(crate) fn diagnosis_reference() -> Section {
                 Kind::Switch,
                 default("false"),
                 "whether both tables come from the same bar and the same calibration of the instruments",
+            ),
+        ],
+    )
+}
+
+/// `[series]`.
+pub(crate) fn diagnosis_series() -> Section {
+    let frequency = |key, presence, meaning| {
+        Field::new(key, positive(Quantity::Frequency, 1e9), presence, meaning)
+    };
+    Section::new(
+        "series",
+        "Recordings of the force over time: lines in their spectra and what these follow, and what changes within a cut.",
+        vec![
+            Field::new(
+                "recordings",
+                Kind::Path,
+                Presence::Required,
+                "a file of recordings (recordings.md): layout of the files, channels, window, and one [[cut]] for each record with its \
+                 cutting speed, thickness and rotation",
+            )
+            .example("\"recordings.toml\""),
+            Field::new("air", Kind::Table, Presence::Optional, "a record of the free-running machine, which cuts nothing"),
+            frequency(
+                "resolution",
+                Presence::Derived("8 segments in the shortest cut"),
+                "width of a bin of the spectra: narrower needs longer cuts",
+            ),
+            frequency(
+                "natural_frequency",
+                Presence::Optional,
+                "a natural frequency of tool, workpiece or dynamometer from an impact test: chatter lies above it",
+            ),
+        ],
+    )
+}
+
+/// `[series.air]`.
+pub(crate) fn diagnosis_air() -> Section {
+    Section::new(
+        "series.air",
+        "A record of the free-running machine, laid out as those of the cuts: what shows in it is not made by the cut.",
+        vec![
+            Field::new("file", Kind::Path, Presence::Required, "the record").example("\"air.csv\""),
+            Field::new(
+                "group",
+                Kind::Text,
+                Presence::Derived("the top of the file"),
+                "hdf5: the group with the channels",
+            ),
+            Field::new(
+                "rotational_speed",
+                positive(Quantity::AngularSpeed, 1e5),
+                Presence::Optional,
+                "rotation of the free-running machine",
             ),
         ],
     )

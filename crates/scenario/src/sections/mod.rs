@@ -17,8 +17,8 @@ pub(crate) use cut::{
     boundaries, compliance, compliance_of, passes, process, run_out, tool, window, workpiece,
 };
 pub(crate) use diagnosis::{
-    SCATTER, diagnosis_checks, diagnosis_measured, diagnosis_next, diagnosis_priors,
-    diagnosis_reference, diagnosis_root, diagnosis_runs, diagnosis_sections,
+    SCATTER, diagnosis_air, diagnosis_checks, diagnosis_measured, diagnosis_next, diagnosis_priors,
+    diagnosis_reference, diagnosis_root, diagnosis_runs, diagnosis_sections, diagnosis_series,
 };
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use identification::{

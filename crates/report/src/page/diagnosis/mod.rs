@@ -1,13 +1,16 @@
 //! `diagnosis.html`: which physics a simulation left out.
 
+mod series;
 mod words;
 
+pub use series::{SeriesPage, render_series, series_summary};
 pub use words::diagnosis_words;
 
 use super::greybox::maps::{Colours, Map};
 use super::greybox::{figure, page as whole};
 use crate::text::{minus, percent, three_digits};
 use maud::{Markup, html};
+use sphcut_diagnose::series::SeriesDiagnosis;
 use sphcut_diagnose::{
     BiasOrigin, Diagnosis, Hypothesis, MapPoint, Noise, NoiseSource, Predictor, Provenance,
     Recordings, Rerun, Scored,
@@ -31,6 +34,8 @@ pub struct DiagnosisPage<'a> {
     pub recordings: &'a Recordings,
     /// The model that explains.
     pub predictor: &'a dyn Predictor,
+    /// Forces over time.
+    pub series: Option<&'a SeriesDiagnosis>,
 }
 
 /// The text of `diagnosis.html`; nothing is loaded.
@@ -51,6 +56,13 @@ pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
         }
         (where_it_is(page))
         (what_it_is(page))
+        @if let Some(series) = page.series {
+            section {
+                h2 { "Forces over time" }
+                ul { @for sentence in series_summary(series) { li { (super::greybox::indexed(&sentence)) } } }
+            }
+            (series::sections(series))
+        }
         (repair(page))
         (does_it_help(page))
         (trust(page))

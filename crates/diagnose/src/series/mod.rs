@@ -1,0 +1,379 @@
+//! Where a mismatch lives in frequency and in time, from the force over time of each cut.
+//!
+//! The other modules of this crate read means. Here the records themselves are read, as `sphcut recordings` prepares them: on an even
+//! clock, in newtons, zero taken out, without low-pass, with the window that is steady.
+//!
+//! 1. [`BroadBand`]: averaged periodogram, smooth background, chance of every bin.
+//! 2. [`lines()`]: discoveries over all bins, channels and cuts, with frequency and amplitude.
+//! 3. [`tracks()`]: lines of different cuts that belong together, and the law they follow: mains, one frequency, rotation, chip, chatter,
+//!    or none of these; laws that these cuts cannot tell apart are not told apart.
+//! 4. [`false_alarms`]: the same steps on noise with nothing in it.
+//!
+//! Nothing here asks a model of the cut. Limits: `docs/diagnosis.md`.
+
+mod advice;
+mod files;
+mod laws;
+mod lines;
+mod null;
+mod spectrum;
+#[cfg(test)]
+mod tests;
+mod tracks;
+mod words;
+
+pub use advice::{Advice, Change};
+pub use files::{series_csv, series_json, with_series};
+pub use laws::{Explanation, Law, PITCH};
+pub use lines::{FALSE_SHARE, Line, lines};
+pub use null::false_alarms;
+pub use spectrum::{BroadBand, LOWEST_BIN, effective_freedom};
+pub use tracks::{CutLine, Named, Track, tracks};
+pub use words::{hint, law_title, series_words, track_words};
+
+use crate::self_test::Rate;
+use sphcut_postprocess::recordings::{Component, CutResult};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use std::fmt;
+
+/// Segments without overlap that a cut should hold.
+const SEGMENTS: f64 = 8.0;
+/// Fewest averaged segments.
+const FEWEST_SEGMENTS: usize = 8;
+/// Longest segment in samples.
+const LONGEST: f64 = 16_384.0;
+/// A cut shorter than this share of the median one does not decide the resolution.
+const SHORT: f64 = 0.5;
+/// A line of the air is the one of the cut if it has this share of its amplitude.
+const SAME_LINE: f64 = 0.5;
+
+/// A force of a cut.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeriesChannel {
+    /// Which.
+    pub component: Component,
+    /// In N from entry to exit, zero taken out.
+    pub force: Vec<f64>,
+}
+
+/// The forces of one cut over time. SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeriesCut {
+    /// What the user calls it.
+    pub name: String,
+    /// Cutting speed.
+    pub cutting_speed: f64,
+    /// Uncut chip thickness.
+    pub uncut_chip_thickness: f64,
+    /// Revolutions per second.
+    pub revolution: Option<f64>,
+    /// Samples per second.
+    pub rate: f64,
+    /// First and last but one sample of the steady window, counted from entry.
+    pub window: [usize; 2],
+    /// The forces.
+    pub channels: Vec<SeriesChannel>,
+}
+
+impl SeriesCut {
+    /// Of an evaluated record; `None` if it has no cut.
+    #[must_use]
+    pub fn of(cut: &CutResult) -> Option<Self> {
+        let (span, window) = (cut.span?, cut.window?);
+        let exit = window.exit.max(span.entry);
+        Some(Self {
+            name: cut.conditions.name.clone(),
+            cutting_speed: cut.conditions.cutting_speed,
+            uncut_chip_thickness: cut.conditions.uncut_chip_thickness,
+            revolution: cut.conditions.revolution,
+            rate: cut.rate,
+            window: [window.entry - span.entry, exit - span.entry],
+            channels: cut
+                .components
+                .iter()
+                .map(|c| SeriesChannel {
+                    component: c.component,
+                    force: c.force[span.entry..exit].to_vec(),
+                })
+                .collect(),
+        })
+    }
+
+    /// Length of the steady window in s.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        (self.window[1] - self.window[0]) as f64 / self.rate
+    }
+}
+
+/// The free-running machine: nothing is cut.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AirSeries {
+    /// Samples per second.
+    pub rate: f64,
+    /// Revolutions per second.
+    pub revolution: Option<f64>,
+    /// In N, in the order of the channels of the cuts.
+    pub forces: Vec<Vec<f64>>,
+}
+
+/// What is asked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeriesOptions {
+    /// Width of a bin in Hz; from the length of the cuts if not stated.
+    pub resolution: Option<f64>,
+    /// Frequencies of the mains in Hz.
+    pub mains: Vec<f64>,
+    /// Natural frequencies that are known, in Hz.
+    pub natural: Vec<f64>,
+    /// Simulated sets of noise for the rate of false alarms.
+    pub self_test: usize,
+    /// Their seed.
+    pub seed: u64,
+    /// Whether there is a recording of the free-running machine; set by [`diagnose_series`].
+    pub has_air: bool,
+}
+
+/// What is found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeriesDiagnosis {
+    /// The cuts.
+    pub cuts: Vec<SeriesCut>,
+    /// Width of a bin in Hz.
+    pub resolution: f64,
+    /// For each cut the spectra of its channels; none for a cut that is too short.
+    pub spectra: Vec<Vec<BroadBand>>,
+    /// Names of the cuts that are too short, and their lengths in s.
+    pub too_short: Vec<(String, f64)>,
+    /// Spectra of the free-running machine and their lines.
+    pub air: Vec<(BroadBand, Vec<Line>)>,
+    /// Bins that were tested.
+    pub tests: usize,
+    /// Lines of all cuts.
+    pub lines: Vec<CutLine>,
+    /// Lines that belong together, and what they follow.
+    pub tracks: Vec<Track>,
+    /// Least pitch of a segmented chip over h that every cut could show, and the least that any could.
+    pub visible_pitch: [f64; 2],
+    /// Whether the rotation of every cut is known.
+    pub knows_rotation: bool,
+    /// The share of simulated sets of noise with a line in them.
+    pub false_alarms: Option<Rate>,
+}
+
+/// Why series cannot be diagnosed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SeriesError {
+    /// No record has a cut.
+    NoCut,
+    /// No cut is long enough for the bins that are wanted.
+    TooShort {
+        /// Length of the longest in s.
+        longest: f64,
+        /// Width of a bin in Hz.
+        resolution: f64,
+        /// Length that is needed in s.
+        needed: f64,
+    },
+    /// So few samples per second that the bins wanted are too few.
+    TooCoarse {
+        /// Width of a bin in Hz.
+        resolution: f64,
+        /// Half the sampling rate in Hz.
+        nyquist: f64,
+    },
+    /// A stated natural frequency that cannot be seen.
+    BeyondNyquist {
+        /// The frequency in Hz.
+        frequency: f64,
+        /// Half the lowest sampling rate in Hz.
+        nyquist: f64,
+    },
+    /// The free-running machine was recorded too shortly.
+    AirTooShort {
+        /// Its length in s.
+        length: f64,
+        /// Length that is needed in s.
+        needed: f64,
+    },
+}
+
+impl fmt::Display for SeriesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoCut => write!(f, "no record has a cut in it: there is no series to look at"),
+            Self::TooShort { longest, resolution, needed } => write!(
+                f,
+                "the longest steady cut lasts {longest:.3} s: bins of {resolution:.3} Hz need {needed:.3} s, so that \
+                 {FEWEST_SEGMENTS} segments can be averaged; cut longer, or state a wider `resolution`"
+            ),
+            Self::TooCoarse { resolution, nyquist } => write!(
+                f,
+                "bins of {resolution:.3} Hz up to half the sampling rate, {nyquist:.1} Hz, are too few for a background; sample \
+                 faster, or state a narrower `resolution`"
+            ),
+            Self::BeyondNyquist { frequency, nyquist } => write!(
+                f,
+                "the natural frequency of {frequency:.1} Hz lies beyond half the sampling rate, {nyquist:.1} Hz: it would show at a wrong \
+                 place; sample faster, or remove it"
+            ),
+            Self::AirTooShort { length, needed } => write!(
+                f,
+                "the recording of the free-running machine lasts {length:.3} s: {needed:.3} s are needed"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for SeriesError {}
+
+/// Looks for lines in the cuts and for what they follow.
+///
+/// # Errors
+/// See [`SeriesError`].
+pub fn diagnose_series(
+    cuts: Vec<SeriesCut>,
+    air: Option<&AirSeries>,
+    options: &SeriesOptions,
+) -> Result<SeriesDiagnosis, SeriesError> {
+    let options = SeriesOptions { has_air: air.is_some(), ..options.clone() };
+    let slowest = cuts.iter().map(|cut| cut.rate).fold(f64::INFINITY, f64::min);
+    if let Some(&frequency) = options.natural.iter().find(|f| **f >= 0.5 * slowest) {
+        return Err(SeriesError::BeyondNyquist { frequency, nyquist: 0.5 * slowest });
+    }
+    let resolution = resolution(&cuts, &options)?;
+    let mut too_short = Vec::new();
+    let spectra: Vec<Vec<BroadBand>> = cuts
+        .iter()
+        .map(|cut| {
+            let own = of_cut(cut, resolution);
+            if own.is_empty() {
+                too_short.push((cut.name.clone(), cut.duration()));
+            }
+            own
+        })
+        .collect();
+    if spectra.iter().all(Vec::is_empty) {
+        return Err(none_fits(&cuts, resolution, slowest));
+    }
+    let of_air = air_spectra(air, resolution)?;
+    let mut all: Vec<BroadBand> = spectra.iter().flatten().cloned().collect();
+    all.extend(of_air.iter().cloned());
+    let tests = all.iter().map(|s| s.chances.len()).sum();
+    let mut found = lines(&all).into_iter();
+    let per_cut: Vec<Vec<Vec<Line>>> =
+        spectra.iter().map(|own| found.by_ref().take(own.len()).collect()).collect();
+    let air_lines: Vec<(BroadBand, Vec<Line>)> = of_air.into_iter().zip(found).collect();
+    let mut merged: Vec<CutLine> = per_cut
+        .iter()
+        .enumerate()
+        .flat_map(|(cut, channels)| tracks::merge(cut, channels, resolution))
+        .collect();
+    for line in &mut merged {
+        line.in_air = stands_in_air(line, &cuts[line.cut], air, &air_lines);
+    }
+    let bands: Vec<[f64; 2]> = spectra
+        .iter()
+        .map(|own| {
+            own.first().map_or([f64::NAN; 2], |s| [LOWEST_BIN as f64 * s.resolution, s.nyquist])
+        })
+        .collect();
+    let tracks = tracks(&merged, &cuts, &bands, &options);
+    let pitch = cuts.iter().map(|c| 2.0 * c.cutting_speed / (c.uncut_chip_thickness * c.rate));
+    let visible_pitch = [pitch.clone().fold(0.0, f64::max), pitch.fold(f64::INFINITY, f64::min)];
+    let knows_rotation = cuts.iter().all(|cut| cut.revolution.is_some());
+    let false_alarms = (options.self_test > 0)
+        .then(|| false_alarms(&cuts, resolution, options.self_test, options.seed));
+    Ok(SeriesDiagnosis {
+        resolution,
+        spectra,
+        too_short,
+        air: air_lines,
+        tests,
+        lines: merged,
+        tracks,
+        visible_pitch,
+        knows_rotation,
+        false_alarms,
+        cuts,
+    })
+}
+
+/// The spectra of the channels of a cut; none if it is too short.
+fn of_cut(cut: &SeriesCut, resolution: f64) -> Vec<BroadBand> {
+    let [from, to] = cut.window;
+    cut.channels
+        .iter()
+        .map(|c| BroadBand::new(&c.force[from..to], cut.rate, resolution, FEWEST_SEGMENTS))
+        .collect::<Option<Vec<_>>>()
+        .unwrap_or_default()
+}
+
+/// The bins that the cuts allow.
+fn resolution(cuts: &[SeriesCut], options: &SeriesOptions) -> Result<f64, SeriesError> {
+    if cuts.is_empty() {
+        return Err(SeriesError::NoCut);
+    }
+    if let Some(stated) = options.resolution {
+        return Ok(stated);
+    }
+    let mut lengths: Vec<f64> = cuts.iter().map(SeriesCut::duration).collect();
+    lengths.sort_by(f64::total_cmp);
+    let enough = SHORT * lengths[lengths.len() / 2];
+    let shortest = lengths.into_iter().find(|length| *length >= enough).unwrap_or(f64::NAN);
+    let fastest = cuts.iter().map(|cut| cut.rate).fold(0.0, f64::max);
+    Ok((SEGMENTS / shortest).max(fastest / LONGEST))
+}
+
+fn none_fits(cuts: &[SeriesCut], resolution: f64, slowest: f64) -> SeriesError {
+    let longest = cuts.iter().map(SeriesCut::duration).fold(0.0, f64::max);
+    let needed = needed(resolution);
+    if longest < needed {
+        SeriesError::TooShort { longest, resolution, needed }
+    } else {
+        SeriesError::TooCoarse { resolution, nyquist: 0.5 * slowest }
+    }
+}
+
+/// Length in s of the fewest segments with half overlap.
+fn needed(resolution: f64) -> f64 {
+    0.5 * (FEWEST_SEGMENTS as f64 + 1.0) / resolution
+}
+
+fn air_spectra(air: Option<&AirSeries>, resolution: f64) -> Result<Vec<BroadBand>, SeriesError> {
+    let Some(air) = air else { return Ok(Vec::new()) };
+    air.forces
+        .iter()
+        .map(|force| {
+            BroadBand::new(force, air.rate, resolution, FEWEST_SEGMENTS).ok_or_else(|| {
+                let length = force.len() as f64 / air.rate;
+                SeriesError::AirTooShort { length, needed: needed(resolution) }
+            })
+        })
+        .collect()
+}
+
+/// Whether the free-running machine has the line too: at the same frequency, or at the same multiple of the rotation.
+fn stands_in_air(
+    line: &CutLine,
+    cut: &SeriesCut,
+    air: Option<&AirSeries>,
+    found: &[(BroadBand, Vec<Line>)],
+) -> bool {
+    let rotations = cut.revolution.zip(air.and_then(|air| air.revolution));
+    line.channels.iter().zip(found).any(|(own, (spectrum, lines))| {
+        let Some(own) = own else { return false };
+        lines.iter().any(|other| {
+            let tolerance = (2.0 * spectrum.resolution).max(2.0 * (own.error + other.error));
+            let turned = rotations.map(|(here, there)| other.frequency * here / there);
+            let near = |f: f64| (f - line.frequency).abs() < tolerance;
+            other.amplitude > SAME_LINE * own.amplitude
+                && (near(other.frequency) || turned.is_some_and(near))
+        })
+    })
+}
+
+/// Quantile of Student's t for a 95 % interval.
+pub(crate) fn t_quantile(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |law| law.inverse_cdf(0.975))
+}

@@ -1,0 +1,250 @@
+//! What the series say, in words.
+
+use super::laws::{Explanation, Law};
+use super::tracks::{Named, Track};
+use super::{Change, SeriesDiagnosis};
+
+/// What a law means for the cut.
+#[must_use]
+pub const fn law_title(law: Law) -> &'static str {
+    match law {
+        Law::Mains => "the mains, through the instruments",
+        Law::Constant => {
+            "one frequency whatever the cut: a structure (workpiece, tool holder, dynamometer)"
+        }
+        Law::Rotation => "a multiple of the rotation: run-out or form of the workpiece",
+        Law::Ratio => "a fixed ratio to the rotation: a bearing, gear or belt",
+        Law::Chip => "the chip comes in segments",
+        Law::Chatter => "regenerative chatter",
+        Law::Other => "none of these laws",
+    }
+}
+
+/// What the particle solver has for it, and what it has not.
+#[must_use]
+pub const fn hint(law: Law) -> &'static str {
+    match law {
+        Law::Chip => {
+            "A simulation without segments lacks what makes the hot shear zone lose its strength: try `[effects.tanh_softening]` or `[effects.damage]` \
+             (docs/catalogue.md), with particles much smaller than the pitch"
+        }
+        Law::Rotation => {
+            "No law of the material makes it: it belongs to machine and workpiece. `[tool.run_out]` moves the tool like this if the force over time is \
+             to be compared; no patch is written"
+        }
+        Law::Chatter => {
+            "A rigid tool cannot chatter: it belongs to the machine. `[tool.compliance]` lets the tool give way, but the solver cuts one pass over a flat surface, \
+             so that the waves of the pass before are not there; no patch is written"
+        }
+        Law::Constant => {
+            "It belongs to structure or instrument, not to the law of the material: correct the recordings by the frequency response of the dynamometer (`response`), \
+             or low-pass below it; no patch is written"
+        }
+        Law::Mains | Law::Ratio => "It belongs to instruments or machine; no patch is written",
+        Law::Other => "Nothing in the catalogue is known to make it",
+    }
+}
+
+/// Hz with as many digits as count.
+fn hertz(frequency: f64) -> String {
+    if frequency >= 10_000.0 {
+        format!("{:.2} kHz", frequency * 1e-3)
+    } else if frequency >= 100.0 {
+        format!("{frequency:.0} Hz")
+    } else {
+        format!("{frequency:.1} Hz")
+    }
+}
+
+fn percent(share: f64) -> String {
+    if share > 0.995 { "over 99 %".to_owned() } else { format!("{:.0} %", share * 100.0) }
+}
+
+/// Lowest and highest frequency of a track.
+fn range(found: &SeriesDiagnosis, track: &Track) -> String {
+    let all = || track.lines.iter().map(|&k| found.lines[k].frequency);
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+    if high < 1.01 * low {
+        hertz(0.5 * (low + high))
+    } else {
+        format!("{} to {}", hertz(low), hertz(high))
+    }
+}
+
+fn constant(explanation: &Explanation) -> String {
+    let Some([value, low, high]) = explanation.constant else { return String::new() };
+    match explanation.law {
+        Law::Chip => {
+            format!(": the pitch is {value:.2} ({low:.2} to {high:.2}) of the uncut chip thickness")
+        }
+        Law::Rotation if value < 1.5 => ": once per revolution".to_owned(),
+        Law::Rotation => format!(": {value:.0} times per revolution"),
+        Law::Ratio => format!(": {value:.3} ({low:.3} to {high:.3}) times per revolution"),
+        Law::Mains => format!(": {value:.0} Hz"),
+        _ => String::new(),
+    }
+}
+
+fn names(laws: &[Law]) -> String {
+    let all: Vec<&str> = laws.iter().map(|law| law_title(*law)).collect();
+    match all.as_slice() {
+        [head @ .., last] if !head.is_empty() => format!("{}, or {last}", head.join(", ")),
+        _ => all.join(""),
+    }
+}
+
+/// Why a track is what it is said to be.
+#[must_use]
+pub fn track_words(found: &SeriesDiagnosis, track: &Track) -> Vec<String> {
+    let cuts = track.lines.len();
+    let place = format!("{} in {cuts} of {} cuts", range(found, track), found.cuts.len());
+    let first = &track.explanations[0];
+    let mut words = match &track.named {
+        Named::Law(law) => {
+            let mut words = vec![format!(
+                "{place}: {}{} (probability {}).",
+                law_title(*law),
+                constant(first),
+                percent(first.probability)
+            )];
+            words.push(format!("{}.", hint(*law)));
+            words
+        }
+        Named::NotToldApart(laws) => {
+            let mut words = vec![format!(
+                "{place}: {}. These cuts cannot tell: over them the laws predict the same frequencies.",
+                names(laws)
+            )];
+            words.push(advice(track));
+            words
+        }
+        Named::Unsure => vec![format!(
+            "{place}: no law has more than 90 %; the most probable is {} ({}).",
+            law_title(first.law),
+            percent(first.probability)
+        )],
+        Named::TooFewCuts => vec![format!(
+            "{place}: a line in fewer than three cuts follows no law that could be named."
+        )],
+    };
+    match track.in_air {
+        Some(0) => words.push(
+            "The free-running machine does not have it: the cut makes or excites it.".to_owned(),
+        ),
+        Some(count) if count == cuts => {
+            words.push(
+                "The free-running machine has it too: machine or instrument, not the cut."
+                    .to_owned(),
+            );
+        }
+        Some(count) => words.push(format!(
+            "The free-running machine has it as strongly as {count} of the {cuts} cuts."
+        )),
+        None => {}
+    }
+    if let Some(jump) = track.jump {
+        let chatter =
+            matches!(track.named, Named::Law(Law::Constant | Law::Chatter) | Named::Unsure);
+        words.push(format!(
+            "Its amplitude jumps: the largest is {jump:.0} times that of the weaker cuts{}.",
+            if chatter { ", as when a cut begins to chatter" } else { "" }
+        ));
+    }
+    words
+}
+
+fn advice(track: &Track) -> String {
+    let Some(advice) = &track.advice else {
+        return "Cuts at two thicknesses and two speeds, with two diameters at one speed, would tell.".to_owned();
+    };
+    let change = match advice.change {
+        Change::Thickness => "at the same speed",
+        Change::Diameter => "with another diameter at the same speed",
+        Change::Speed => "at the same diameter and thickness",
+        Change::ThicknessAndSpeed => "at another thickness and speed",
+    };
+    let expected: Vec<String> = advice
+        .expected
+        .iter()
+        .map(|(law, f)| format!("{} if {}", hertz(*f), law_title(*law)))
+        .collect();
+    let rotation =
+        advice.revolution.map_or_else(String::new, |n| format!(", {:.0} 1/min", n * 60.0));
+    format!(
+        "A cut {change} would tell: at {:.0} m/min and {:.3} mm{rotation} the line would be at {}.",
+        advice.cutting_speed * 60.0,
+        advice.uncut_chip_thickness * 1e3,
+        expected.join(", ")
+    )
+}
+
+/// The verdict on frequency, in words: first what was found, then how it was tested.
+#[must_use]
+pub fn series_words(found: &SeriesDiagnosis) -> Vec<String> {
+    let mut words = Vec::new();
+    let analysed = found.cuts.len() - found.too_short.len();
+    if found.lines.is_empty() {
+        words.push(format!(
+            "No line stands out of the broadband force in {analysed} cuts: what is in the forces over time is noise without a period."
+        ));
+    } else {
+        words.push(format!(
+            "{} lines in {analysed} cuts stand out of the broadband force; they belong to {} frequencies or laws.",
+            found.lines.len(),
+            found.tracks.len()
+        ));
+    }
+    let freedom = found.spectra.iter().flatten().map(|s| s.freedom);
+    let (low, high) = (freedom.clone().fold(f64::INFINITY, f64::min), freedom.fold(0.0, f64::max));
+    words.push(format!(
+        "Tested: {} bins of {} at a false discovery rate of 5 %; averaged periodograms with {low:.0} to {high:.0} effective degrees of freedom.",
+        found.tests,
+        hertz(found.resolution),
+    ));
+    if let Some(rate) = found.false_alarms {
+        let [low, high] = rate.interval();
+        words.push(format!(
+            "The same steps on white and red noise with nothing in it: a line in {} of {} sets, {:.1} % ({:.1} to {:.1} %); 5 % are allowed.",
+            rate.hits,
+            rate.trials,
+            rate.share() * 100.0,
+            low * 100.0,
+            high * 100.0
+        ));
+    }
+    words.extend(limits(found));
+    words
+}
+
+/// What these recordings cannot show.
+fn limits(found: &SeriesDiagnosis) -> Vec<String> {
+    let mut words = Vec::new();
+    let [every, any] = found.visible_pitch;
+    if any > 3.0 {
+        words.push(format!(
+            "Segmented chips cannot be excluded: the sampling is too slow for v_c/h. Segments shorter than {any:.1} uncut chip thicknesses have frequencies beyond half \
+             the sampling rate in every cut and would show at wrong places, if at all. Sample at least {:.0} times faster.",
+            (any / 0.5).ceil()
+        ));
+    } else if every > 0.5 {
+        words.push(format!(
+            "Segments of chips shorter than {every:.1} uncut chip thicknesses lie beyond half the sampling rate in at least one cut."
+        ));
+    }
+    if !found.knows_rotation {
+        words.push(
+            "The rotation of some cut is not stated (`workpiece_diameter` or `rotational_speed`): run-out cannot be told there, and chatter not be told from it.".to_owned(),
+        );
+    } else if found.cuts.iter().any(|c| c.revolution.is_some_and(|n| n < 4.0 * found.resolution)) {
+        words.push(format!(
+            "Revolutions follow each other more slowly than four bins in some cuts: multiples of the rotation cannot be separated there; record longer or state a `resolution` below {}.",
+            hertz(found.cuts.iter().filter_map(|c| c.revolution).fold(f64::INFINITY, f64::min) / 4.0)
+        ));
+    }
+    for (name, length) in &found.too_short {
+        words.push(format!(
+            "Left out: {name}, whose steady window of {length:.2} s is too short for these bins."
+        ));
+    }
+    words
+}

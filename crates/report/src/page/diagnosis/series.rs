@@ -1,0 +1,221 @@
+//! The force over time on the page of a diagnosis: lines, what they follow, how it was tested.
+
+use super::super::charts::figure;
+use super::super::greybox::{indexed, page as whole};
+use crate::chart::{Chart, Line, Mark};
+use crate::text::{percent, plain, three_digits, with_interval};
+use maud::{Markup, html};
+use sphcut_diagnose::series::{
+    CutLine, Explanation, Law, Named, SeriesDiagnosis, Track, law_title, series_words, track_words,
+};
+
+/// Spectra that are drawn.
+const MOST_SPECTRA: usize = 6;
+const BLUE: &str = "#1f5fa8";
+const RED: &str = "#b3402a";
+const GREEN: &str = "#2c7a4b";
+const INK: &str = "#5b6470";
+
+/// What the page of series without means shows.
+#[derive(Clone, Copy)]
+pub struct SeriesPage<'a> {
+    /// What was measured.
+    pub title: &'a str,
+    /// Where it comes from.
+    pub source: &'a str,
+    /// Version of the program.
+    pub version: &'a str,
+    /// What was found.
+    pub series: &'a SeriesDiagnosis,
+}
+
+/// The text of `diagnosis.html` where there are series alone; nothing is loaded.
+#[must_use]
+pub fn render_series(page: &SeriesPage<'_>) -> String {
+    let lead =
+        html! { (page.series.cuts.len()) " recordings of the force over time; " (page.source) "." };
+    let alarm = page.series.tracks.iter().any(|track| track.lines.len() > 2);
+    let summary = series_summary(page.series);
+    let body = html! {
+        section.warnings[alarm].clean[!alarm] role="note" {
+            @if let [first, rest @ ..] = summary.as_slice() {
+                h2 { (first) }
+                ul { @for sentence in rest { li { (indexed(sentence)) } } }
+            }
+        }
+        (sections(page.series))
+    };
+    whole(&format!("Forces over time: {}", page.title), &lead, page.version, &body)
+}
+
+/// What is found, in a few sentences.
+#[must_use]
+pub fn series_summary(found: &SeriesDiagnosis) -> Vec<String> {
+    let mut words = series_words(found);
+    let tracks = found.tracks.iter().filter(|track| track.named != Named::TooFewCuts);
+    let at = usize::from(!words.is_empty());
+    let sentences: Vec<String> = tracks.map(|track| track_words(found, track)[0].clone()).collect();
+    words.splice(at..at, sentences);
+    words
+}
+
+/// The sections of the page.
+pub(super) fn sections(found: &SeriesDiagnosis) -> Markup {
+    html! {
+        section {
+            h2 { "Where in frequency" }
+            p { "Lines that stand out of the broadband force, followed over the cuts. What a line follows says what makes it: the same frequency in all cuts is a structure or the mains, "
+                "a fixed ratio to the rotation is run-out or a drive, a fixed ratio to v" sub { "c" } "/h is a chip that comes in segments." }
+            @for (number, track) in found.tracks.iter().enumerate().filter(|(_, t)| t.named != Named::TooFewCuts) {
+                (one_track(found, number + 1, track))
+            }
+            (others(found))
+            (spectra(found))
+        }
+    }
+}
+
+fn one_track(found: &SeriesDiagnosis, number: usize, track: &Track) -> Markup {
+    let words = track_words(found, track);
+    html! {
+        h3 { "Line " (number) }
+        ul { @for sentence in &words { li { (indexed(sentence)) } } }
+        div.pair {
+            div.scroll { table {
+                caption { "What it may follow. Named above 90 %, and only if these cuts can tell it from the other laws." }
+                thead { tr { th scope="col" { "It follows" } th.n scope="col" { "Probability" } th scope="col" { "Constant (95 % interval)" } } }
+                tbody { @for explanation in track.explanations.iter() { tr {
+                    th scope="row" { (law_title(explanation.law)) }
+                    td.n { @if explanation.log_evidence.is_some() { (percent(explanation.probability)) } @else { "not with these cuts" } }
+                    td { (constant(explanation)) }
+                } } }
+            } }
+            div.scroll { (lines_table(found, track)) }
+        }
+    }
+}
+
+fn constant(explanation: &Explanation) -> String {
+    // What is not believed needs no size.
+    let Some([value, low, high]) = explanation.constant.filter(|_| explanation.probability > 0.01)
+    else {
+        return String::new();
+    };
+    let with = |name: &str, unit: &str| {
+        if low == high {
+            format!("{name}{}{unit}", three_digits(value))
+        } else {
+            format!(
+                "{name}{}{unit} ({} to {})",
+                three_digits(value),
+                three_digits(low),
+                three_digits(high)
+            )
+        }
+    };
+    match explanation.law {
+        Law::Mains | Law::Constant => with("", " Hz"),
+        Law::Rotation | Law::Ratio => with("", " per revolution"),
+        Law::Chip => with("pitch / h = ", ""),
+        Law::Chatter | Law::Other => String::new(),
+    }
+}
+
+fn lines_table(found: &SeriesDiagnosis, track: &Track) -> Markup {
+    let air = !found.air.is_empty();
+    html! { table {
+        caption { "Its lines. Amplitude: of the sine with the same power." }
+        thead { tr {
+            th scope="col" { "Cut" } th.n scope="col" { "v" sub { "c" } " in m/min" } th.n scope="col" { "h in mm" }
+            th.n scope="col" { "Frequency in Hz" }
+            @for channel in &found.cuts[0].channels { th.n scope="col" { (indexed(channel.component.symbol())) " in N" } }
+            @if air { th scope="col" { "In the air" } }
+        } }
+        tbody { @for line in track.lines.iter().map(|&k| &found.lines[k]) { (row(found, line, air)) } }
+    } }
+}
+
+fn row(found: &SeriesDiagnosis, line: &CutLine, air: bool) -> Markup {
+    let cut = &found.cuts[line.cut];
+    html! { tr {
+        th scope="row" { (cut.name) } td.n { (plain(cut.cutting_speed * 60.0)) } td.n { (plain(cut.uncut_chip_thickness * 1e3)) }
+        td.n { (with_interval(line.frequency, 1.96 * line.error)) }
+        @for own in &line.channels { td.n {
+            @match own { Some(own) => (with_interval(own.amplitude, 1.96 * own.amplitude_error)), None => "\u{2013}" }
+        } }
+        @if air { td { @if line.in_air { "yes" } @else { "no" } } }
+    } }
+}
+
+/// Lines that belong to no track.
+fn others(found: &SeriesDiagnosis) -> Markup {
+    let few: Vec<&Track> = found.tracks.iter().filter(|t| t.named == Named::TooFewCuts).collect();
+    html! { @if !few.is_empty() {
+        h3 { "Lines in fewer than three cuts" }
+        p { "They follow no law that could be named. Of all lines one in twenty is expected to be false: most of those are here." }
+        div.scroll { table {
+            thead { tr { th scope="col" { "Cut" } th.n scope="col" { "Frequency in Hz" } th.n scope="col" { "Amplitude in N" } } }
+            tbody { @for line in few.iter().flat_map(|t| &t.lines).map(|&k| &found.lines[k]) { tr {
+                th scope="row" { (found.cuts[line.cut].name) }
+                td.n { (with_interval(line.frequency, 1.96 * line.error)) }
+                td.n { (three_digits(line.amplitude())) }
+            } } }
+        } }
+    } }
+}
+
+fn spectra(found: &SeriesDiagnosis) -> Markup {
+    let shown: Vec<usize> =
+        (0..found.cuts.len()).filter(|&c| !found.spectra[c].is_empty()).collect();
+    let step = shown.len().div_ceil(MOST_SPECTRA).max(1);
+    let drawn: Vec<usize> = shown.iter().copied().step_by(step).collect();
+    html! {
+        h3 { "Spectra" }
+        @if drawn.len() < shown.len() { p { "Of " (shown.len()) " cuts every " (step) ". is drawn." } }
+        @for &c in &drawn {
+            (figure(spectrum(found, c).svg(), &format!("{}: power density (Welch, Hann windows, half overlap) and the smooth background, \
+                in decibels above 1 N\u{b2}/Hz. Dashed: lines.", found.cuts[c].name)))
+        }
+    }
+}
+
+fn spectrum(found: &SeriesDiagnosis, cut: usize) -> Chart<'static> {
+    let decibels = |density: &f64| 10.0 * density.max(1e-12).log10();
+    let spectra = &found.spectra[cut];
+    let first = sphcut_diagnose::series::LOWEST_BIN;
+    let colours = [BLUE, RED, GREEN];
+    let mut lines = Vec::new();
+    for ((channel, own), colour) in found.cuts[cut].channels.iter().zip(spectra).zip(colours) {
+        let range = first..own.density.len() - first;
+        let values = |of: &[f64]| of[range.clone()].iter().map(decibels).collect();
+        lines.push(Line {
+            name: channel.component.symbol(),
+            colour,
+            width: 1.0,
+            values: values(&own.density),
+        });
+        lines.push(Line { name: "", colour: INK, width: 1.6, values: values(&own.background) });
+    }
+    let width = spectra[0].resolution;
+    let bins = spectra[0].density.len();
+    let marks = found
+        .lines
+        .iter()
+        .filter(|line| line.cut == cut)
+        .map(|line| Mark {
+            at: line.frequency,
+            colour: INK,
+            label: format!("{} Hz", three_digits(line.frequency)),
+        })
+        .collect();
+    Chart {
+        description: "Power density of the forces and its background.".to_owned(),
+        x_title: "Frequency in Hz",
+        y_title: "Density in dB re 1 N\u{b2}/Hz",
+        height: 280.0,
+        x: (first..bins - first).map(|k| k as f64 * width).collect(),
+        lines,
+        marks,
+        ..Chart::default()
+    }
+}
