@@ -198,6 +198,7 @@ What appears in the output folder:
   diagnosis.json        the same as numbers
   held_out.csv          every value that a fit had not seen, with what it predicted
   lines.csv             with [series]: lines in the spectra of the forces, and what they follow
+  trends.csv            with [series]: trend, run-in and zero of every force in every cut
   scenario.patch.toml   the missing effect with its parameters, where one is named
   runs/                 what each effect changes: a sweep of the particle solver with its table and page
 
@@ -215,9 +216,7 @@ same conditions.
 
 What appears in the output folder:
   wear.json   the causes with their probabilities, each tool left out in turn
-  wear.csv    the normal force of wear on every segment, with its interval, as the other tools say, and its nearest course
-              that never falls
-  wear.html   both as curves, tool by tool, and what cannot be told
+  wear.csv    the normal force of wear on every segment, with its interval, as the other tools say
 
 See docs/diagnosis.md.";
 

@@ -8,7 +8,7 @@ use crate::arguments::DiagnoseArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use runs::{Ended, Paired};
-use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, with_series};
+use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{
     ClosedForm, DiagnoseError, Predictor, Provenance, closed_form_cut, compare_rerun,
     diagnose_case, diagnosis_json, held_out_csv,
@@ -24,11 +24,12 @@ const NUMBERS: &str = "diagnosis.json";
 const PATCH: &str = "scenario.patch.toml";
 const HELD_OUT: &str = "held_out.csv";
 const LINES: &str = "lines.csv";
+const TRENDS: &str = "trends.csv";
 
 /// Diagnoses and writes page, numbers and, where an effect is named, the patch.
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
-    let files = [PAGE, NUMBERS, PATCH, HELD_OUT, LINES].map(|name| out.join(name));
+    let files = [PAGE, NUMBERS, PATCH, HELD_OUT, LINES, TRENDS].map(|name| out.join(name));
     if let Some(old) = files.iter().find(|path| path.exists())
         && !arguments.force
     {
@@ -100,7 +101,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     };
     results::save(&files[1], numbers.as_bytes())?;
     if let Some(series) = &series {
-        results::save(&files[4], series_csv(series).as_bytes())?;
+        series_tables(out, series)?;
     }
     match patch::patch(&provenance, case, &found, model) {
         Some(text) => results::save(&files[2], text.as_bytes())?,
@@ -137,10 +138,16 @@ fn series_alone(
         "series": series_json(found),
     });
     results::save(&out.join(NUMBERS), format!("{numbers}\n").as_bytes())?;
-    results::save(&out.join(LINES), series_csv(found).as_bytes())?;
+    series_tables(out, found)?;
     series_summary(found).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("report  {}", out.join(PAGE).display()));
     Ok(ExitCode::Done)
+}
+
+/// `lines.csv` and `trends.csv`.
+fn series_tables(out: &Path, found: &SeriesDiagnosis) -> Result<(), Failure> {
+    results::save(&out.join(LINES), series_csv(found).as_bytes())?;
+    results::save(&out.join(TRENDS), trends_csv(found).as_bytes())
 }
 
 fn interrupted() -> ExitCode {

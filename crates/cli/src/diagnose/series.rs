@@ -23,7 +23,7 @@ pub fn diagnose(file: &DiagnosisFile, plan: &SeriesPlan) -> Result<SeriesDiagnos
         for fault in &found.faults {
             terminal::note(&format!("  {}: {fault}", cut.name));
         }
-        match SeriesCut::of(&found) {
+        match SeriesCut::of(&found, settings.guard) {
             Some(series) if found.accepted => cuts.push(series),
             _ => terminal::note(&format!("  {}: left out of the series", cut.name)),
         }

@@ -1,6 +1,7 @@
-//! The series in `diagnosis.json`, and `lines.csv`.
+//! The series in `diagnosis.json`, `lines.csv` and `trends.csv`.
 
-use super::{CutLine, Named, SeriesDiagnosis, Track};
+use super::{CutLine, Named, OverTime, SeriesDiagnosis, Track};
+use crate::self_test::Rate;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -27,9 +28,52 @@ pub fn series_json(found: &SeriesDiagnosis) -> Value {
             "frequency": line.frequency, "amplitude": line.amplitude,
         })).collect::<Vec<_>>()).collect::<Vec<_>>(),
         "visible_pitch_over_thickness": found.visible_pitch,
-        "false_alarms": found.false_alarms.map(|rate| json!({
-            "hits": rate.hits, "trials": rate.trials, "share": rate.share(), "interval": rate.interval(),
-        })),
+        "false_alarms": found.false_alarms.map(rate),
+        "time": found.time.iter().map(|of| over_time(found, of)).collect::<Vec<_>>(),
+        "from_cut_to_cut": found.growth.iter().map(|growth| json!({
+            "channel": growth.component.symbol(),
+            "change_per_cut": growth.per_cut[0],
+            "interval": [growth.per_cut[1], growth.per_cut[2]],
+            "chance": growth.chance,
+        })).collect::<Vec<_>>(),
+        "time_false_alarms": found.time_false_alarms.map(rate),
+    })
+}
+
+fn rate(rate: Rate) -> Value {
+    json!({ "hits": rate.hits, "trials": rate.trials, "share": rate.share(), "interval": rate.interval() })
+}
+
+fn over_time(found: &SeriesDiagnosis, of: &OverTime) -> Value {
+    json!({
+        "channel": of.component.symbol(),
+        "run_in_laws": of.laws.iter().map(|(law, p)| json!({ "law": law.key(), "probability": p })).collect::<Vec<_>>(),
+        "run_in_law": of.law.map(super::RunInLaw::key),
+        "run_in_constant": of.constant,
+        "cuts": of.trends.iter().enumerate().map(|(k, trend)| {
+            let [change, low, high] = of.change(k);
+            json!({
+                "name": found.cuts[trend.cut].name,
+                "mean": trend.mean,
+                "correlation_time": trend.correlation,
+                "independent_samples": trend.independent,
+                "blocks": trend.blocks,
+                "relative_change": change,
+                "interval": [low, high],
+                "chance": if of.running_in[k] { trend.chance } else { trend.line.1 },
+                "is_trend": of.trending[k],
+                "last_third_less_first": trend.thirds[0],
+                "half_width": trend.thirds[1],
+                "zero_drift": trend.zero.map(|z| z[0]),
+                "zero_drifts": of.drifting[k],
+                "run_in": trend.run_in.filter(|_| of.running_in[k]).map(|run_in| json!({
+                    "amplitude": run_in.amplitude,
+                    "time": run_in.time[0],
+                    "interval": [run_in.time[1], run_in.time[2]],
+                    "chance": run_in.chance,
+                })),
+            })
+        }).collect::<Vec<_>>(),
     })
 }
 
@@ -128,6 +172,42 @@ pub fn series_csv(found: &SeriesDiagnosis) -> String {
                     own.chance,
                 );
             }
+        }
+    }
+    text
+}
+
+/// `trends.csv`: what every force does within every cut.
+#[must_use]
+pub fn trends_csv(found: &SeriesDiagnosis) -> String {
+    let mut text = "cut,v_c [m/min],h [mm],channel,mean [N],correlation_time [ms],independent,change,change_low,change_high,trend,\
+                    last third less first [N],half width [N],zero_drift [N],zero drifts,run_in [N],run_in_time [s]\n"
+        .to_owned();
+    let yes = |flag: bool| if flag { "yes" } else { "no" };
+    for of in &found.time {
+        for (k, trend) in of.trends.iter().enumerate() {
+            let cut = &found.cuts[trend.cut];
+            let [change, low, high] = of.change(k);
+            let zero = trend.zero.map_or_else(String::new, |z| format!("{:.6}", z[0]));
+            let run_in = trend
+                .run_in
+                .filter(|_| of.running_in[k])
+                .map_or_else(|| ",".to_owned(), |r| format!("{:.6},{:.6}", r.amplitude, r.time[0]));
+            let _ = writeln!(
+                text,
+                "{},{:.6},{:.6},{},{:.6},{:.6},{:.1},{change:.6},{low:.6},{high:.6},{},{:.6},{:.6},{zero},{},{run_in}",
+                cut.name.replace([',', '"', '\n'], " "),
+                cut.cutting_speed * 60.0,
+                cut.uncut_chip_thickness * 1e3,
+                of.component.symbol(),
+                trend.mean,
+                trend.correlation * 1e3,
+                trend.independent,
+                yes(of.trending[k]),
+                trend.thirds[0],
+                trend.thirds[1],
+                yes(of.drifting[k]),
+            );
         }
     }
     text

@@ -7,34 +7,46 @@
 //! 2. [`lines()`]: discoveries over all bins, channels and cuts, with frequency and amplitude.
 //! 3. [`tracks()`]: lines of different cuts that belong together, and the law they follow: mains, one frequency, rotation, chip, chatter,
 //!    or none of these; laws that these cuts cannot tell apart are not told apart.
-//! 4. [`false_alarms`]: the same steps on noise with nothing in it.
+//! 4. [`over_time`]: trend and run-in within each cut, and what they go with; [`growth`]: what changes from cut to cut.
+//! 5. [`false_alarms`]: the same steps on noise with nothing in it.
 //!
 //! Nothing here asks a model of the cut. Limits: `docs/diagnosis.md`.
 
 mod advice;
+mod error;
 mod files;
 mod laws;
 mod lines;
 mod null;
+mod repeats;
 mod spectrum;
 #[cfg(test)]
 mod tests;
+mod time;
+#[cfg(test)]
+mod time_tests;
+mod time_words;
 mod tracks;
+mod trend;
 mod words;
 
 pub use advice::{Advice, Change};
-pub use files::{series_csv, series_json, with_series};
+pub use error::SeriesError;
+pub use files::{series_csv, series_json, trends_csv, with_series};
 pub use laws::{Explanation, Law, PITCH};
 pub use lines::{FALSE_SHARE, Line, lines};
 pub use null::false_alarms;
+pub use repeats::{Growth, growth};
 pub use spectrum::{BroadBand, LOWEST_BIN, effective_freedom};
+pub use time::{OverTime, RunInLaw, over_time};
+pub use time_words::time_words;
 pub use tracks::{CutLine, Named, Track, tracks};
+pub use trend::{RunIn, Trend, trends};
 pub use words::{hint, law_title, series_words, track_words};
 
 use crate::self_test::Rate;
-use sphcut_postprocess::recordings::{Component, CutResult};
+use sphcut_postprocess::recordings::{Component, ComponentResult, CutResult};
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use std::fmt;
 
 /// Segments without overlap that a cut should hold.
 const SEGMENTS: f64 = 8.0;
@@ -52,8 +64,11 @@ const SAME_LINE: f64 = 0.5;
 pub struct SeriesChannel {
     /// Which.
     pub component: Component,
-    /// In N from entry to exit, zero taken out.
+    /// In N from entry to exit, both a guard away, zero taken out.
     pub force: Vec<f64>,
+    /// Change of the zero from the air before to the air after the cut in N, its standard error and degrees of freedom; `None` with air on
+    /// one side only.
+    pub zero: Option<[f64; 3]>,
 }
 
 /// The forces of one cut over time. SI units.
@@ -69,33 +84,36 @@ pub struct SeriesCut {
     pub revolution: Option<f64>,
     /// Samples per second.
     pub rate: f64,
-    /// First and last but one sample of the steady window, counted from entry.
+    /// Place in the order of the experiments.
+    pub order: u32,
+    /// First sample of the steady window and the first behind it, in the forces.
     pub window: [usize; 2],
     /// The forces.
     pub channels: Vec<SeriesChannel>,
 }
 
 impl SeriesCut {
-    /// Of an evaluated record; `None` if it has no cut.
+    /// Of an evaluated record, `guard` in s away from entry and exit; `None` if it has no cut.
     #[must_use]
-    pub fn of(cut: &CutResult) -> Option<Self> {
+    pub fn of(cut: &CutResult, guard: f64) -> Option<Self> {
         let (span, window) = (cut.span?, cut.window?);
-        let exit = window.exit.max(span.entry);
+        let guard = (guard * cut.rate).round() as usize;
+        let (entry, exit) = (span.entry + guard, span.exit.checked_sub(guard)?);
+        let to = window.exit.min(exit);
+        let from = window.entry.max(entry).min(to);
+        let channels = cut.components.iter().map(|c| {
+            let force = c.force.get(entry..exit)?.to_vec();
+            Some(SeriesChannel { component: c.component, force, zero: drift(c) })
+        });
         Some(Self {
             name: cut.conditions.name.clone(),
             cutting_speed: cut.conditions.cutting_speed,
             uncut_chip_thickness: cut.conditions.uncut_chip_thickness,
             revolution: cut.conditions.revolution,
             rate: cut.rate,
-            window: [window.entry - span.entry, exit - span.entry],
-            channels: cut
-                .components
-                .iter()
-                .map(|c| SeriesChannel {
-                    component: c.component,
-                    force: c.force[span.entry..exit].to_vec(),
-                })
-                .collect(),
+            order: cut.conditions.order,
+            window: [from.checked_sub(entry)?, to.checked_sub(entry)?],
+            channels: channels.collect::<Option<_>>()?,
         })
     }
 
@@ -104,6 +122,14 @@ impl SeriesCut {
     pub fn duration(&self) -> f64 {
         (self.window[1] - self.window[0]) as f64 / self.rate
     }
+}
+
+/// Change of the zero over the record, its standard error and degrees of freedom (the smaller of those of both levels).
+fn drift(component: &ComponentResult) -> Option<[f64; 3]> {
+    let (before, after) = (component.zero.before?, component.zero.after?);
+    let error = before.standard_error.hypot(after.standard_error);
+    let freedom = before.degrees_of_freedom.min(after.degrees_of_freedom);
+    (error > 0.0).then_some([after.mean - before.mean, error, freedom])
 }
 
 /// The free-running machine: nothing is cut.
@@ -159,73 +185,13 @@ pub struct SeriesDiagnosis {
     pub knows_rotation: bool,
     /// The share of simulated sets of noise with a line in them.
     pub false_alarms: Option<Rate>,
+    /// What changes within the cuts, by force.
+    pub time: Vec<OverTime>,
+    /// What changes from cut to cut.
+    pub growth: Vec<Growth>,
+    /// The share of simulated sets of noise with a trend or a run-in in them.
+    pub time_false_alarms: Option<Rate>,
 }
-
-/// Why series cannot be diagnosed.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SeriesError {
-    /// No record has a cut.
-    NoCut,
-    /// No cut is long enough for the bins that are wanted.
-    TooShort {
-        /// Length of the longest in s.
-        longest: f64,
-        /// Width of a bin in Hz.
-        resolution: f64,
-        /// Length that is needed in s.
-        needed: f64,
-    },
-    /// So few samples per second that the bins wanted are too few.
-    TooCoarse {
-        /// Width of a bin in Hz.
-        resolution: f64,
-        /// Half the sampling rate in Hz.
-        nyquist: f64,
-    },
-    /// A stated natural frequency that cannot be seen.
-    BeyondNyquist {
-        /// The frequency in Hz.
-        frequency: f64,
-        /// Half the lowest sampling rate in Hz.
-        nyquist: f64,
-    },
-    /// The free-running machine was recorded too shortly.
-    AirTooShort {
-        /// Its length in s.
-        length: f64,
-        /// Length that is needed in s.
-        needed: f64,
-    },
-}
-
-impl fmt::Display for SeriesError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoCut => write!(f, "no record has a cut in it: there is no series to look at"),
-            Self::TooShort { longest, resolution, needed } => write!(
-                f,
-                "the longest steady cut lasts {longest:.3} s: bins of {resolution:.3} Hz need {needed:.3} s, so that \
-                 {FEWEST_SEGMENTS} segments can be averaged; cut longer, or state a wider `resolution`"
-            ),
-            Self::TooCoarse { resolution, nyquist } => write!(
-                f,
-                "bins of {resolution:.3} Hz up to half the sampling rate, {nyquist:.1} Hz, are too few for a background; sample \
-                 faster, or state a narrower `resolution`"
-            ),
-            Self::BeyondNyquist { frequency, nyquist } => write!(
-                f,
-                "the natural frequency of {frequency:.1} Hz lies beyond half the sampling rate, {nyquist:.1} Hz: it would show at a wrong \
-                 place; sample faster, or remove it"
-            ),
-            Self::AirTooShort { length, needed } => write!(
-                f,
-                "the recording of the free-running machine lasts {length:.3} s: {needed:.3} s are needed"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for SeriesError {}
 
 /// Looks for lines in the cuts and for what they follow.
 ///
@@ -282,8 +248,9 @@ pub fn diagnose_series(
     let pitch = cuts.iter().map(|c| 2.0 * c.cutting_speed / (c.uncut_chip_thickness * c.rate));
     let visible_pitch = [pitch.clone().fold(0.0, f64::max), pitch.fold(f64::INFINITY, f64::min)];
     let knows_rotation = cuts.iter().all(|cut| cut.revolution.is_some());
-    let false_alarms = (options.self_test > 0)
+    let alarms = (options.self_test > 0)
         .then(|| false_alarms(&cuts, resolution, options.self_test, options.seed));
+    let (time, growth) = (over_time(&cuts), growth(&cuts));
     Ok(SeriesDiagnosis {
         resolution,
         spectra,
@@ -294,7 +261,10 @@ pub fn diagnose_series(
         tracks,
         visible_pitch,
         knows_rotation,
-        false_alarms,
+        false_alarms: alarms.map(|[lines, _]| lines),
+        time_false_alarms: alarms.map(|[_, time]| time),
+        time,
+        growth,
         cuts,
     })
 }

@@ -2,6 +2,7 @@
 
 use super::null::noise;
 use super::*;
+use proptest::prelude::*;
 use sphcut_greybox::Random;
 use std::f64::consts::TAU;
 
@@ -33,6 +34,7 @@ fn cut(
         uncut_chip_thickness: thickness * 1e-3,
         revolution: Some(speed / (std::f64::consts::PI * diameter * 1e-3)),
         rate: RATE,
+        order: index as u32 + 1,
         window: [0, count],
         channels: Vec::new(),
     };
@@ -53,7 +55,7 @@ fn cut(
                 500.0 + 8.0 * noise + wave
             })
             .collect();
-        cut.channels.push(SeriesChannel { component, force });
+        cut.channels.push(SeriesChannel { component, force, zero: None });
     }
     cut
 }
@@ -195,8 +197,10 @@ fn what_the_free_running_machine_has_is_not_the_cut() {
 fn noise_raises_lines_as_rarely_as_stated() {
     let found = found(&PLAN, &|_| Vec::new());
     assert!(found.lines.len() <= 1, "{:?}", found.lines);
-    let rate = false_alarms(&found.cuts, found.resolution, 240, 3);
+    let [rate, time] = false_alarms(&found.cuts, found.resolution, 240, 3);
     assert!(rate.share() < 0.05 + 3.0 * 0.014, "{rate:?}");
+    // Trends and run-ins have 5 % each.
+    assert!(time.share() < 0.1 + 3.0 * 0.019, "{time:?}");
 }
 
 /// The chances of bins without a line are even: as many below 1 % as there should be, for white and very red noise.
@@ -239,4 +243,43 @@ fn what_is_too_short_too_coarse_or_beyond_is_said() {
     // v_c/h = 10 kHz, half the sampling rate 4 kHz: segments shorter than 2.5 h are not visible.
     let found = diagnose_series(one(), None, &options()).unwrap();
     assert!((found.visible_pitch[0] - 2.5).abs() < 1e-9);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Whatever the numbers: constants, steps, spikes, zeros. No panic, and what is said is finite.
+    #[test]
+    fn arbitrary_forces_are_diagnosed_or_refused(
+        level in prop_oneof![Just(0.0), -1e6..1e6_f64],
+        step in prop_oneof![Just(0.0), -1e3..1e3_f64],
+        spikes in prop::collection::vec((0..4000_usize, -1e9..1e9_f64), 0..6),
+        grain in prop_oneof![Just(0.0), 1e-12..1e3_f64],
+        speed in 1e-3..100.0_f64,
+        revolution in prop_oneof![Just(None), (0.01..5000.0_f64).prop_map(Some)],
+    ) {
+        let mut random = Random::new(1, &[]);
+        let mut force: Vec<f64> =
+            (0..4000).map(|k| level + if k > 2000 { step } else { 0.0 } + grain * random.normal()).collect();
+        spikes.iter().for_each(|(at, value)| force[*at] = *value);
+        let channel = |component| SeriesChannel { component, force: force.clone(), zero: Some([1.0, 0.0, 1.0]) };
+        let one = |order| SeriesCut {
+            name: "c".to_owned(),
+            cutting_speed: speed,
+            uncut_chip_thickness: 1e-4,
+            revolution,
+            rate: 1000.0,
+            order,
+            window: [100, 3900],
+            channels: vec![channel(Component::Cutting), channel(Component::Passive)],
+        };
+        let found = diagnose_series((1..6).map(one).collect(), None, &options()).unwrap();
+        for line in found.lines.iter().flat_map(|l| l.channels.iter().flatten()) {
+            prop_assert!(line.frequency.is_finite() && line.amplitude.is_finite(), "{line:?}");
+        }
+        for words in series_words(&found).iter().chain(&time_words(&found)) {
+            prop_assert!(!words.contains("NaN"), "{words}");
+        }
+        let _texts = (series_json(&found).to_string(), series_csv(&found), trends_csv(&found));
+    }
 }

@@ -60,6 +60,10 @@ fn percent(share: f64) -> String {
     if share > 0.995 { "over 99 %".to_owned() } else { format!("{:.0} %", share * 100.0) }
 }
 
+fn counted(count: usize, name: &str) -> String {
+    if count == 1 { format!("One {name}") } else { format!("{count} {name}s") }
+}
+
 /// Lowest and highest frequency of a track.
 fn range(found: &SeriesDiagnosis, track: &Track) -> String {
     let all = || track.lines.iter().map(|&k| found.lines[k].frequency);
@@ -188,10 +192,15 @@ pub fn series_words(found: &SeriesDiagnosis) -> Vec<String> {
             "No line stands out of the broadband force in {analysed} cuts: what is in the forces over time is noise without a period."
         ));
     } else {
+        let followed = found.tracks.iter().filter(|t| t.named != Named::TooFewCuts).count();
         words.push(format!(
-            "{} lines in {analysed} cuts stand out of the broadband force; they belong to {} frequencies or laws.",
-            found.lines.len(),
-            found.tracks.len()
+            "{} of {analysed} cuts stand out of the broadband force; {} over three cuts or more.",
+            counted(found.lines.len(), "line"),
+            match followed {
+                0 => "none can be followed".to_owned(),
+                1 => "one can be followed".to_owned(),
+                more => format!("{more} can be followed"),
+            }
         ));
     }
     let freedom = found.spectra.iter().flatten().map(|s| s.freedom);

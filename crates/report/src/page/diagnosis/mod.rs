@@ -1,6 +1,7 @@
 //! `diagnosis.html`: which physics a simulation left out.
 
 mod series;
+mod time;
 mod words;
 
 pub use series::{SeriesPage, render_series, series_summary};
@@ -59,7 +60,7 @@ pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
         @if let Some(series) = page.series {
             section {
                 h2 { "Forces over time" }
-                ul { @for sentence in series_summary(series) { li { (super::greybox::indexed(&sentence)) } } }
+                (series::list(series))
             }
             (series::sections(series))
         }

@@ -2,11 +2,13 @@
 
 use super::super::charts::figure;
 use super::super::greybox::{indexed, page as whole};
+use super::time;
 use crate::chart::{Chart, Line, Mark};
 use crate::text::{percent, plain, three_digits, with_interval};
 use maud::{Markup, html};
 use sphcut_diagnose::series::{
-    CutLine, Explanation, Law, Named, SeriesDiagnosis, Track, law_title, series_words, track_words,
+    CutLine, Explanation, Law, Named, OverTime, SeriesDiagnosis, Track, law_title, series_words,
+    time_words, track_words,
 };
 
 /// Spectra that are drawn.
@@ -34,13 +36,15 @@ pub struct SeriesPage<'a> {
 pub fn render_series(page: &SeriesPage<'_>) -> String {
     let lead =
         html! { (page.series.cuts.len()) " recordings of the force over time; " (page.source) "." };
-    let alarm = page.series.tracks.iter().any(|track| track.lines.len() > 2);
+    let changes = |of: &OverTime| of.trending.contains(&true) || of.running_in.contains(&true);
+    let alarm = page.series.tracks.iter().any(|track| track.lines.len() > 2)
+        || page.series.time.iter().any(changes);
     let summary = series_summary(page.series);
     let body = html! {
         section.warnings[alarm].clean[!alarm] role="note" {
             @if let [first, rest @ ..] = summary.as_slice() {
                 h2 { (first) }
-                ul { @for sentence in rest { li { (indexed(sentence)) } } }
+                ul { @for sentence in rest { li { (self::sentence(sentence)) } } }
             }
         }
         (sections(page.series))
@@ -53,10 +57,36 @@ pub fn render_series(page: &SeriesPage<'_>) -> String {
 pub fn series_summary(found: &SeriesDiagnosis) -> Vec<String> {
     let mut words = series_words(found);
     let tracks = found.tracks.iter().filter(|track| track.named != Named::TooFewCuts);
-    let at = usize::from(!words.is_empty());
     let sentences: Vec<String> = tracks.map(|track| track_words(found, track)[0].clone()).collect();
-    words.splice(at..at, sentences);
+    words.splice(1..1, sentences);
+    words.extend(time_words(found));
     words
+}
+
+/// A sentence: what stands between back quotes is code, symbols of forces and speeds have their index below.
+pub(super) fn sentence(text: &str) -> Markup {
+    html! {
+        @for (k, part) in text.split('`').enumerate() {
+            @if k % 2 == 1 { code { (part) } } @else { (symbols(part)) }
+        }
+    }
+}
+
+/// Text in which F_c, F_f, F_p and v_c are symbols; another underscore is one.
+fn symbols(text: &str) -> Markup {
+    let symbol =
+        ["F_c", "F_f", "F_p", "v_c"].into_iter().filter_map(|s| Some((text.find(s)?, s))).min();
+    html! {
+        @match symbol {
+            Some((at, symbol)) => { (text[..at]) (indexed(symbol)) (symbols(&text[at + symbol.len()..])) },
+            None => (text),
+        }
+    }
+}
+
+/// What is found, as a list.
+pub(super) fn list(found: &SeriesDiagnosis) -> Markup {
+    html! { ul { @for words in series_summary(found) { li { (sentence(&words)) } } } }
 }
 
 /// The sections of the page.
@@ -72,26 +102,36 @@ pub(super) fn sections(found: &SeriesDiagnosis) -> Markup {
             (others(found))
             (spectra(found))
         }
+        (time::section(found))
     }
 }
 
 fn one_track(found: &SeriesDiagnosis, number: usize, track: &Track) -> Markup {
     let words = track_words(found, track);
     html! {
-        h3 { "Line " (number) }
-        ul { @for sentence in &words { li { (indexed(sentence)) } } }
-        div.pair {
-            div.scroll { table {
-                caption { "What it may follow. Named above 90 %, and only if these cuts can tell it from the other laws." }
-                thead { tr { th scope="col" { "It follows" } th.n scope="col" { "Probability" } th scope="col" { "Constant (95 % interval)" } } }
-                tbody { @for explanation in track.explanations.iter() { tr {
-                    th scope="row" { (law_title(explanation.law)) }
-                    td.n { @if explanation.log_evidence.is_some() { (percent(explanation.probability)) } @else { "not with these cuts" } }
-                    td { (constant(explanation)) }
-                } } }
-            } }
-            div.scroll { (lines_table(found, track)) }
-        }
+        h3 { "Line " (number) ": " (heading(found, track)) }
+        ul { @for sentence in &words { li { (self::sentence(sentence)) } } }
+        div.scroll { table {
+            caption { "What it may follow. Named above 90 %, and only if these cuts can tell it from the other laws." }
+            thead { tr { th scope="col" { "It follows" } th.n scope="col" { "Probability" } th scope="col" { "Constant (95 % interval)" } } }
+            tbody { @for explanation in track.explanations.iter() { tr {
+                th scope="row" { (law_title(explanation.law)) }
+                td.n { @if explanation.log_evidence.is_some() { (percent(explanation.probability)) } @else { "impossible here" } }
+                td { (constant(explanation)) }
+            } } }
+        } }
+        div.scroll { (lines_table(found, track)) }
+    }
+}
+
+/// Lowest and highest frequency.
+fn heading(found: &SeriesDiagnosis, track: &Track) -> String {
+    let all = || track.lines.iter().map(|&k| found.lines[k].frequency);
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+    if high < 1.01 * low {
+        format!("{} Hz", three_digits(0.5 * (low + high)))
+    } else {
+        format!("{} to {} Hz", three_digits(low), three_digits(high))
     }
 }
 
