@@ -2,11 +2,14 @@
 //! step; a second Ctrl-C ends the program at once.
 
 use crate::terminal::note;
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by the signal handler, read between steps. The only state of the program
 /// that is not passed on: a signal handler cannot be given an argument.
 static REQUESTED: AtomicBool = AtomicBool::new(false);
+/// A program has one handler; a command that computes twice asks for it twice.
+static HANDLER: Once = Once::new();
 
 /// Installs the handler. Without one an interruption loses what followed the last checkpoint,
 /// so a failure to install is reported, not fatal.
@@ -25,9 +28,11 @@ pub fn install_patient() {
 }
 
 fn set(handler: impl FnMut() + Send + 'static) {
-    if let Err(error) = ctrlc::set_handler(handler) {
-        note(&format!("warning: Ctrl-C will not write a checkpoint: {error}"));
-    }
+    HANDLER.call_once(|| {
+        if let Err(error) = ctrlc::set_handler(handler) {
+            note(&format!("warning: Ctrl-C will not write a checkpoint: {error}"));
+        }
+    });
 }
 
 /// Whether the user asked to stop.
