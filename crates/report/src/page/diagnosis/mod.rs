@@ -17,7 +17,7 @@ use sphcut_diagnose::{
     Recordings, Rerun, Scored,
 };
 use sphcut_greybox::{Hull, Input};
-use words::{family, listed, parameters, part, pattern, rate, shown, unanswered};
+use words::{error, family, listed, parameters, part, pattern, rate, shown, unanswered};
 
 /// Explanations that are shown.
 const MOST_EXPLANATIONS: usize = 10;
@@ -244,7 +244,7 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
             h2 { "Does it help" }
             @if let [first, ..] = help.as_slice() {
                 div.scroll { table {
-                    caption { "Mean error (of the logarithm, about the relative error) on recordings that the fit has not seen. Grey box: the scenario \
+                    caption { "Mean error (of the logarithm: a share, or a factor where it is large) on recordings that the fit has not seen. Grey box: the scenario \
                         as it is, corrected by regression of its error over speed and thickness; its settings were searched with the left-out recordings in view, which favours it." }
                     thead { tr {
                         th scope="col" { "Left out" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
@@ -254,9 +254,9 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                     } }
                     tbody { @for held in help { tr {
                         th scope="row" { (part(held.part)) } td.n { (held.values) }
-                        td.n { (percent(held.before)) } td.n { (percent(held.refitted)) } td.n { (percent(held.repaired)) }
+                        td.n { (error(held.before)) } td.n { (error(held.refitted)) } td.n { (error(held.repaired)) }
                         td.n { (three_digits(held.ratio[0])) " (" (three_digits(held.ratio[1])) " to " (three_digits(held.ratio[2])) ")" }
-                        @for (_, error) in &held.grey_box { td.n { (percent(*error)) } }
+                        @for (_, log) in &held.grey_box { td.n { (error(*log)) } }
                         @for _ in held.grey_box.len()..first.grey_box.len() { td.n { "\u{2013}" } }
                     } } }
                 } }
@@ -269,7 +269,7 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                     } }
                     tbody { @for held in help { @for (channel, [refitted, repaired]) in &held.channels { tr {
                         th scope="row" { (part(held.part)) } td { (channel.title()) }
-                        td.n { (percent(*refitted)) } td.n { (percent(*repaired)) } td.n { (three_digits(repaired / refitted)) }
+                        td.n { (error(*refitted)) } td.n { (error(*repaired)) } td.n { (three_digits(repaired / refitted)) }
                     } } } }
                 } }
             } @else {
@@ -292,7 +292,7 @@ fn in_the_solver(rerun: &Rerun) -> Markup {
             } }
             tbody { @for one in &rerun.channels { tr {
                 th scope="row" { (one.channel.title()) } td.n { (one.values) }
-                @for error in one.errors { td.n { (percent(error)) } }
+                @for log in one.errors { td.n { (error(log)) } }
                 td.n { (three_digits(one.ratio[0])) " (" (three_digits(one.ratio[1])) " to " (three_digits(one.ratio[2])) ")" }
             } } }
         } }

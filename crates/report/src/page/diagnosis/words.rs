@@ -38,6 +38,11 @@ pub(super) fn part(part: Part) -> &'static str {
     }
 }
 
+/// A mean error of the logarithm: where it is small it is a share, where it is large a factor.
+pub(super) fn error(log: f64) -> String {
+    if log < 0.3 { percent(log) } else { format!("a factor of {}", three_digits(log.exp())) }
+}
+
 pub(super) fn family(key: &str) -> &str {
     match key {
         "rate_size" => "rate and size",
@@ -249,11 +254,22 @@ fn help(page: &DiagnosisPage<'_>, held: &Held) -> String {
     };
     format!(
         "On conditions left out, the mean error is {} as simulated, {} with material and friction fitted again, {} {repair}: {how} (ratio to fitting again {}, 95 % interval {} to {}).",
-        percent(held.before),
-        percent(held.refitted),
-        percent(held.repaired),
+        error(held.before),
+        error(held.refitted),
+        error(held.repaired),
         three_digits(held.ratio[0]),
         three_digits(held.ratio[1]),
         three_digits(held.ratio[2])
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_error_of_the_logarithm_is_a_factor() {
+        assert_eq!(error(0.0416), "4.16 %");
+        assert_eq!(error(1.66), "a factor of 5.26");
+    }
 }
