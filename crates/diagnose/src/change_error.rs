@@ -45,6 +45,18 @@ pub(crate) fn columns(problem: &Problem, rows: &[usize], change: &DVector<f64>) 
     columns
 }
 
+/// [`columns`] for all rows of a problem: nothing where effects do not act.
+pub(crate) fn everywhere(problem: &Problem, change: &DVector<f64>) -> DMatrix<f64> {
+    let rows: Vec<usize> =
+        (0..problem.rows.len()).filter(|&row| problem.is_diagnosed(row)).collect();
+    let columns = columns(problem, &rows, &change.select_rows(&rows));
+    let mut all = DMatrix::zeros(problem.rows.len(), columns.ncols());
+    for (k, &row) in rows.iter().enumerate() {
+        all.row_mut(row).copy_from(&columns.row(k));
+    }
+    all
+}
+
 /// Normal terms over the range from -1 to 1, their mean squares adding up to 1.
 fn terms(a: f64, b: f64, tool: &[f64]) -> Vec<f64> {
     let bend = |x: f64| 5.0_f64.sqrt() * 0.5 * (3.0 * x * x - 1.0);

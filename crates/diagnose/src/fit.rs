@@ -209,14 +209,7 @@ impl System<'_> {
         let own = point.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
         let plain = problem.predict(self.predictor, &point.unknowns, &[]);
         let change = &point.prediction - &problem.instrument * own - plain;
-        let rows: Vec<usize> =
-            (0..problem.rows.len()).filter(|&row| problem.is_diagnosed(row)).collect();
-        let columns = change_error::columns(problem, &rows, &change.select_rows(&rows));
-        let mut all = DMatrix::zeros(problem.rows.len(), columns.ncols());
-        for (k, &row) in rows.iter().enumerate() {
-            all.row_mut(row).copy_from(&columns.row(k));
-        }
-        all
+        change_error::everywhere(problem, &change)
     }
 
     fn loose(&self, point: &Point, columns: &DMatrix<f64>) -> Loose {

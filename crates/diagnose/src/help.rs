@@ -1,12 +1,14 @@
 //! Does the repair help, on conditions that it has not seen.
 
+use crate::change_error::{self, Loose};
 use crate::channel::{CHANNELS, Channel};
 use crate::data::Recordings;
 use crate::error::DiagnoseError;
-use crate::fit::{Fit, active, fit};
+use crate::fit::{Fit, NEGLIGIBLE, active, fit};
+use crate::law::Spectrum;
 use crate::predictor::Predictor;
 use crate::problem::Problem;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sphcut_greybox::regressor::{Method, Regressor, Settings};
 use sphcut_greybox::validation::{Scoring, tune};
@@ -205,11 +207,8 @@ impl Context<'_> {
         let full = fit(&training, self.predictor, &self.repair.effects, &self.repair.unknowns)
             .ok_or(DiagnoseError::Singular)?;
         let base = &self.learners.base;
-        let predictions = [
-            base.clone(),
-            self.predicted(&training, &kept, &null),
-            self.predicted(&training, &kept, &full),
-        ];
+        let predictions =
+            [base.clone(), self.predicted(&kept, &null)?, self.predicted(&kept, &full)?];
         let corrections = match part {
             Part::UnfittedChannel => Vec::new(),
             _ => self.learners.corrections(self.settings, &kept, held),
@@ -226,19 +225,42 @@ impl Context<'_> {
         Ok(values.filter(|value| value.plain.iter().all(|e| e.is_finite())).collect())
     }
 
-    /// log y of all rows by a fit of some, with what it says of the bias: Sigma_*k Sigma_kk^-1 r.
-    fn predicted(&self, training: &Problem, kept: &[usize], found: &Fit) -> DVector<f64> {
-        let problem = self.problem;
-        let nuisances = problem.unknowns();
-        let active =
-            active(self.predictor, &found.effects, &found.unknowns.as_slice()[nuisances..]);
+    /// log y of all rows by a fit to those that were kept, with what their residual r says of what all rows have in common: the bias, what is
+    /// not known of the effects, and the errors of the model in what they change,
+    ///
+    /// ```text
+    /// log y_* = log M_* + instruments_* + C_*k (C_kk + noise)^-1 r
+    /// ```
+    ///
+    /// (the mean of a normal law given the kept rows). The shares by which the model may be wrong are the most probable ones by the kept rows.
+    fn predicted(&self, kept: &[usize], found: &Fit) -> Result<DVector<f64>, DiagnoseError> {
+        let predictor = self.predictor;
+        let nuisances = self.problem.unknowns();
+        let active = active(predictor, &found.effects, &found.unknowns.as_slice()[nuisances..]);
+        let uncertain = self.problem.with_effects_uncertain(predictor, &active);
+        let problem = uncertain.as_ref().unwrap_or(self.problem);
         let own = found.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
-        let white = training.noise.whiten_vector(found.residual.clone());
-        let weights = training.noise.unwhiten_transposed(white);
+        let model = problem.predict(predictor, &found.unknowns, &active);
+        let mut law = problem.select(kept)?.noise;
+        let mut error = DMatrix::zeros(problem.rows.len(), 0);
+        let shares = predictor.change_errors();
+        if !active.is_empty() && shares.iter().any(|share| *share != 0.0) {
+            let change = &model - problem.predict(predictor, &found.unknowns, &[]);
+            let columns = change_error::everywhere(problem, &change);
+            let white = law.whiten(columns.select_rows(kept));
+            let deviation = &found.residual + &found.jacobian * &found.unknowns;
+            let slopes = law.whiten(found.jacobian.clone());
+            let channels = problem.channels().len();
+            let loose = Loose::new(&white, channels, &slopes, &law.whiten_vector(deviation));
+            error = change_error::scaled(columns, &loose.most_probable(shares).0);
+            let white = law.whiten(error.select_rows(kept));
+            law = law.tilted(&Spectrum::of(&white, NEGLIGIBLE));
+        }
+        let weights = law.unwhiten_transposed(law.whiten_vector(found.residual.clone()));
         let mut spread = DVector::zeros(problem.rows.len());
         kept.iter().zip(weights.iter()).for_each(|(&row, weight)| spread[row] = *weight);
-        let bias = problem.covariance.common(&spread);
-        problem.predict(self.predictor, &found.unknowns, &active) + &problem.instrument * own + bias
+        let common = problem.covariance.common(&spread) + &error * error.tr_mul(&spread);
+        Ok(model + &problem.instrument * own + common)
     }
 }
 
