@@ -159,8 +159,8 @@ fn paired_runs_explain_and_are_kept() {
     assert!(plan.expect_code(0).out.contains("207 runs"));
     assert!(!shop.path("missing").exists());
     let first = ["diagnose", "case.toml", "--out", "missing", "--store", "kept"];
-    let ended = shop.sphcut(&first);
-    ended.expect_code(0).expect_err("207 runs of the particle solver, 207 of them");
+    let ended = shop.sphcut(&first).expect_code(0);
+    let ended = ended.expect_err("207 runs of the particle solver, 207 of them");
     assert!(!ended.err.contains("warning"), "{}", ended.err);
     let numbers: serde_json::Value =
         serde_json::from_str(&shop.read("missing/diagnosis.json")).unwrap();
