@@ -216,7 +216,9 @@ same conditions.
 
 What appears in the output folder:
   wear.json   the causes with their probabilities, each tool left out in turn
-  wear.csv    the normal force of wear on every segment, with its interval, as the other tools say
+  wear.csv    the normal force of wear on every segment, with its interval, as the other tools say, and its nearest course
+              that never falls
+  wear.html   both as curves, tool by tool, and what cannot be told
 
 See docs/diagnosis.md.";
 

@@ -25,7 +25,9 @@
 //! others, and the amount on each segment of the tool left out follows by weighted least squares.
 
 use crate::error::DiagnoseError;
+use crate::monotone::never_falling;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::FRAC_PI_2;
 
 /// Parts of a life, after the fresh ones.
@@ -181,6 +183,11 @@ pub struct Amount {
     pub force: f64,
     /// The interval.
     pub interval: [f64; 2],
+    /// The same by the nearest course that never falls: a land does not shrink while a tool cuts. But its force may, where the contact
+    /// becomes hotter and the material softer; and an insert that was ground or swapped takes the land back.
+    pub never_falling: f64,
+    /// Change of F_c since the tool was fresh, in N: measured, and by the changes of F_f and F_p.
+    pub cutting_change: [f64; 2],
 }
 
 /// A tool left out.
@@ -194,8 +201,22 @@ pub struct LeftOut {
     pub error: f64,
     /// Mean change of F_c, in N: the error if nothing grew.
     pub change: f64,
+    /// How far the force departs from the course that never falls: root mean square over the standard deviation by which a segment
+    /// scatters beside its neighbours.
+    pub fall: f64,
     /// The amounts.
     pub amounts: Vec<Amount>,
+}
+
+impl LeftOut {
+    /// Whether it falls by more than its noise: a sum of squares beyond the 99 % quantile of chi^2 with as many degrees of freedom as
+    /// segments. Of a course that never falls fewer are left, so that this is rarer than in one of a hundred tools.
+    #[must_use]
+    pub fn is_unsteady(&self) -> bool {
+        let count = self.amounts.len() as f64;
+        let law = ChiSquared::new(count).expect("a tool has segments");
+        count * self.fall * self.fall > law.inverse_cdf(0.99)
+    }
 }
 
 /// What grows.
@@ -469,107 +490,41 @@ fn left_out(
 ) -> LeftOut {
     let along = direction.vector();
     let (mut error, mut change) = (0.0, 0.0);
+    let mut weights = Vec::new();
     let amounts = tool.segments.iter().map(|segment| {
         let of = forces(segment) - tool.fresh;
         let variance = noise * (1.0 + 1.0 / fresh as f64);
         let spread = variance.add_scalar((direction.beside * of.norm()).powi(2));
         let least = |channels: &[usize]| {
             let d = DVector::from_iterator(channels.len(), channels.iter().map(|&k| along[k]));
-            let weights: Vec<f64> = channels.iter().map(|&k| 1.0 / spread[k]).collect();
-            let weights = DMatrix::from_diagonal(&DVector::from_vec(weights));
+            let inverse: Vec<f64> = channels.iter().map(|&k| 1.0 / spread[k]).collect();
+            let inverse = DMatrix::from_diagonal(&DVector::from_vec(inverse));
             let y = DVector::from_iterator(channels.len(), channels.iter().map(|&k| of[k]));
-            let precision = d.dot(&(&weights * &d));
-            (d.dot(&(&weights * y)) / precision, precision)
+            let weighted = &inverse * &d;
+            let precision = d.dot(&weighted);
+            // What a single segment scatters by: the direction and the fresh state are the same for all segments.
+            let own = channels.iter().zip(weighted.iter()).map(|(&k, w)| w * w * noise[k]);
+            (weighted.dot(&y) / precision, precision, own.sum::<f64>() / (precision * precision))
         };
-        let (without, _) = least(&[1, 2]);
-        error += (of[0] - without * along[0]).abs();
+        let (without, ..) = least(&[1, 2]);
+        let cutting_change = [of[0], without * along[0]];
+        error += (of[0] - cutting_change[1]).abs();
         change += of[0].abs();
-        let (force, precision) = least(&[0, 1, 2]);
+        let (force, precision, own) = least(&[0, 1, 2]);
         let half = NORMAL_95 / precision.sqrt();
-        Amount { segment: *segment, force, interval: [force - half, force + half] }
+        weights.push(1.0 / own);
+        let interval = [force - half, force + half];
+        Amount { segment: *segment, force, interval, never_falling: force, cutting_change }
     });
-    let amounts: Vec<Amount> = amounts.collect();
+    let mut amounts: Vec<Amount> = amounts.collect();
     let count = amounts.len() as f64;
-    LeftOut { tool: tool.number, wear, error: error / count, change: change / count, amounts }
+    let raw: Vec<f64> = amounts.iter().map(|amount| amount.force).collect();
+    let rising = never_falling(&raw, &weights);
+    let squares = raw.iter().zip(&rising).zip(&weights).map(|((a, b), w)| w * (a - b).powi(2));
+    let fall = (squares.sum::<f64>() / count).sqrt();
+    amounts.iter_mut().zip(rising).for_each(|(amount, force)| amount.never_falling = force);
+    LeftOut { tool: tool.number, wear, error: error / count, change: change / count, fall, amounts }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use sphcut_greybox::Random;
-
-    /// Five tools of 40 segments whose forces grow in `direction`, each tool at a rate of its own, with 2 N of noise. With `reset`
-    /// the change of the tool takes it back.
-    fn series(direction: impl Fn([f64; 3]) -> [f64; 3], reset: bool) -> Vec<Segment> {
-        let mut random = Random::new(2, &[]);
-        let mut grown = 0.0;
-        let mut all = Vec::new();
-        for tool in 0..5 {
-            let fresh = [520.0, 360.0, 170.0].map(|force| force * (1.0 + 0.03 * random.normal()));
-            let rate = if reset { 2.0 + f64::from(tool) } else { 3.0 };
-            for k in 0..40 {
-                let time = f64::from(k);
-                let amount = grown + rate * time;
-                let d = direction(fresh);
-                let forces = [0, 1, 2].map(|c| fresh[c] + amount * d[c] + 2.0 * random.normal());
-                all.push(Segment { tool: f64::from(tool), time, forces });
-            }
-            grown = if reset { 0.0 } else { grown + rate * 40.0 };
-        }
-        all
-    }
-
-    fn land(_: [f64; 3]) -> [f64; 3] {
-        [0.25, 0.9, 0.436]
-    }
-
-    #[test]
-    fn a_wear_land_is_named_and_followed_on_tools_left_out() {
-        let found = grows(&series(land, true), 4).unwrap();
-        assert!(found.wear() > 0.99, "{:?}", found.causes);
-        let land: f64 = found
-            .causes
-            .iter()
-            .filter(|(c, _)| matches!(c, Cause::WearLand | Cause::WearLandAndStrength))
-            .map(|(_, p)| p)
-            .sum();
-        // The ratio 0.25 is none that a rounded edge can have.
-        assert!(land > 0.99, "{:?}", found.causes);
-        assert!((found.direction.ratio - 0.25).abs() < 0.04, "{:?}", found.direction);
-        assert!(found.ratio() < 0.2, "{}", found.ratio());
-        assert!((found.noise[0] - 2.0).abs() < 0.3, "{:?}", found.noise);
-        for tool in &found.left_out {
-            assert!(tool.wear > 0.9, "{tool:?}");
-            // The last segment: the amount since the fresh ones, whose middle is at 1.5 s.
-            let last = tool.amounts.last().unwrap();
-            let expected = (2.0 + tool.tool) * (39.0 - 1.5);
-            assert!((last.force - expected).abs() < 0.06 * expected + 5.0, "{last:?} {expected}");
-        }
-    }
-
-    #[test]
-    fn what_is_no_wear_is_not_called_wear() {
-        let top = |segments: &[Segment]| grows(segments, 4).unwrap().causes[0].0;
-        assert_eq!(top(&series(|_| [0.0; 3], true)), Cause::Nothing);
-        let proportional = |fresh: [f64; 3]| fresh.map(|force| force / 660.0);
-        assert_eq!(top(&series(proportional, true)), Cause::Strength);
-        // The same direction as a land, but the new tool does not take it back.
-        assert_eq!(top(&series(land, false)), Cause::ZeroDrift);
-        // Forces of a rounded edge: 0.6 of the normal force.
-        let rounded = grows(&series(|_| [0.6, 0.9, 0.436], true), 4).unwrap();
-        assert!(rounded.wear() > 0.99, "{:?}", rounded.causes);
-        // Passive force alone falls: no direction of the table.
-        assert_eq!(top(&series(|_| [0.2, -0.7, 0.7], true)), Cause::NoneOfThese);
-    }
-
-    #[test]
-    fn too_little_is_refused() {
-        let all = series(land, true);
-        let two: Vec<Segment> = all.iter().filter(|s| s.tool < 2.0).copied().collect();
-        assert_eq!(grows(&two, 4), Err(DiagnoseError::TooFewTools { found: 2, needed: 3 }));
-        let short: Vec<Segment> =
-            all.iter().filter(|s| s.tool > 0.0 || s.time < 9.0).copied().collect();
-        let error = grows(&short, 4).unwrap_err();
-        assert_eq!(error, DiagnoseError::TooFewSegments { tool: 0.0, found: 9, needed: 16 });
-    }
-}
+mod tests;

@@ -5,7 +5,7 @@ use serde_json::json;
 use std::fmt::Write;
 
 /// Version of the schema of `wear.json`.
-const SCHEMA_VERSION: &str = "1.0";
+const SCHEMA_VERSION: &str = "1.1";
 /// A cause is named above this probability.
 const CLAIM: f64 = 0.9;
 
@@ -33,19 +33,23 @@ pub fn growth_json(found: &Growth, version: &str) -> String {
             "mean_error_of_cutting_force": tool.error,
             "mean_change_of_cutting_force": tool.change,
             "largest_normal_force": tool.amounts.iter().map(|a| a.force).fold(0.0, f64::max),
+            "last_force_of_the_course_that_never_falls": tool.amounts.last().map(|a| a.never_falling),
+            "fall_over_noise": tool.fall,
+            "falls_beyond_noise": tool.is_unsteady(),
         })).collect::<Vec<_>>(),
     });
     format!("{page:#}\n")
 }
 
-/// `wear.csv`: the normal force of wear on every segment, its tool left out.
+/// `wear.csv`: the normal force of wear on every segment, its tool left out, and the nearest course of it that never falls.
 #[must_use]
 pub fn growth_csv(found: &Growth) -> String {
-    let mut text = "tool,time [s],normal_force [N],low [N],high [N]\n".to_owned();
+    let mut text = "tool,time [s],normal_force [N],low [N],high [N],never_falling [N]\n".to_owned();
     for amount in found.left_out.iter().flat_map(|tool| &tool.amounts) {
         let [low, high] = amount.interval;
         let (tool, time) = (amount.segment.tool, amount.segment.time);
-        let _ = writeln!(text, "{tool},{time},{:.2},{low:.2},{high:.2}", amount.force);
+        let (force, rising) = (amount.force, amount.never_falling);
+        let _ = writeln!(text, "{tool},{time},{force:.2},{low:.2},{high:.2},{rising:.2}");
     }
     text
 }
@@ -93,6 +97,18 @@ pub fn growth_words(found: &Growth) -> Vec<String> {
             percent(least),
             percent(found.ratio())
         ));
+        let falling: Vec<String> = found
+            .left_out
+            .iter()
+            .filter(|tool| tool.is_unsteady())
+            .map(|tool| tool.tool.to_string())
+            .collect();
+        if !falling.is_empty() {
+            words.push(format!(
+                "The force of wear falls at times by more than its noise (tool {}), which a land does not: hot material gives way more easily, or the insert was changed.",
+                falling.join(", ")
+            ));
+        }
     }
     words
 }

@@ -43,6 +43,7 @@ mod growth_files;
 mod help;
 mod law;
 mod locate;
+mod monotone;
 mod next_experiment;
 mod nodes;
 mod noise;
@@ -73,6 +74,7 @@ pub use growth::{Amount, Cause, Direction, Growth, LeftOut, Segment, grows};
 pub use growth_files::{growth_csv, growth_json, growth_words};
 pub use help::{Held, HeldValue, Part, does_it_help};
 pub use locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
+pub use monotone::never_falling;
 pub use next_experiment::{NextExperiment, Rival, next_experiment};
 pub use paired::{Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support};
 pub use predictor::{

@@ -4,7 +4,7 @@
 //! picture; [`render_springback`] is the page of `sphcut springback`, [`render_calibration`] that of
 //! `sphcut calibrate-friction`, [`render_recordings`] that of `sphcut recordings`, [`render_greybox`] and
 //! [`render_comparison`] those of `sphcut greybox`, [`render_identification`] that of `sphcut identify`,
-//! [`render_diagnosis`] that of `sphcut diagnose`, [`render_sweep`] that of `sphcut sweep`.
+//! [`render_diagnosis`] that of `sphcut diagnose`, [`render_wear`] that of `sphcut wear`, [`render_sweep`] that of `sphcut sweep`.
 
 mod animation;
 mod canvas;
@@ -20,9 +20,9 @@ mod ticks;
 pub use error::ReportError;
 pub use page::{
     DiagnosisPage, IdentificationPage, RecordingsPage, SeriesPage, SpringbackRun, SweepPage,
-    calibration_words, diagnosis_words, greybox_words, identification_words, recordings_words,
-    render_calibration, render_comparison, render_diagnosis, render_greybox, render_identification,
-    render_recordings, render_report, render_series, render_springback, render_sweep,
-    series_summary, sweep_words, write_report,
+    WearPage, calibration_words, diagnosis_words, greybox_words, identification_words,
+    recordings_words, render_calibration, render_comparison, render_diagnosis, render_greybox,
+    render_identification, render_recordings, render_report, render_series, render_springback,
+    render_sweep, render_wear, series_summary, sweep_words, write_report,
 };
 pub use picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};

@@ -81,6 +81,8 @@ fn wear_is_named_and_followed_from_forces_alone() {
     assert_eq!(numbers["left_out"].as_array().unwrap().len(), 7);
     let lines = shop.read("tools.csv").lines().count();
     assert_eq!(shop.read("found/wear.csv").lines().count(), lines);
+    assert!(shop.read("found/wear.csv").lines().next().unwrap().ends_with("never_falling [N]"));
+    assert!(shop.read("found/wear.html").contains("What cannot be told"));
     shop.sphcut(&command).expect_code(2).expect_err("use --force");
     shop.write("tools.csv", "tool,time [s],F_c [N],F_f [N]\n1,0,5,5\n");
     let bad = ["wear", "tools.csv", "--out", "bad"];

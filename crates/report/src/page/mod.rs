@@ -10,6 +10,7 @@ mod recordings;
 mod springback;
 mod sweep;
 mod tables;
+mod wear;
 
 pub use calibration::{calibration_words, render_calibration};
 pub use diagnosis::{
@@ -20,6 +21,7 @@ pub use identification::{IdentificationPage, identification_words, render_identi
 pub use recordings::{RecordingsPage, recordings_words, render_recordings};
 pub use springback::{SpringbackRun, render_springback};
 pub use sweep::{SweepPage, render_sweep, sweep_words};
+pub use wear::{WearPage, render_wear};
 
 use crate::ReportError;
 use crate::pictures::{Picture, Pictures, draw_all};

@@ -98,19 +98,21 @@ pub fn score_wear(case: &DiagnosesCase, data: &Path) -> Result<String, CaseError
     };
     let mut text = String::new();
     for (name, found) in case.grown()? {
-        let mut all: Vec<(f64, f64)> = Vec::new();
         for tool in &found.left_out {
-            let own: Vec<(f64, f64)> =
-                tool.amounts.iter().map(|amount| (amount.force, measured(amount))).collect();
-            let last = own.last().map_or(f64::NAN, |(_, wear)| *wear);
+            let against = |of: fn(&Amount) -> f64| {
+                let own: Vec<(f64, f64)> =
+                    tool.amounts.iter().map(|amount| (of(amount), measured(amount))).collect();
+                rank_correlation(&own)
+            };
+            let last = tool.amounts.last().map_or(f64::NAN, measured);
             let _ = writeln!(
                 text,
-                "{name}, tool {} left out: rank correlation {:.3} over {} segments, wear at the end {last:.0}",
+                "{name}, tool {} left out: rank correlation {:.3}, of the course that never falls {:.3}, over {} segments, wear at the end {last:.0}",
                 tool.tool,
-                rank_correlation(&own),
-                own.len()
+                against(|a| a.force),
+                against(|a| a.never_falling),
+                tool.amounts.len()
             );
-            all.extend(own);
         }
         // Whatever rises over a life has a high rank correlation there: what counts is between tools, and against these.
         let beside = |of: fn(&Amount) -> f64| {
@@ -119,8 +121,9 @@ pub fn score_wear(case: &DiagnosesCase, data: &Path) -> Result<String, CaseError
         };
         let _ = writeln!(
             text,
-            "{name}, all tools together: {:.3}; time in cut alone {:.3}, F_f alone {:.3}, F_c alone {:.3}",
-            rank_correlation(&all),
+            "{name}, all tools together: {:.3}, of the courses that never fall {:.3}; time in cut alone {:.3}, F_f alone {:.3}, F_c alone {:.3}",
+            beside(|a| a.force),
+            beside(|a| a.never_falling),
             beside(|a| a.segment.time),
             beside(|a| a.segment.forces[1]),
             beside(|a| a.segment.forces[0])

@@ -1,0 +1,193 @@
+//! `wear.html`: what grows while tools cut.
+
+use super::charts::{BLUE, RED, figure};
+use super::greybox::{indexed, page as whole};
+use crate::chart::{Chart, Line};
+use crate::text::{minus, percent, three_digits};
+use maud::{Markup, html};
+use sphcut_diagnose::{Amount, Cause, Growth, LeftOut, growth_words};
+
+const PALE: &str = "#9cc7e2";
+const INK: &str = "#22262b";
+
+/// What the page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct WearPage<'a> {
+    /// The table it was found in.
+    pub table: &'a str,
+    /// What was found.
+    pub growth: &'a Growth,
+    /// Version of the program.
+    pub version: &'a str,
+}
+
+/// The text of `wear.html`; nothing is loaded.
+#[must_use]
+pub fn render_wear(page: &WearPage<'_>) -> String {
+    let found = page.growth;
+    let segments: usize = found.left_out.iter().map(|tool| tool.amounts.len()).sum();
+    let lead = html! {
+        (found.left_out.len()) " tools, " (segments) " segments (" (page.table) "), each tool compared with itself when it was fresh."
+    };
+    let sentences = growth_words(found);
+    let grows = found.causes[0].0 != Cause::Nothing;
+    let body = html! {
+        section.warnings[grows].clean[!grows] role="note" {
+            @if let [verdict, rest @ ..] = sentences.as_slice() {
+                h2 { (verdict) }
+                ul { @for sentence in rest { li { (indexed(sentence)) } } }
+            }
+        }
+        (causes(found))
+        (tools(found))
+        (limits(found))
+    };
+    whole("What grows while tools cut", &lead, page.version, &body)
+}
+
+fn causes(found: &Growth) -> Markup {
+    html! {
+        section {
+            h2 { "What grows" }
+            div.scroll { table {
+                caption { "All explanations. They differ in the direction in which the three forces change together, and in whether a new tool takes the \
+                    change back. A name needs more than 90 %." }
+                thead { tr { th scope="col" { "Explanation" } th.n scope="col" { "Probability" } } }
+                tbody { @for (cause, probability) in &found.causes { tr {
+                    th scope="row" { (cause.title()) } td.n { (percent(*probability)) }
+                } } }
+            } }
+            div.scroll { table {
+                caption { "Each tool left out in turn: what the others say of the cause, and the change of the cutting force on the tool left out as it follows \
+                    from those of feed and passive force in the direction that the others taught." }
+                thead { tr {
+                    th scope="col" { "Tool left out" } th.n scope="col" { "Wear, by the others" }
+                    th.n scope="col" { "Mean change of F" sub { "c" } " in N" } th.n scope="col" { "Mean error in N" } th.n scope="col" { "Error / change" }
+                    th.n scope="col" { "Fall against the noise" }
+                } }
+                tbody { @for tool in &found.left_out { tr.over[tool.is_unsteady()] {
+                    th scope="row" { (tool.tool) } td.n { (percent(tool.wear)) }
+                    td.n { (three_digits(tool.change)) } td.n { (three_digits(tool.error)) } td.n { (three_digits(tool.error / tool.change)) }
+                    td.n { (three_digits(tool.fall)) @if tool.is_unsteady() { " (beyond noise)" } }
+                } } }
+            } }
+            p { "Fall against the noise: how far the force of wear departs from its nearest course that never falls, root mean square over the standard \
+                deviation of a segment. Around 1 and below it is noise." }
+        }
+    }
+}
+
+fn tools(found: &Growth) -> Markup {
+    html! {
+        section {
+            h2 { "How far, tool by tool" }
+            p { "The normal force between worn edge and work, by the direction that the other tools taught. Thin lines: its 95 % interval from noise and the scatter \
+                of the direction. The red line is the nearest course that never falls: a land does not shrink." }
+            @for tool in &found.left_out {
+                h3 { "Tool " (tool.tool) }
+                (figure(force(tool).svg(), "Normal force of wear."))
+                (figure(cutting(tool).svg(), "Change of the cutting force since the tool was fresh: measured, and as it follows from the two other forces."))
+            }
+        }
+    }
+}
+
+fn times(tool: &LeftOut) -> Vec<f64> {
+    tool.amounts.iter().map(|amount| amount.segment.time).collect()
+}
+
+fn line<'a>(
+    tool: &LeftOut,
+    (name, colour, width): (&'a str, &'a str, f64),
+    of: impl Fn(&Amount) -> f64,
+) -> Line<'a> {
+    Line { name, colour, width, values: tool.amounts.iter().map(of).collect() }
+}
+
+fn force(tool: &LeftOut) -> Chart<'static> {
+    Chart {
+        description: format!("Normal force of wear of tool {} over its time in cut", tool.tool),
+        x_title: "Time in cut in s",
+        y_title: "Force in N",
+        height: 300.0,
+        x: times(tool),
+        lines: vec![
+            line(tool, ("95 % interval", PALE, 1.0), |a| a.interval[0]),
+            line(tool, ("", PALE, 1.0), |a| a.interval[1]),
+            line(tool, ("as the forces say", BLUE, 2.0), |a| a.force),
+            line(tool, ("never falling", RED, 2.0), |a| a.never_falling),
+        ],
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+fn cutting(tool: &LeftOut) -> Chart<'static> {
+    Chart {
+        description: format!("Change of the cutting force of tool {}", tool.tool),
+        x_title: "Time in cut in s",
+        y_title: "Change in N",
+        height: 240.0,
+        x: times(tool),
+        lines: vec![
+            line(tool, ("measured", INK, 2.0), |a| a.cutting_change[0]),
+            line(tool, ("from feed and passive force", BLUE, 2.0), |a| a.cutting_change[1]),
+        ],
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+fn limits(found: &Growth) -> Markup {
+    let [cutting, feed, passive] = found.noise.map(three_digits);
+    html! {
+        section {
+            h2 { "What cannot be told" }
+            ul {
+                li { "The length of the land: neither width of cut nor strength of the material are asked for. The force grows with the land, tool by tool in the same proportion \
+                    only if conditions and work are the same." }
+                li { "A land that never shrinks is physics; that its force never falls is not. The force may fall while the land grows, when the contact becomes hotter and the \
+                    material softer, and an insert that was ground again or swapped within a series takes the land back. Both courses are given for that reason, and where the force falls \
+                    by more than its noise the table marks it." }
+                li { "The intervals follow from the noise (" (cutting) ", " (feed) " and " (passive) " N of a segment's F" sub { "c" } ", F" sub { "f" } " and F" sub { "p" } ") and from how far changes point \
+                    beside the direction (" (minus(&percent(found.direction.beside))) "), not from what the direction itself is uncertain by. The course that never falls has no interval." }
+                li { "Whether it is wear that is irreversible is only seen from tool to tool: all tools must have been cut in the order of the table, under the same conditions." }
+            }
+            p { "docs/diagnosis.md has sources; wear.json and wear.csv have every number." }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphcut_diagnose::{Segment, grows};
+
+    /// Three tools of twenty segments whose land grows; the second is swapped for a fresh one half way.
+    fn found() -> Growth {
+        let mut all = Vec::new();
+        for tool in 0..3 {
+            for k in 0..20 {
+                let since = if tool == 1 && k > 9 { k - 10 } else { k };
+                let amount = 4.0 * f64::from(since);
+                let wobble = [1.0, -1.0, 0.5, -0.5][(k % 4) as usize];
+                let forces = [(500.0, 0.25), (350.0, 0.9), (150.0, 0.43)]
+                    .map(|(f, d)| f + amount * d + wobble);
+                all.push(Segment { tool: f64::from(tool), time: 5.0 * f64::from(k), forces });
+            }
+        }
+        grows(&all, 2).unwrap()
+    }
+
+    #[test]
+    fn the_page_says_what_grows_and_which_tool_falls() {
+        let growth = found();
+        let text = render_wear(&WearPage { table: "tools.csv", growth: &growth, version: "1" });
+        for part in ["Tool left out", "never falling", "wear land", "What cannot be told", "<svg"] {
+            assert!(text.contains(part), "{part}");
+        }
+        assert_eq!(text.matches("(beyond noise)").count(), 1);
+        assert!(growth.left_out[1].is_unsteady() && !growth.left_out[0].is_unsteady());
+        assert!(!text.contains("src="));
+    }
+}
