@@ -32,7 +32,7 @@ const fn column(
 }
 
 /// What is used, then what tables of `sphcut recordings` and `sphcut sweep` have beside it.
-const COLUMNS: [ColumnRule; 18] = [
+const COLUMNS: [ColumnRule; 19] = [
     column("v_c", Quantity::Speed, "m/min", (true, true)),
     column("h", Quantity::Length, "mm", (true, true)),
     column("F_c", Quantity::Force, "N", (true, false)),
@@ -51,6 +51,7 @@ const COLUMNS: [ColumnRule; 18] = [
     column("chip_thickness", Quantity::Length, "mm", (false, false)),
     column("contact_length", Quantity::Length, "mm", (false, false)),
     column("T_interface", Quantity::Temperature, "degC", (false, false)),
+    column("T_interface_ci95", Quantity::TemperatureDifference, "K", (false, false)),
 ];
 
 /// Reads a table with the columns `v_c`, `h`, `F_c` and `F_f` and, if it has them, `F_c_sd`, `F_f_sd` (standard
