@@ -1,7 +1,7 @@
 //! How wrong the model may be in what an effect changes.
 
 use crate::problem::Problem;
-use crate::templates::{scaled_places, tool_axes};
+use crate::templates::{AXES, scaled_places, tool_axes};
 use nalgebra::{DMatrix, DVector};
 
 /// Share of the variance of the error that is the same at all conditions; the rest is shared by the other terms.
@@ -26,8 +26,16 @@ const TERMS: usize = 6;
 /// strengths from channel to channel and condition to condition; without this term the data are taken to speak
 /// against the right effect as soon as they are more precise than the model.
 pub(crate) fn columns(problem: &Problem, rows: &[usize], change: &DVector<f64>) -> DMatrix<f64> {
-    let places = scaled_places(problem);
-    let of_tool = tool_axes(&places);
+    columns_at(problem, &scaled_places(problem), rows, change)
+}
+
+fn columns_at(
+    problem: &Problem,
+    places: &[[f64; AXES]],
+    rows: &[usize],
+    change: &DVector<f64>,
+) -> DMatrix<f64> {
+    let of_tool = tool_axes(places);
     let channels = problem.channels();
     let scale = LEAK * (change.norm_squared() / rows.len().max(1) as f64).sqrt();
     let width = TERMS + of_tool.len();
@@ -45,16 +53,43 @@ pub(crate) fn columns(problem: &Problem, rows: &[usize], change: &DVector<f64>) 
     columns
 }
 
-/// [`columns`] for all rows of a problem: nothing where effects do not act.
-pub(crate) fn everywhere(problem: &Problem, change: &DVector<f64>) -> DMatrix<f64> {
+/// [`columns`] for all rows of a problem: nothing where effects do not act. Beyond the range of the rows `known` the terms p and q stay what they
+/// are at its border.
+pub(crate) fn everywhere(
+    problem: &Problem,
+    change: &DVector<f64>,
+    known: Option<&[usize]>,
+) -> DMatrix<f64> {
     let rows: Vec<usize> =
         (0..problem.rows.len()).filter(|&row| problem.is_diagnosed(row)).collect();
-    let columns = columns(problem, &rows, &change.select_rows(&rows));
+    let mut places = scaled_places(problem);
+    if let Some(known) = known {
+        hold(&mut places, known.iter().copied().filter(|&row| problem.is_diagnosed(row)));
+    }
+    let columns = columns_at(problem, &places, &rows, &change.select_rows(&rows));
     let mut all = DMatrix::zeros(problem.rows.len(), columns.ncols());
     for (k, &row) in rows.iter().enumerate() {
         all.row_mut(row).copy_from(&columns.row(k));
     }
     all
+}
+
+/// Holds places at the border of the range of `known`.
+fn hold(places: &mut [[f64; AXES]], known: impl Iterator<Item = usize>) {
+    let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; AXES];
+    for row in known {
+        for ([low, high], x) in ends.iter_mut().zip(places[row]) {
+            (*low, *high) = (low.min(x), high.max(x));
+        }
+    }
+    for place in places {
+        for (x, [low, high]) in place.iter_mut().zip(ends) {
+            // Without a known row nothing is held.
+            if low <= high {
+                *x = x.clamp(low, high);
+            }
+        }
+    }
 }
 
 /// Normal terms over the range from -1 to 1, their mean squares adding up to 1.
@@ -204,6 +239,16 @@ mod tests {
         assert!(best.len() == 2 && mean <= loose.log_evidence(&best) + 1e-12);
         let rigid = loose.most_probable(&[0.0]);
         assert!((rigid.1 - loose.log_evidence(&[0.0, 0.0])).abs() < 1e-12);
+    }
+
+    #[test]
+    fn beyond_what_is_known_a_place_is_held() {
+        let mut places = vec![[0.0; AXES], [0.4; AXES], [0.7; AXES], [1.0; AXES]];
+        hold(&mut places, [1, 2].into_iter());
+        assert_eq!(places, [[0.4; AXES], [0.4; AXES], [0.7; AXES], [0.7; AXES]]);
+        let mut places = vec![[0.0; AXES], [1.0; AXES]];
+        hold(&mut places, std::iter::empty());
+        assert_eq!(places, [[0.0; AXES], [1.0; AXES]]);
     }
 
     #[test]

@@ -209,7 +209,7 @@ impl System<'_> {
         let own = point.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
         let plain = problem.predict(self.predictor, &point.unknowns, &[]);
         let change = &point.prediction - &problem.instrument * own - plain;
-        change_error::everywhere(problem, &change)
+        change_error::everywhere(problem, &change, None)
     }
 
     fn loose(&self, point: &Point, columns: &DMatrix<f64>) -> Loose {

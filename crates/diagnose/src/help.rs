@@ -246,7 +246,7 @@ impl Context<'_> {
         let shares = predictor.change_errors();
         if !active.is_empty() && shares.iter().any(|share| *share != 0.0) {
             let change = &model - problem.predict(predictor, &found.unknowns, &[]);
-            let columns = change_error::everywhere(problem, &change);
+            let columns = change_error::everywhere(problem, &change, Some(kept));
             let white = law.whiten(columns.select_rows(kept));
             let deviation = &found.residual + &found.jacobian * &found.unknowns;
             let slopes = law.whiten(found.jacobian.clone());
