@@ -3,6 +3,7 @@
 use crate::common::Workshop;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
+use std::path::Path;
 
 const RATE: f64 = 4000.0;
 /// v_c in m/min, h in mm, diameter in mm.
@@ -79,6 +80,32 @@ fn shop(name: &str, plan: &[[f64; 3]], law: &dyn Fn(f64, f64, f64) -> f64) -> Wo
 }
 
 const COMMAND: [&str; 4] = ["diagnose", "case.toml", "--out", "found"];
+
+/// Means and series of one case: one page, one file of numbers with both.
+#[test]
+fn means_and_series_stand_on_one_page() {
+    let shop = shop("series_and_means", &CUTS, &|v, h, _| v / (2.9 * h));
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis");
+    for name in ["cut.toml", "cuts.csv"] {
+        std::fs::copy(example.join(name), shop.path(name)).unwrap();
+    }
+    let both = std::fs::read_to_string(example.join("example.toml")).unwrap()
+        + "\n[checks]\nself_test = 10\ncontrol = 5\n[series]\nrecordings = \"recordings.toml\"\n";
+    shop.write("case.toml", &both);
+    let command = ["diagnose", "case.toml", "--out", "found", "--closed-form"];
+    let ended = shop.sphcut(&command).expect_code(0);
+    assert!(ended.out.contains("the chip comes in segments: the pitch is 2.9"), "{}", ended.out);
+    let numbers: serde_json::Value =
+        serde_json::from_str(&shop.read("found/diagnosis.json")).unwrap();
+    assert!(numbers["set"].is_array() && numbers["series"].is_object());
+    let page = shop.read("found/diagnosis.html");
+    for heading in ["Where", "What", "Repair", "Where in frequency", "Where in time"] {
+        assert!(page.contains(&format!("<h2>{heading}</h2>")), "{heading}");
+    }
+    for file in ["held_out.csv", "lines.csv", "trends.csv"] {
+        assert!(shop.path(&format!("found/{file}")).exists(), "{file}");
+    }
+}
 
 #[test]
 fn a_segmented_chip_is_named_from_raw_forces() {
