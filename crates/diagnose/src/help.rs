@@ -196,7 +196,7 @@ impl Context<'_> {
         let problem = self.problem;
         let kept: Vec<usize> = (0..problem.rows.len()).filter(|row| !held.contains(row)).collect();
         let left = kept.iter().filter(|&&row| problem.is_diagnosed(row)).count();
-        // Of five channels of which one was measured everywhere, the others cannot stand for it.
+        // From less than half as many values as are to be foretold nothing is learnt.
         if held.is_empty() || left < held.len() / 2 {
             return Ok(Vec::new());
         }

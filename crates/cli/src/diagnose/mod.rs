@@ -17,7 +17,7 @@ use sphcut_report::{
     DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
 };
 use sphcut_scenario::DiagnosisFile;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const PAGE: &str = "diagnosis.html";
 const NUMBERS: &str = "diagnosis.json";
@@ -50,7 +50,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let series = plan.map(|plan| pool.install(|| series::diagnose(&file, plan))).transpose()?;
     let Some(case) = file.case.as_deref() else {
         let found = series.expect("a file without means has series");
-        return series_alone(out, &file, &found);
+        return series_alone(&files, &file, &found);
     };
     let mistaken = |error: DiagnoseError| Failure::input(error.to_string());
     let closed;
@@ -77,8 +77,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
             }
         }
     }
-    std::fs::create_dir_all(out)
-        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
+    create_folder(&files[0])?;
     let provenance = Provenance {
         title: &case.title,
         source: &case.source,
@@ -100,18 +99,13 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         None => numbers,
     };
     results::save(&files[1], numbers.as_bytes())?;
-    if let Some(series) = &series {
-        series_tables(out, series)?;
-    }
-    match patch::patch(&provenance, case, &found, model) {
-        Some(text) => results::save(&files[2], text.as_bytes())?,
-        // An old patch beside a new verdict would be believed.
-        None if files[2].exists() => std::fs::remove_file(&files[2]).map_err(|error| {
-            Failure::output(format!("cannot remove `{}`", files[2].display()), &error)
-        })?,
-        None => {}
-    }
-    results::save(&files[3], held_out_csv(&found, &recordings).as_bytes())?;
+    let texts = [
+        patch::patch(&provenance, case, &found, model),
+        Some(held_out_csv(&found, &recordings)),
+        series.as_ref().map(series_csv),
+        series.as_ref().map(trends_csv),
+    ];
+    write_or_remove(&files[2..], &texts)?;
     diagnosis_words(&page).iter().for_each(|words| terminal::line(words));
     series.iter().flat_map(series_summary).for_each(|words| terminal::line(&words));
     terminal::line(&format!("report  {}", files[0].display()));
@@ -120,15 +114,14 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
 
 /// Page and numbers of series without means.
 fn series_alone(
-    out: &Path,
+    files: &[PathBuf],
     file: &DiagnosisFile,
     found: &SeriesDiagnosis,
 ) -> Result<ExitCode, Failure> {
-    std::fs::create_dir_all(out)
-        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
     let version = env!("CARGO_PKG_VERSION");
     let page = SeriesPage { title: &file.title, source: &file.source, version, series: found };
-    results::save(&out.join(PAGE), render_series(&page).as_bytes())?;
+    create_folder(&files[0])?;
+    results::save(&files[0], render_series(&page).as_bytes())?;
     let numbers = serde_json::json!({
         "schema_version": "1.0",
         "program_version": version,
@@ -137,17 +130,31 @@ fn series_alone(
         "seed": file.seed,
         "series": series_json(found),
     });
-    results::save(&out.join(NUMBERS), format!("{numbers}\n").as_bytes())?;
-    series_tables(out, found)?;
+    results::save(&files[1], format!("{numbers}\n").as_bytes())?;
+    write_or_remove(&files[2..], &[None, None, Some(series_csv(found)), Some(trends_csv(found))])?;
     series_summary(found).iter().for_each(|words| terminal::line(words));
-    terminal::line(&format!("report  {}", out.join(PAGE).display()));
+    terminal::line(&format!("report  {}", files[0].display()));
     Ok(ExitCode::Done)
 }
 
-/// `lines.csv` and `trends.csv`.
-fn series_tables(out: &Path, found: &SeriesDiagnosis) -> Result<(), Failure> {
-    results::save(&out.join(LINES), series_csv(found).as_bytes())?;
-    results::save(&out.join(TRENDS), trends_csv(found).as_bytes())
+fn create_folder(file: &Path) -> Result<(), Failure> {
+    let folder = file.parent().unwrap_or(file);
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::output(format!("cannot create `{}`", folder.display()), &error))
+}
+
+/// Writes what there is, and removes what an earlier diagnosis has left of the rest: an old patch beside a new verdict would be believed.
+fn write_or_remove(files: &[PathBuf], texts: &[Option<String>]) -> Result<(), Failure> {
+    for (file, text) in files.iter().zip(texts) {
+        match text {
+            Some(text) => results::save(file, text.as_bytes())?,
+            None if file.exists() => std::fs::remove_file(file).map_err(|error| {
+                Failure::output(format!("cannot remove `{}`", file.display()), &error)
+            })?,
+            None => {}
+        }
+    }
+    Ok(())
 }
 
 fn interrupted() -> ExitCode {

@@ -20,8 +20,10 @@ pub fn diagnose(file: &DiagnosisFile, plan: &SeriesPlan) -> Result<SeriesDiagnos
     for cut in &plan.recordings.cuts {
         let table = read_record((&cut.path, &cut.group), layout)?;
         let found = evaluate_cut(&table, &settings, &settings::conditions(cut));
+        let kept =
+            if found.accepted { " (kept: what changes within a cut is looked for)" } else { "" };
         for fault in &found.faults {
-            terminal::note(&format!("  {}: {fault}", cut.name));
+            terminal::note(&format!("  {}: {fault}{kept}", cut.name));
         }
         match SeriesCut::of(&found, settings.guard) {
             Some(series) if found.accepted => cuts.push(series),

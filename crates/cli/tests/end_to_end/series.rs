@@ -102,9 +102,13 @@ fn means_and_series_stand_on_one_page() {
     for heading in ["Where", "What", "Repair", "Where in frequency", "Where in time"] {
         assert!(page.contains(&format!("<h2>{heading}</h2>")), "{heading}");
     }
-    for file in ["held_out.csv", "lines.csv", "trends.csv"] {
-        assert!(shop.path(&format!("found/{file}")).exists(), "{file}");
-    }
+    let stands = |file: &str| shop.path(&format!("found/{file}")).exists();
+    assert!(stands("held_out.csv") && stands("lines.csv") && stands("trends.csv"));
+    // What an earlier diagnosis said and a later one does not is no longer there.
+    shop.write("found/scenario.patch.toml", "# of an earlier diagnosis");
+    shop.write("case.toml", "title = \"t\"\nsource = \"s\"\n[checks]\nself_test = 10\n[series]\nrecordings = \"recordings.toml\"\n");
+    shop.sphcut(&["diagnose", "case.toml", "--out", "found", "--force"]).expect_code(0);
+    assert!(stands("lines.csv") && !stands("held_out.csv") && !stands("scenario.patch.toml"));
 }
 
 #[test]
