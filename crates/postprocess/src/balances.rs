@@ -200,6 +200,8 @@ pub struct HeatBalance {
     pub supplied: f64,
     /// Found in the particles above their initial state.
     pub content: f64,
+    /// Share of the heat of friction that heats the workpiece at once; `None` where friction heats nothing.
+    pub friction_share: Option<f64>,
     /// That of the tool, where it conducts heat.
     pub tool: Option<ToolHeatBalance>,
 }
@@ -258,6 +260,7 @@ pub(crate) fn heat(samples: &Samples, facts: &Facts) -> Option<HeatBalance> {
     Some(HeatBalance {
         supplied: last.get(ChannelId::HeatSupplied),
         content: last.get(ChannelId::HeatContent),
+        friction_share: None,
         tool: tool_heat(samples, facts),
     })
 }

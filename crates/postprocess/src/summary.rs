@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Version of the schema: the first number changes when a key changes its meaning or goes, the
 /// second when keys are added.
-pub const SCHEMA_VERSION: &str = "1.4";
+pub const SCHEMA_VERSION: &str = "1.5";
 
 /// The content of `summary.json`. A number that is not known is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -104,6 +104,7 @@ struct BalancesEntry {
     kinetic_share: Option<f64>,
     momentum_closure: Option<f64>,
     heat_closure: Option<f64>,
+    friction_heat_share: Option<f64>,
     tool_work_j_per_mm: Option<f64>,
     energy_terms: Vec<TermEntry>,
     momentum: Option<MomentumEntry>,
@@ -307,6 +308,7 @@ impl BalancesEntry {
             kinetic_share: energy.map(|e| e.kinetic_share),
             momentum_closure: result.momentum.and_then(|m| m.closure()),
             heat_closure: result.heat.and_then(|h| h.closure()),
+            friction_heat_share: result.heat.and_then(|h| h.friction_share),
             tool_work_j_per_mm: energy.map(|e| e.tool_work_per_width * N_PER_MM),
             energy_terms: energy.map(terms).unwrap_or_default(),
             momentum: result.momentum.map(|m| MomentumEntry {

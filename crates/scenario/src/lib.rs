@@ -19,6 +19,7 @@ mod files;
 mod findings;
 mod flow_stress_table;
 mod force_table;
+mod friction_heat;
 mod heat_source;
 mod identification;
 mod inertia;

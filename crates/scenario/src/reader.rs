@@ -150,7 +150,7 @@ pub(crate) fn missing(section: &Section, field: &Field) -> Mistake {
 /// Defaults are written like user text and read by the same parser.
 fn default_value(field: &Field, text: &str) -> Value {
     match &field.kind {
-        Kind::Quantity(quantity, _) => Value::Number(
+        Kind::Quantity(quantity, _) | Kind::Tabulated(quantity, _) => Value::Number(
             units::parse(text, *quantity).expect("a test reads the default of every key").si,
         ),
         Kind::Count { .. } => {

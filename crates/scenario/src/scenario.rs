@@ -11,8 +11,8 @@ use crate::record::Record;
 use crate::shared::{self, Resolution};
 use crate::tool::Space;
 use crate::{
-    LoadOptions, bodies, effects, equation_of_state, heat_source, inertia, passes, sections, tool,
-    wall, warnings, window,
+    LoadOptions, bodies, effects, equation_of_state, friction_heat, heat_source, inertia, passes,
+    sections, tool, wall, warnings, window,
 };
 use sphcut_physics::Quantity;
 use sphcut_physics::effects::ChosenEffect;
@@ -340,12 +340,14 @@ impl Common {
 fn finished(
     findings: &mut Findings,
     root: &Record<'_>,
-    setup: Setup,
+    mut setup: Setup,
     output: Output,
     stop: Stop,
     mut told: Vec<String>,
 ) -> Scenario {
     effects::check(findings, root, &setup);
+    friction_heat::share(findings, root, &mut setup);
+    told.extend(friction_heat::warning(&setup));
     told.extend(warnings::temperatures(&setup));
     told.extend(equation_of_state::warnings(&setup));
     let name = safe_name(&root.source.name);

@@ -1,5 +1,6 @@
 //! `[tool.heat]` and `[wall.heat]`: heat in the tool.
 
+use crate::document::contradiction;
 use crate::findings::Findings;
 use crate::mesh::{Surface, triangle_distance};
 use crate::problem::Mistake;
@@ -41,6 +42,7 @@ pub(crate) fn tool_heat(
     let Some(table) = owner.table("heat") else { return Some(None) };
     let name = format!("{}.heat", owner.section);
     let record = reader::read(findings, &owner.source, table, &sections::tool_heat(&name), 2);
+    refuse_parts_of_a_material(findings, &record);
     let coating = coating(findings, &record);
     let outer = outer(findings, &record);
     if matches!(around.shape, Shape::HalfSpace) {
@@ -92,6 +94,23 @@ fn coating(findings: &mut Findings, heat: &Record<'_>) -> Option<Option<Coating>
         thickness: record.number("thickness")?,
         material: thermal_material(&record)?,
     }))
+}
+
+/// The defaults are one material: beside a value of another one they would be nothing.
+fn refuse_parts_of_a_material(findings: &mut Findings, record: &Record<'_>) {
+    let (written, lacking): (Vec<&str>, Vec<&str>) =
+        sections::SUBSTANCE.into_iter().partition(|key| record.is_written(key));
+    let (Some(first), false) = (written.first(), lacking.is_empty()) else { return };
+    let listed: Vec<String> = lacking.iter().map(|key| format!("`{key}`")).collect();
+    let message =
+        format!("`{first}` without {}: they belong to one material", listed.join(" and "));
+    contradiction(
+        findings,
+        record,
+        first,
+        message,
+        "write all three of density, specific_heat and thermal_conductivity, or none for cemented carbide",
+    );
 }
 
 fn thermal_material(record: &Record<'_>) -> Option<ThermalMaterial> {

@@ -22,6 +22,9 @@ uncut_chip_thickness = "0.1 mm"
 width_of_cut = "3 mm"
 [resolution]
 particle_spacing = "25 um"
+# The share of the first version's default: defaults may change without the solver.
+[heat]
+friction_heat_share = 0.5
 [numerics]
 mass_scaling = 1000
 [output]

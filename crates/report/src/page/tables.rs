@@ -276,6 +276,9 @@ pub(super) fn balances(run: &Run, result: &ProcessResult) -> Markup {
                     @if run.facts.dimension == 2 { " (per m of width)" }
                     @if let Some(closure) = heat.closure() { "; difference " (percent(closure)) }
                     "."
+                    @if let Some(share) = heat.friction_share {
+                        " Of the heat of friction " (percent(share)) " go into the workpiece at once."
+                    }
                 }
                 @if let Some(tool) = heat.tool { (tool_heat(run, &tool)) }
             }

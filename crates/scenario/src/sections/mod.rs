@@ -33,7 +33,7 @@ pub(crate) use recordings::{
     recordings_trigger,
 };
 pub(crate) use sweep::{sweep_design, sweep_root, sweep_sections, sweep_vary};
-pub(crate) use tool_heat::{coating, tool_heat};
+pub(crate) use tool_heat::{SUBSTANCE, coating, tool_heat};
 
 use crate::section::{Field, Kind, Presence, Section};
 use crate::units;
@@ -220,7 +220,7 @@ pub(crate) fn resolution() -> Section {
 /// `[heat]`.
 pub(crate) fn heat() -> Section {
     let switch = |key, meaning| Field::new(key, Kind::Switch, default("true"), meaning);
-    Section::new(
+    let mut section = Section::new(
         "heat",
         "Heat sources, conduction and their shares.",
         vec![
@@ -229,7 +229,13 @@ pub(crate) fn heat() -> Section {
             switch("conduction", "heat flows between particles"),
         ],
     )
-    .with_parameters(sphcut_physics::heat::PARAMETERS)
+    .with_parameters(sphcut_physics::heat::PARAMETERS);
+    let share = section.fields.iter_mut().find(|field| field.key == "friction_heat_share");
+    share.expect("a parameter of heat").presence = Presence::Derived(
+        "1 where the tool takes no heat; with [tool.heat] e_w / (e_w + e_t), e = sqrt(k rho cp) of workpiece and substrate at \
+         their initial temperatures",
+    );
+    section
 }
 
 /// `[numerics]`.
@@ -424,7 +430,7 @@ mod tests {
             for field in &section.fields {
                 let Presence::Default(text) = &field.presence else { continue };
                 let good = match &field.kind {
-                    Kind::Quantity(quantity, range) => {
+                    Kind::Quantity(quantity, range) | Kind::Tabulated(quantity, range) => {
                         range.contains(units::parse(text, *quantity).unwrap().si)
                     }
                     Kind::Count { min, max } => (*min..=*max).contains(&text.parse().unwrap()),
