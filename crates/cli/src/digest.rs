@@ -60,7 +60,11 @@ fn temperature(result: &ProcessResult) -> String {
         .temperature
         .interface
         .as_ref()
-        .map_or_else(String::new, |interval| format!(", {:.0} K at the tool", interval.mean));
+        .map_or_else(String::new, |found| {
+            let (start, end) = (found.start * 1e3, found.end * 1e3);
+            let state = if found.steady.reached { "steady" } else { "not steady" };
+            format!(", {:.0} K at the tool ({state} from {start:.3} to {end:.3} mm)", found.mean)
+        });
     format!("temperature        up to {:.0} K{interface}\n", result.temperature.max)
 }
 

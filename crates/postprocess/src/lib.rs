@@ -21,6 +21,7 @@ mod statistics;
 pub mod steady;
 mod summary;
 mod surface;
+mod temperature;
 #[cfg(any(test, feature = "synthetic"))]
 pub mod synthetic;
 mod warnings;
@@ -33,11 +34,11 @@ pub use geometry::{Chip, Contact, Geometry};
 pub use interface::{Interface, InterfaceBin};
 pub use missing::Missing;
 pub use process::{
-    Extremes, Force, Forces, PassResult, ProcessResult, Resolution, Temperatures, Window, evaluate,
-    evaluate_with,
+    Extremes, Force, Forces, PassResult, ProcessResult, Resolution, Window, evaluate, evaluate_with,
 };
 pub use segments::Segments;
 pub use shear_zone::ShearZone;
 pub use summary::{SCHEMA_VERSION, Summary, summary_json};
 pub use surface::MachinedSurface;
+pub use temperature::{InterfaceTemperature, Temperatures};
 pub use warnings::Warning;

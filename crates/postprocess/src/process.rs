@@ -4,9 +4,8 @@ use crate::balances::{self, EnergyBalance, HeatBalance, MomentumBalances};
 use crate::geometry::{self, Geometry};
 use crate::missing::Missing;
 use crate::springback::{self, SpringbackError, StressBin};
-use crate::steady::{
-    MeanInterval, Series, SteadyOptions, SteadyState, detect, mean_interval, window_mean,
-};
+use crate::steady::{Series, SteadyOptions, SteadyState, detect, window_mean};
+use crate::temperature::{Temperatures, temperatures};
 use crate::warnings::{self, Warning};
 use sphcut_record::{Facts, Outcome, Performance, Run, RunError, Samples};
 use sphcut_sph::ChannelId;
@@ -107,20 +106,6 @@ pub struct Forces {
     pub passive: Force,
 }
 
-/// Temperatures in K.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Temperatures {
-    /// Highest of any particle over the run.
-    pub max: f64,
-    /// Lowest of any particle over the run.
-    pub min: f64,
-    /// Mean over the window of the mean temperature in contact, weighted with the contact force;
-    /// `None` without contact.
-    pub interface: Option<MeanInterval>,
-    /// Highest mean temperature in contact of any interval; 0 without contact.
-    pub interface_max: f64,
-}
-
 /// Smallest and largest values over the run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extremes {
@@ -198,7 +183,7 @@ fn evaluate_by(
         passes: ranges.into_iter().enumerate().map(of_pass).collect(),
         geometry: geometry::measure(run, &window)?,
         residual_stress: Err(Missing::NoCut),
-        temperature: temperatures(samples, &window),
+        temperature: temperatures(samples, &last, criterion),
         extremes: extremes(samples),
         energy: balances::energy(samples, &run.facts),
         momentum: balances::momentum(samples, window.first_sample),
@@ -316,22 +301,6 @@ fn forces(samples: &Samples, window: &Window, range: &Range<usize>, facts: &Fact
         cutting: force(ChannelId::CuttingForce),
         feed: force(ChannelId::FeedForce),
         passive: force(ChannelId::PassiveForce),
-    }
-}
-
-fn temperatures(samples: &Samples, window: &Window) -> Temperatures {
-    let interface = samples.channel(ChannelId::InterfaceTemperature);
-    // The channel is 0 without contact.
-    let touching: Vec<f64> = interface[window.first_sample..window.last_sample]
-        .iter()
-        .copied()
-        .filter(|t| *t > 0.0)
-        .collect();
-    Temperatures {
-        max: largest(samples.channel(ChannelId::MaxTemperature)),
-        min: smallest(samples.channel(ChannelId::MinTemperature)),
-        interface: (!touching.is_empty()).then(|| mean_interval(&touching, None)),
-        interface_max: largest(interface),
     }
 }
 

@@ -88,6 +88,11 @@ struct TemperatureEntry {
     min_k: f64,
     interface_mean_k: Option<f64>,
     interface_ci95_k: Option<f64>,
+    interface_window_mm: Option<[f64; 2]>,
+    interface_steady: Option<bool>,
+    interface_reason: Option<String>,
+    interface_drift_k: Option<f64>,
+    interface_possible_drift_k: Option<f64>,
     interface_max_k: f64,
 }
 
@@ -278,11 +283,17 @@ impl SteadyEntry {
 impl TemperatureEntry {
     fn of(result: &ProcessResult) -> Self {
         let temperature = &result.temperature;
+        let interface = temperature.interface.as_ref();
         Self {
             max_k: temperature.max,
             min_k: temperature.min,
-            interface_mean_k: temperature.interface.map(|interval| interval.mean),
-            interface_ci95_k: temperature.interface.map(|interval| interval.half_width),
+            interface_mean_k: interface.map(|found| found.mean),
+            interface_ci95_k: interface.map(|found| found.half_width),
+            interface_window_mm: interface.map(|f| [f.start * MM_PER_M, f.end * MM_PER_M]),
+            interface_steady: interface.map(|found| found.steady.reached),
+            interface_reason: interface.map(|found| found.steady.reason.to_string()),
+            interface_drift_k: interface.map(|found| found.drift.change),
+            interface_possible_drift_k: interface.map(|found| found.drift.bound()),
             interface_max_k: temperature.interface_max,
         }
     }

@@ -298,6 +298,43 @@ pub fn window_mean(force: &[f64], first: usize) -> MeanInterval {
     mean_interval(&force[first..], Some(record))
 }
 
+/// How much a record changes over a window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Change over the window, from the slope of ten batch means.
+    pub change: f64,
+    /// Half width of its 95 % interval; infinite where nothing can be said.
+    pub half_width: f64,
+}
+
+impl Drift {
+    /// The largest change in either direction that cannot be excluded.
+    #[must_use]
+    pub fn bound(&self) -> f64 {
+        self.change.abs() + self.half_width
+    }
+
+    /// Whether the change is more than its uncertainty.
+    #[must_use]
+    pub fn is_seen(&self) -> bool {
+        self.change.abs() > self.half_width
+    }
+}
+
+/// Change over the samples from `first` on and what of it is uncertain: the wider of the residuals of ten batch means about
+/// their line, and of what the interval of the mean gives, `sqrt(12)` half widths, the error of a slope through noise
+/// without end effects. The second counts where batches are so short that neighbours are correlated.
+#[must_use]
+pub fn window_drift(force: &[f64], first: usize) -> Drift {
+    let first = first.min(force.len());
+    let mean = window_mean(force, first);
+    let slope = slope_drift(&force[first..], mean.mean);
+    Drift {
+        change: slope.difference,
+        half_width: slope.half_width.max(12.0_f64.sqrt() * mean.half_width),
+    }
+}
+
 /// The tests on one record.
 fn judge(series: Series<'_>, options: &SteadyOptions) -> SteadyState {
     let length = series.force.len().min(series.travel.len());

@@ -34,7 +34,7 @@ pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
                 @if let Ok(interface) = &geometry.interface {
                     (figure("Contact length", &three_digits(interface.contact_length * UM), "\u{b5}m"))
                 }
-                @if let Some(interface) = result.temperature.interface {
+                @if let Some(interface) = &result.temperature.interface {
                     (figure("Contact temperature", &three_digits(interface.mean), "K"))
                 }
             }
@@ -177,11 +177,19 @@ fn force_rows(run: &Run, result: &ProcessResult) -> Vec<Row> {
 fn state_rows(result: &ProcessResult) -> Vec<Row> {
     let (temperature, extremes) = (&result.temperature, &result.extremes);
     let mut rows = Vec::new();
-    if let Some(interface) = temperature.interface {
+    if let Some(interface) = &temperature.interface {
         let value = with_interval(interface.mean, interface.half_width);
-        let note =
-            format!("highest of any interval: {} K", three_digits(temperature.interface_max));
+        let note = format!(
+            "from {} to {} mm of travel; highest of any interval: {} K",
+            three_digits(interface.start * 1e3),
+            three_digits(interface.end * 1e3),
+            three_digits(temperature.interface_max)
+        );
         rows.push(row("Contact temperature", value, "K", note));
+        let state = if interface.steady.reached { "steady" } else { "not steady" };
+        let drift = with_interval(interface.drift.change, interface.drift.half_width);
+        let note = format!("over this window; {state}: {}", interface.steady.reason);
+        rows.push(row("Drift of the contact temperature", drift, "K", note));
     }
     rows.push(row(
         "Temperature",
