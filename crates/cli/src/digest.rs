@@ -19,6 +19,7 @@ pub fn digest(run: &Run, result: &ProcessResult) -> String {
         if run.facts.dimension == 3 {
             let _ = writeln!(page, "passive force F_p  {}", shown(&forces.passive));
         }
+        let _ = writeln!(page, "                   {}", result.feed_known);
         page.push_str(&temperature(result));
         page.push_str(&shape(result));
     }
@@ -56,15 +57,11 @@ fn per_width(force: &Force) -> String {
 }
 
 fn temperature(result: &ProcessResult) -> String {
-    let interface = result
-        .temperature
-        .interface
-        .as_ref()
-        .map_or_else(String::new, |found| {
-            let (start, end) = (found.start * 1e3, found.end * 1e3);
-            let state = if found.steady.reached { "steady" } else { "not steady" };
-            format!(", {:.0} K at the tool ({state} from {start:.3} to {end:.3} mm)", found.mean)
-        });
+    let interface = result.temperature.interface.as_ref().map_or_else(String::new, |found| {
+        let (start, end) = (found.start * 1e3, found.end * 1e3);
+        let state = if found.steady.reached { "steady" } else { "not steady" };
+        format!(", {:.0} K at the tool ({state} from {start:.3} to {end:.3} mm)", found.mean)
+    });
     format!("temperature        up to {:.0} K{interface}\n", result.temperature.max)
 }
 

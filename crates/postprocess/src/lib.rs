@@ -10,6 +10,7 @@ mod cloud;
 mod contact;
 mod geometry;
 mod interface;
+mod known;
 mod missing;
 mod outline;
 mod process;
@@ -21,9 +22,9 @@ mod statistics;
 pub mod steady;
 mod summary;
 mod surface;
-mod temperature;
 #[cfg(any(test, feature = "synthetic"))]
 pub mod synthetic;
+mod temperature;
 mod warnings;
 
 pub use balances::{
@@ -32,6 +33,7 @@ pub use balances::{
 };
 pub use geometry::{Chip, Contact, Geometry};
 pub use interface::{Interface, InterfaceBin};
+pub use known::KnownForce;
 pub use missing::Missing;
 pub use process::{
     Extremes, Force, Forces, PassResult, ProcessResult, Resolution, Window, evaluate, evaluate_with,

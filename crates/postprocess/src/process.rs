@@ -2,6 +2,7 @@
 
 use crate::balances::{self, EnergyBalance, HeatBalance, MomentumBalances};
 use crate::geometry::{self, Geometry};
+use crate::known::KnownForce;
 use crate::missing::Missing;
 use crate::springback::{self, SpringbackError, StressBin};
 use crate::steady::{Series, SteadyOptions, SteadyState, detect, window_mean};
@@ -22,6 +23,8 @@ pub struct ProcessResult {
     pub steady: SteadyState,
     /// Verdict on the feed force, by the criterion that the scenario has for it or by the same.
     pub feed_steady: SteadyState,
+    /// What is known of the feed force over the window of the means.
+    pub feed_known: KnownForce,
     /// Over which part of the run means are taken.
     pub window: Window,
     /// Mean forces of the tool on the workpiece.
@@ -179,6 +182,7 @@ fn evaluate_by(
         laws: run.provenance.effects.clone(),
         criterion: *criterion,
         feed_steady: verdict(ChannelId::FeedForce, &last, feed_criterion),
+        feed_known: KnownForce::feed(samples, &window, &last, &run.facts, &forces.feed),
         forces,
         passes: ranges.into_iter().enumerate().map(of_pass).collect(),
         geometry: geometry::measure(run, &window)?,

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Version of the schema: the first number changes when a key changes its meaning or goes, the
 /// second when keys are added.
-pub const SCHEMA_VERSION: &str = "1.5";
+pub const SCHEMA_VERSION: &str = "2.0";
 
 /// The content of `summary.json`. A number that is not known is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -75,6 +75,10 @@ struct SteadyEntry {
     reached: bool,
     reason: String,
     feed_reached: bool,
+    feed_reason: String,
+    feed_known: String,
+    feed_drift_n_per_mm: f64,
+    feed_possible_drift_n_per_mm: f64,
     window_mm: [f64; 2],
     correlation_length_mm: f64,
     drift_n_per_mm: f64,
@@ -267,10 +271,16 @@ impl ForceEntry {
 
 impl SteadyEntry {
     fn of(result: &ProcessResult) -> Self {
+        let feed = &result.feed_known;
+        let drift = feed.drift_per_width();
         Self {
             reached: result.steady.reached,
             reason: result.steady.reason.to_string(),
             feed_reached: result.feed_steady.reached,
+            feed_reason: result.feed_steady.reason.to_string(),
+            feed_known: feed.to_string(),
+            feed_drift_n_per_mm: drift.change * N_PER_MM,
+            feed_possible_drift_n_per_mm: drift.bound() * N_PER_MM,
             window_mm: [result.window.start * MM_PER_M, result.window.end * MM_PER_M],
             correlation_length_mm: result.steady.correlation_length * MM_PER_M,
             drift_n_per_mm: result.window.drift_per_width * N_PER_MM,

@@ -317,8 +317,49 @@ fn the_summary_and_its_description_name_the_same_keys() {
     described.sort();
     assert_eq!(keys, described);
     // What scripts rely on.
-    assert_eq!(value["schema_version"], "1.4");
+    assert_eq!(value["schema_version"], "2.0");
     let force = value["forces"]["cutting"]["mean_n_per_mm"].as_f64().unwrap();
     assert!((force - 200.0).abs() < 3.0, "{force}");
     assert_eq!(value["warnings"][0]["code"], "scenario");
+}
+
+#[test]
+fn what_is_known_of_the_feed_force_is_said() {
+    // 60 N/mm in the drawn cut, 3 mm wide.
+    let result = evaluate(&run()).unwrap();
+    let known = result.feed_known;
+    assert!((known.mean - result.forces.feed.mean_per_width).abs() < 1e-9);
+    assert!((known.mean - 60e3).abs() < 2.0 * known.half_width, "{known:?}");
+    assert!(!known.drift.is_seen(), "{known}");
+    // A feed force that grows by a tenth over the window is told with its drift.
+    let count = run().samples.len();
+    let grown = with_channel(run(), ChannelId::FeedForce, |k, force| {
+        force * (1.0 + 0.3 * k as f64 / count as f64)
+    });
+    let result = evaluate(&grown).unwrap();
+    let known = result.feed_known;
+    let expected = 0.3 * 60e3 * (known.window[1] - known.window[0]) / 2.0e-3;
+    assert!((known.drift.change / expected - 1.0).abs() < 0.25, "{known:?} {expected}");
+    assert!(known.drift.is_seen() && known.to_string().contains("it drifts by +"), "{known}");
+    let value: Value = serde_json::from_str(&summary_json(&result)).unwrap();
+    assert_eq!(value["steady"]["feed_known"], known.to_string());
+    let bound = value["steady"]["feed_possible_drift_n_per_mm"].as_f64().unwrap();
+    assert!((bound - known.drift.bound() * 1e-3).abs() < 1e-9);
+}
+
+#[test]
+fn the_share_of_friction_heat_is_in_the_summary() {
+    let mut run = run();
+    let of = |run: &Run| -> Value {
+        serde_json::from_str(&summary_json(&evaluate(run).unwrap())).unwrap()
+    };
+    assert!(of(&run)["balances"]["friction_heat_share"].is_null());
+    run.provenance.settings.push(Setting {
+        section: "heat".to_owned(),
+        key: "friction_heat_share".to_owned(),
+        text: "0.44537".to_owned(),
+        value: "0.44537".to_owned(),
+        unit: String::new(),
+    });
+    assert_eq!(of(&run)["balances"]["friction_heat_share"], 0.44537);
 }

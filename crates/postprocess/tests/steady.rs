@@ -1,6 +1,8 @@
 //! Steady-state detection on series whose truth is known.
 
-use sphcut_postprocess::steady::{Reason, Series, SteadyOptions, SteadyState, detect};
+use sphcut_postprocess::steady::{
+    Reason, Series, SteadyOptions, SteadyState, detect, window_drift,
+};
 use sphcut_postprocess::synthetic::Noise;
 
 /// Sampling interval of 2 um of travel.
@@ -178,4 +180,41 @@ fn a_slow_approach_rarely_fools_the_watch() {
     let wrong = stops.iter().filter(|s| s.error.abs() > 0.06).count();
     println!("{} of 200 stopped, {wrong} more than 6 % off", stops.len());
     assert!(wrong <= 10, "{wrong} of 200 stopped more than 6 % off");
+}
+
+/// Share of 300 records with a drift of 6 over 800 samples whose bound holds it.
+fn bounded(memory: f64) -> f64 {
+    let drift = 6.0;
+    let holds = |seed: u64| {
+        let noise = Noise::new(seed).autoregressive(memory, 800);
+        let force: Vec<f64> = noise
+            .iter()
+            .enumerate()
+            .map(|(k, e)| TRUTH + drift * k as f64 / 799.0 + 10.0 * e)
+            .collect();
+        window_drift(&force, 0).bound() >= drift
+    };
+    (0..300).filter(|&seed| holds(seed)).count() as f64 / 300.0
+}
+
+#[test]
+fn a_drift_is_rarely_more_than_its_bound() {
+    // 95 % are promised, and |change| + half width is more than the one-sided bound: of 300 records three
+    // standard deviations, 3 sqrt(0.05 * 0.95 / 300) = 3.8 %, less at the least. Memories of tau = 1, 9 and 39 samples.
+    for memory in [0.0, 0.8, 0.95] {
+        let share = bounded(memory);
+        assert!(share > 0.95 - 0.038, "memory {memory}: {share}");
+    }
+}
+
+#[test]
+fn the_bound_of_a_drift_by_hand() {
+    // A straight line from 0 to 99. Ten batches of ten: a slope of 10 per batch, 100 over the window, and nothing is left.
+    let line: Vec<f64> = (0..100).map(f64::from).collect();
+    let drift = window_drift(&line, 0);
+    assert!((drift.change - 100.0).abs() < 1e-9, "{drift:?}");
+    assert!(drift.is_seen() && (drift.bound() - 100.0).abs() < 1e-6, "{drift:?}");
+    let still = window_drift(&[TRUTH; 100], 0);
+    assert!(still.bound() < 1e-9, "{still:?}");
+    assert!(window_drift(&[TRUTH; 9], 0).bound().is_infinite());
 }

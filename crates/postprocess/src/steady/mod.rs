@@ -322,17 +322,18 @@ impl Drift {
 }
 
 /// Change over the samples from `first` on and what of it is uncertain: the wider of the residuals of ten batch means about
-/// their line, and of what the interval of the mean gives, `sqrt(12)` half widths, the error of a slope through noise
-/// without end effects. The second counts where batches are so short that neighbours are correlated.
+/// their line, and of `sqrt(12)` half widths of the mean of the samples without this line, the error of a slope through
+/// noise of many correlation lengths. The second counts where batches are so short that neighbours are correlated.
 #[must_use]
 pub fn window_drift(force: &[f64], first: usize) -> Drift {
-    let first = first.min(force.len());
-    let mean = window_mean(force, first);
-    let slope = slope_drift(&force[first..], mean.mean);
-    Drift {
-        change: slope.difference,
-        half_width: slope.half_width.max(12.0_f64.sqrt() * mean.half_width),
-    }
+    let samples = &force[first.min(force.len())..];
+    let count = samples.len() as f64;
+    let mean = samples.iter().sum::<f64>() / count.max(1.0);
+    let slope = slope_drift(samples, mean);
+    let line = |k: usize| slope.difference * ((k as f64 + 0.5) / count - 0.5);
+    let rest: Vec<f64> = samples.iter().enumerate().map(|(k, x)| x - line(k)).collect();
+    let scatter = 12.0_f64.sqrt() * mean_interval(&rest, None).half_width;
+    Drift { change: slope.difference, half_width: slope.half_width.max(scatter) }
 }
 
 /// The tests on one record.

@@ -214,6 +214,12 @@ fn steadiness(run: &Run, result: &ProcessResult) -> Markup {
         _ => (result.window.drift_per_width * 1e-3, "N/mm"),
     };
     let state = &result.steady;
+    let bound = result.feed_known.drift.bound();
+    let possible = if bound.is_finite() {
+        three_digits(if unit == "N" { bound } else { bound * 1e-3 })
+    } else {
+        "not known".to_owned()
+    };
     let window = format!(
         "{} to {} mm",
         three_digits(result.window.start * 1e3),
@@ -245,6 +251,7 @@ fn steadiness(run: &Run, result: &ProcessResult) -> Markup {
             unit,
             "linear regression of ten batch means",
         ),
+        row("Possible drift of the feed force", possible, unit, result.feed_known.to_string()),
     ];
     html! { h3 { "Steadiness" } (table("Judged by the cutting force.", &rows)) }
 }
