@@ -1,4 +1,4 @@
-//! `forces.csv`: the force history as text, units in the header.
+//! `forces.csv`: forces, energies and temperatures over time as text, units in the header.
 
 use super::atomic;
 use crate::{Facts, RunError, Samples};
@@ -13,7 +13,22 @@ const FORCES: [(ChannelId, &str); 3] = [
     (ChannelId::PassiveForce, "passive_force"),
 ];
 
-/// Writes the forces of `samples`: in N, and in a plane run also per mm of width.
+/// Energies since the start, of a plane run for its width of cut.
+const ENERGIES: [(ChannelId, &str); 5] = [
+    (ChannelId::ToolWork, "tool_work"),
+    (ChannelId::PlasticWork, "plastic_work"),
+    (ChannelId::FrictionWork, "friction_work"),
+    (ChannelId::KineticEnergy, "kinetic_energy"),
+    (ChannelId::ElasticEnergy, "elastic_energy"),
+];
+
+/// Temperatures; 0 where nothing is in contact.
+const TEMPERATURES: [(ChannelId, &str); 2] = [
+    (ChannelId::InterfaceTemperature, "interface_temperature"),
+    (ChannelId::MaxTemperature, "max_temperature"),
+];
+
+/// Writes the forces of `samples`, in N and in a plane run also per mm of width, energies and temperatures.
 pub(crate) fn write(path: &Path, facts: &Facts, samples: &Samples) -> Result<(), RunError> {
     atomic::replace(path, |writer| {
         writeln!(writer, "{}", header(facts))?;
@@ -36,6 +51,8 @@ fn header(facts: &Facts) -> String {
         columns.extend(FORCES.map(|(_, name)| format!("{name} [N/mm]")));
     }
     columns.extend(FORCES.map(|(_, name)| format!("{name} [N]")));
+    columns.extend(ENERGIES.map(|(_, name)| format!("{name} [J]")));
+    columns.extend(TEMPERATURES.map(|(_, name)| format!("{name} [K]")));
     columns.join(",")
 }
 
@@ -48,8 +65,11 @@ fn row(writer: &mut dyn Write, facts: &Facts, samples: &Samples, index: usize) -
             write!(writer, ",{}", value(id) * 1e-3)?;
         }
     }
-    for (id, _) in FORCES {
+    for (id, _) in FORCES.into_iter().chain(ENERGIES) {
         write!(writer, ",{}", value(id) * facts.force_factor())?;
+    }
+    for (id, _) in TEMPERATURES {
+        write!(writer, ",{}", value(id))?;
     }
     writeln!(writer)
 }
@@ -67,6 +87,9 @@ mod tests {
         values[ChannelId::Time as usize] = 0.5;
         values[ChannelId::Travel as usize] = 0.25;
         values[ChannelId::CuttingForce as usize] = 2000.0;
+        values[ChannelId::ToolWork as usize] = 500.0;
+        values[ChannelId::FrictionWork as usize] = 100.0;
+        values[ChannelId::InterfaceTemperature as usize] = 900.0;
         let mut samples = Samples::default();
         samples.push(&Sample { values });
         let name = format!("sphcut-forces-{}-{}.csv", std::process::id(), dimension as u8);
@@ -79,14 +102,23 @@ mod tests {
 
     #[test]
     fn a_plane_run_gives_forces_per_width_and_forces() {
-        // 2000 N/m = 2 N/mm, and times 3 mm of width 6 N; 0.25 m = 250 mm.
+        // 2000 N/m = 2 N/mm, and times 3 mm of width 6 N; 0.25 m = 250 mm. 500 and 100 J/m times 3 mm are 1.5 and
+        // 0.3 J, within rounding of binary numbers.
         let lines = lines(Dimension::Two);
         assert_eq!(
             lines[0],
             "time [s],travel [mm],cutting_force [N/mm],feed_force [N/mm],passive_force [N/mm],\
-             cutting_force [N],feed_force [N],passive_force [N]"
+             cutting_force [N],feed_force [N],passive_force [N],tool_work [J],plastic_work [J],\
+             friction_work [J],kinetic_energy [J],elastic_energy [J],interface_temperature [K],\
+             max_temperature [K]"
         );
-        assert_eq!(lines[1], "0.5,250,2,0,0,6,0,0");
+        let row: Vec<f64> = lines[1].split(',').map(|cell| cell.parse().unwrap()).collect();
+        let expected =
+            [0.5, 250.0, 2.0, 0.0, 0.0, 6.0, 0.0, 0.0, 1.5, 0.0, 0.3, 0.0, 0.0, 900.0, 0.0];
+        assert_eq!(row.len(), expected.len());
+        for (value, expected) in row.iter().zip(expected) {
+            assert!((value - expected).abs() <= 4.0 * f64::EPSILON * expected.abs(), "{lines:?}");
+        }
     }
 
     #[test]
@@ -94,8 +126,10 @@ mod tests {
         let lines = lines(Dimension::Three);
         assert_eq!(
             lines[0],
-            "time [s],travel [mm],cutting_force [N],feed_force [N],passive_force [N]"
+            "time [s],travel [mm],cutting_force [N],feed_force [N],passive_force [N],tool_work [J],\
+             plastic_work [J],friction_work [J],kinetic_energy [J],elastic_energy [J],\
+             interface_temperature [K],max_temperature [K]"
         );
-        assert_eq!(lines[1], "0.5,250,2000,0,0");
+        assert_eq!(lines[1], "0.5,250,2000,0,0,500,0,100,0,0,900,0");
     }
 }
