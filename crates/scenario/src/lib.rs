@@ -44,6 +44,7 @@ mod sections;
 mod series_table;
 mod shared;
 mod silhouette;
+mod spacing;
 mod spelling;
 mod sweep;
 mod tool;

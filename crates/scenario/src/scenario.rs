@@ -228,9 +228,11 @@ fn read_cut(
     let mut setup = common.setup(dimension, resolution, time)?;
     cut.fill(&mut setup);
     setup.window = window?;
-    inertia::scale(findings, root, &mut setup, Some((process.cutting_speed, process.depth)));
+    let speed = Some((process.cutting_speed, process.depth));
+    let mut told = cut.warnings();
+    told.extend(inertia::scale(findings, root, &mut setup, speed));
     let stop = Stop { time, travel: stop.extent, steady: stop.steady };
-    Some(finished(findings, root, setup, output.output, stop, cut.warnings()))
+    Some(finished(findings, root, setup, output.output, stop, told))
 }
 
 /// Whether a tool or a wall conducts heat.
@@ -287,7 +289,8 @@ fn read_bodies(
     setup.heat_sources = sources;
     setup.tool = wall?;
     setup.sampling_interval = output.sampling;
-    inertia::scale(findings, root, &mut setup, None);
+    // Without a cut it is a mistake to write it.
+    let _ = inertia::scale(findings, root, &mut setup, None);
     let travel = setup.tool.as_ref().map_or(0.0, |tool| wall::path(tool, stop.extent));
     let stop = Stop { time: stop.extent, travel, steady: None };
     Some(finished(findings, root, setup, output.output, stop, thin))

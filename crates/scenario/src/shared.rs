@@ -6,6 +6,7 @@ use crate::reader;
 use crate::record::Record;
 use crate::section::Section;
 use crate::sections::{self, LATTICES};
+use crate::spacing;
 use sphcut_physics::friction::{self, FrictionEntry};
 use sphcut_physics::{Parameter, Quantity, Values};
 use sphcut_sph::kernel::KernelChoice;
@@ -113,7 +114,8 @@ pub(crate) fn resolution(
 ) -> Option<Resolution> {
     let table = root.table("resolution")?;
     let record = reader::read(findings, &root.source, table, &sections::resolution(), 2);
-    let particle_spacing = spacing(findings, &record, uncut_chip_thickness, has_process);
+    let particle_spacing =
+        spacing::spacing(findings, root, &record, uncut_chip_thickness, has_process);
     let named = |key: &str| record.text(key);
     let kernel = named("kernel")
         .and_then(|name| KernelChoice::ALL.iter().find(|kernel| kernel.0 == name))
@@ -140,50 +142,6 @@ pub(crate) fn resolution(
         discretisation: Discretisation { kernel, lattice, lattice_aspect, parting_height: None },
         seed: record.count("seed")?.unsigned_abs(),
     })
-}
-
-fn spacing(
-    findings: &mut Findings,
-    record: &Record<'_>,
-    uncut_chip_thickness: Option<f64>,
-    has_process: bool,
-) -> Option<f64> {
-    let (written, preset) = (record.is_written("particle_spacing"), record.is_written("preset"));
-    if written && preset {
-        let mistake = Mistake::Contradiction {
-            message: "`particle_spacing` and `preset` exclude each other".to_owned(),
-            help: "keep one of them".to_owned(),
-        };
-        findings.problem(&record.source, record.span("preset"), mistake);
-        return None;
-    }
-    if !written && !preset {
-        let section = sections::resolution();
-        let field = section.field("particle_spacing").expect("a key of [resolution]");
-        let mut mistake = reader::missing(&section, field);
-        if let (Mistake::Missing { example, .. }, true) = (&mut mistake, has_process) {
-            example.push_str(", or preset = \"standard\"");
-        }
-        findings.problem(&record.source, record.heading.clone(), mistake);
-        return None;
-    }
-    if written {
-        return record.number("particle_spacing");
-    }
-    if !has_process {
-        let mistake = Mistake::Contradiction {
-            message: "`preset` needs an uncut chip thickness, and this scenario has no [process]"
-                .to_owned(),
-            help: "give `particle_spacing`".to_owned(),
-        };
-        findings.problem(&record.source, record.span("preset"), mistake);
-        return None;
-    }
-    let preset = record.text("preset")?;
-    let count = sections::PRESETS.iter().find(|known| known.0 == preset)?.1;
-    let spacing = uncut_chip_thickness? / count;
-    findings.derived("resolution", "particle_spacing", Quantity::Length, spacing);
-    Some(spacing)
 }
 
 /// A friction table: the law and its values.

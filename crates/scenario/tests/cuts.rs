@@ -84,6 +84,22 @@ fn presets_are_relative_to_the_uncut_chip_thickness() {
     }
 }
 
+#[test]
+fn the_spacing_follows_from_particles_across_the_chip_or_the_edge() {
+    // h is 0.1 mm, the edge radius 20 um.
+    for (key, spacing) in
+        [("particles_across_chip = 12.5", 8e-6), ("particles_across_edge = 5", 4e-6)]
+    {
+        let text = QUICK.replace("preset = \"draft\"", key);
+        let scenario = parse(&text, "cut.toml", None, &LoadOptions::default()).unwrap();
+        assert_relative_eq!(scenario.setup.particle_spacing, spacing, max_relative = 1e-12);
+        let told: Vec<_> =
+            scenario.description.iter().filter(|entry| entry.key == "particle_spacing").collect();
+        assert_eq!(told.len(), 1);
+        assert_eq!(told[0].number, Some(scenario.setup.particle_spacing));
+    }
+}
+
 /// What `sphcut check` shows: the text of the user and the SI value, defaults marked as such.
 /// s = I sigma_y(1, v_c / h, T_0) / (rho v_c^2), with sigma_y = (A + B) (1 + C ln rate) by hand.
 #[test]
@@ -106,6 +122,28 @@ fn an_inertia_number_sets_the_mass_scaling_of_its_speed() {
     let slow = scaling("37.5 m/min", "0.012") / by_hand;
     assert!((slow / 16.0 - 1.0).abs() < 0.06, "{slow}");
     assert_eq!((scaling("150 m/min", "1e-9"), scaling("1 m/min", "1")), (1.0, 1e4));
+}
+
+#[test]
+fn an_inertia_number_out_of_reach_is_told() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let text = std::fs::read_to_string(folder.join("aisi1045_orthogonal.toml")).unwrap();
+    let told = |speed: &str, number: &str| {
+        let text = text
+            .replace("inertia_number = 0.012", &format!("inertia_number = {number}"))
+            .replace("150 m/min\"", &format!("{speed}\""));
+        let scenario = parse(&text, "cut.toml", Some(&folder), &LoadOptions::default()).unwrap();
+        scenario.warnings.into_iter().find(|text| text.contains("inertia_number"))
+    };
+    assert_eq!(told("150 m/min", "0.012"), None);
+    // s = 0.012 (331 + 614) MPa (1 + 0.07 ln(1667)) / (7850 kg/m^3 (1/6 m/s)^2) = 1.13400e7 1.51927 / 218.056 =
+    // 79010; at 10,000 I is 0.012 / 7.901 = 0.001519, and sqrt(7.901) = 2.8 times the steps are needed.
+    let slow = told("10 m/min", "0.012").unwrap();
+    assert!(slow.contains("at 10 m/min asks for mass_scaling = 790"), "{slow}");
+    assert!(slow.contains("10000 is the most: the inertia number is 0.00151"), "{slow}");
+    assert!(slow.contains("2.8 times as many steps"), "{slow}");
+    let fast = told("150 m/min", "1e-9").unwrap();
+    assert!(fast.contains("1 is the least"), "{fast}");
 }
 
 #[test]

@@ -173,12 +173,12 @@ pub(crate) fn root() -> Section {
 pub(crate) fn resolution() -> Section {
     Section::new(
         "resolution",
-        "Either `particle_spacing` or, for a cut, `preset`.",
+        "One of `particle_spacing` and, for a cut, `preset`, `particles_across_chip`, `particles_across_edge`.",
         vec![
             Field::new(
                 "particle_spacing",
                 Kind::Quantity(Quantity::Length, Range::closed(1e-9, 1.0)),
-                Presence::Derived("from `preset`"),
+                Presence::Derived("from one of the next three"),
                 "distance of neighbouring particles at the start",
             )
             .example("\"20 um\""),
@@ -188,6 +188,20 @@ pub(crate) fn resolution() -> Section {
                 Presence::Optional,
                 "spacing relative to the uncut chip thickness: draft h/7, standard h/10, fine h/14",
             ),
+            Field::new(
+                "particles_across_chip",
+                Kind::Quantity(Quantity::Dimensionless, Range::closed(1.0, 1000.0)),
+                Presence::Optional,
+                "uncut chip thickness over spacing, as a preset but of your choice",
+            )
+            .example("12"),
+            Field::new(
+                "particles_across_edge",
+                Kind::Quantity(Quantity::Dimensionless, Range::closed(0.5, 1000.0)),
+                Presence::Optional,
+                "edge radius over spacing: presets look at the chip alone; ploughing is resolved from 5 on, and a sharp edge then makes many particles",
+            )
+            .example("5"),
             Field::new(
                 "kernel",
                 choice(KernelChoice::ALL.iter().map(|kernel| kernel.0)),

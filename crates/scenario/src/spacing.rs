@@ -1,0 +1,89 @@
+//! The particle spacing of `[resolution]`: a length, or so many particles across the chip or the edge.
+
+use crate::document::contradiction;
+use crate::findings::Findings;
+use crate::problem::Mistake;
+use crate::reader;
+use crate::record::Record;
+use crate::sections;
+use sphcut_physics::Quantity;
+
+/// Each of them alone says the spacing.
+const KEYS: [&str; 4] =
+    ["particle_spacing", "preset", "particles_across_chip", "particles_across_edge"];
+
+/// dx; of a cut `h / n` by a preset or `particles_across_chip`, `r_n / n` by `particles_across_edge`.
+pub(crate) fn spacing(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    record: &Record<'_>,
+    uncut_chip_thickness: Option<f64>,
+    has_process: bool,
+) -> Option<f64> {
+    let written: Vec<&str> = KEYS.into_iter().filter(|key| record.is_written(key)).collect();
+    let Some((&key, others)) = written.split_first() else {
+        tell_missing(findings, record, has_process);
+        return None;
+    };
+    for other in others {
+        let message = format!("`{key}` and `{other}` exclude each other");
+        contradiction(findings, record, other, message, "keep one of them");
+    }
+    if !others.is_empty() {
+        return None;
+    }
+    if key == "particle_spacing" {
+        return record.number(key);
+    }
+    if !has_process {
+        let across_edge = key == "particles_across_edge";
+        let needs = if across_edge { "an edge radius" } else { "an uncut chip thickness" };
+        let message = format!("`{key}` needs {needs}, and this scenario has no [process]");
+        contradiction(findings, record, key, message, "give `particle_spacing`");
+        return None;
+    }
+    let spacing = match key {
+        "preset" => {
+            let preset = record.text(key)?;
+            uncut_chip_thickness? / sections::PRESETS.iter().find(|known| known.0 == preset)?.1
+        }
+        "particles_across_chip" => uncut_chip_thickness? / record.number(key)?,
+        _ => edge_radius(findings, root, record, key)? / record.number(key)?,
+    };
+    findings.derived("resolution", "particle_spacing", Quantity::Length, spacing);
+    Some(spacing)
+}
+
+fn tell_missing(findings: &mut Findings, record: &Record<'_>, has_process: bool) {
+    let section = sections::resolution();
+    let field = section.field("particle_spacing").expect("a key of [resolution]");
+    let mut mistake = reader::missing(&section, field);
+    if let (Mistake::Missing { example, .. }, true) = (&mut mistake, has_process) {
+        example.push_str(", or preset = \"standard\"");
+    }
+    findings.problem(&record.source, record.heading.clone(), mistake);
+}
+
+/// r_n of `[tool]`, which is read after the resolution.
+fn edge_radius(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    record: &Record<'_>,
+    key: &str,
+) -> Option<f64> {
+    // Its mistakes are told when the tool is read.
+    let mut told = Findings::default();
+    let tool = reader::read(&mut told, &root.source, root.table("tool")?, &sections::tool(), 2);
+    let radius = tool.number("edge_radius");
+    if radius.is_none() && tool.is_written("edge_radius") {
+        return None;
+    }
+    if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
+        return Some(radius);
+    }
+    let state = if radius.is_some() { "is zero: the edge is sharp" } else { "is not given" };
+    let message = format!("`{key}` needs an edge radius, and that of [tool] {state}");
+    let help = "write `edge_radius` in [tool], or choose `preset` or `particles_across_chip`";
+    contradiction(findings, record, key, message, help);
+    None
+}
