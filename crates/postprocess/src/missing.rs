@@ -13,7 +13,7 @@ pub enum Missing {
     SeveralPasses,
     /// No snapshot in the window.
     NoSnapshots,
-    /// No snapshot of the window holds a chip longer than thick.
+    /// No snapshot of the window holds a chip that is long enough.
     ChipTooShort,
     /// The tool has no side as high as the uncut chip thickness that faces the cut.
     NoRakeFace,
@@ -65,7 +65,8 @@ impl fmt::Display for Missing {
             Self::ChipTooShort => {
                 write!(
                     f,
-                    "the chip is too short: in no snapshot of the window is it longer than thick"
+                    "the chip is too short: in no snapshot of the window is it 0.55 times as long as thick (a larger `behind` \
+                     in [window] leaves more of it)"
                 )
             }
             Self::NoRakeFace => write!(f, "the tool has no rake face as high as the uncut chip"),

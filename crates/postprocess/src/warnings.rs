@@ -180,7 +180,10 @@ impl fmt::Display for Warning {
                 let particles = if *count == 1 { "particle has" } else { "particles have" };
                 write!(f, "{count} {particles} parted from the material.")
             }
-            Self::LostParticle => write!(f, "A particle was left without any neighbour."),
+            Self::LostParticle => write!(
+                f,
+                "A particle was left without any neighbour: it flies on by itself, with its momentum and energy in the balances."
+            ),
             Self::SurfaceJump { jump } => write!(
                 f,
                 "The machined surface has a step of {}: the parting line has jumped, and forces \

@@ -4,9 +4,9 @@
 mod support;
 
 use sphcut_physics::Values;
-use sphcut_sph::setup::{Lattice, MovingWindow, Setup, Shape};
+use sphcut_sph::setup::{Body, Lattice, MovingWindow, Setup, Shape, VelocityField};
 use sphcut_sph::{ChannelId, Sample, SetupError, Simulation, options};
-use support::{SPEED, bits, cut, run};
+use support::{SPACING, SPEED, bits, cut, run};
 
 /// Long enough for material to come and to go.
 fn long_cut(rotation: f64) -> Setup {
@@ -125,4 +125,82 @@ fn a_rotated_window_is_the_same_window() {
     };
     let (straight, turned) = (early(&straight), early(&turned));
     assert!((straight - turned).abs() < 0.01 * straight, "{straight} {turned}");
+}
+
+/// Upwards, away from tool and workpiece.
+const FLIGHT: f64 = 60.0;
+
+/// One particle above the workpiece, without any neighbour.
+fn lone() -> Body {
+    Body {
+        name: "crumb".to_owned(),
+        material: 0,
+        shape: Shape::Box {
+            min: [0.1e-3, 0.5e-3, 0.0],
+            max: [0.1e-3 + SPACING, 0.5e-3 + SPACING, 0.0],
+            rotation: 0.0,
+            mirrored: false,
+        },
+        velocity: VelocityField::Uniform([0.0, FLIGHT, 0.0]),
+        temperature: 293.15,
+    }
+}
+
+/// Mass with scaling times velocity: 2500 * 7870 kg/m^3 * (25 um)^2 * 60 m/s.
+const MOMENTUM: f64 = 2500.0 * 7870.0 * SPACING * SPACING * FLIGHT;
+const ENERGY: f64 = 0.5 * MOMENTUM * FLIGHT;
+
+fn last(samples: &[Sample], id: ChannelId) -> f64 {
+    samples.last().unwrap().get(id)
+}
+
+#[test]
+fn a_particle_without_neighbours_flies_on_with_its_momentum_and_its_energy() {
+    let mut free = long_cut(0.0);
+    free.bodies.push(lone());
+    free.tool = None;
+    free.end_time = 20e-6;
+    free.sampling_interval = 2e-6;
+    let (simulation, samples) = run(free);
+    for sample in &samples {
+        assert_eq!(sample.get(ChannelId::MinNeighbours), 0.0);
+        // The workpiece rests to the last bit; the rest is rounding of a product.
+        let (kinetic, feed) =
+            (sample.get(ChannelId::KineticEnergy), sample.get(ChannelId::MomentumFeed));
+        assert!((kinetic / ENERGY - 1.0).abs() < 1e-12, "{kinetic} {ENERGY}");
+        assert!((feed / -MOMENTUM - 1.0).abs() < 1e-12, "{feed} {MOMENTUM}");
+        assert!(sample.get(ChannelId::EnergyError).abs() < 1e-12 * ENERGY);
+    }
+    let shown = simulation.snapshot();
+    let highest = shown.position.iter().map(|place| place[1]).fold(f64::MIN, f64::max);
+    let expected = 0.5e-3 + 0.5 * SPACING + FLIGHT * simulation.time();
+    assert!((highest / expected - 1.0).abs() < 1e-12, "{highest} {expected}");
+}
+
+#[test]
+fn a_window_that_leaves_such_a_particle_behind_keeps_its_energy_and_momentum() {
+    let mut setup = windowed(0.0);
+    setup.bodies.push(lone());
+    let (simulation, samples) = run(setup);
+    let (_, without) = run(windowed(0.0));
+    let highest = simulation.snapshot().position.iter().map(|p| p[1]).fold(f64::MIN, f64::max);
+    assert!(highest < 0.5e-3, "it has not left: {highest}");
+    let retired = last(&samples, ChannelId::RetiredEnergy);
+    let others = last(&without, ChannelId::RetiredEnergy);
+    // What else has left differs by chance of two cuts, by less than itself.
+    assert!((retired - ENERGY).abs() < 2.0 * others + 1e-9 * ENERGY, "{retired} {ENERGY} {others}");
+    assert!(others < 0.3 * ENERGY, "{others} {ENERGY}");
+    // The bar of a cut in a window (above).
+    let work = last(&samples, ChannelId::ToolWork);
+    assert!(last(&samples, ChannelId::EnergyError).abs() < 1e-3 * work);
+    let (mut before, mut impulse) = (0.0, 0.0);
+    for sample in &samples {
+        let interval = sample.get(ChannelId::Time) - before;
+        before = sample.get(ChannelId::Time);
+        let force = sample.get(ChannelId::FeedForce) + sample.get(ChannelId::ReactionFeed);
+        impulse += interval * force;
+    }
+    // Up is against the feed.
+    let change = last(&samples, ChannelId::MomentumFeed) + MOMENTUM;
+    assert!((impulse - change).abs() < 1e-9 * MOMENTUM, "{impulse} {change}");
 }
