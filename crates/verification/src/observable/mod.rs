@@ -6,6 +6,7 @@ mod amplitude_ratio;
 mod angular_momentum_ratio;
 mod body_extent;
 mod chip;
+mod compressed_strip;
 mod compression;
 mod contact_duration;
 mod contact_temperature;
@@ -26,6 +27,7 @@ mod moving_source;
 mod oscillation;
 mod pressed_cylinder;
 mod restitution;
+mod rough_plates;
 mod shock;
 mod springback;
 mod steps;
@@ -33,6 +35,7 @@ mod stress;
 mod temperature_profile;
 mod thermal;
 mod tool_heat;
+mod upset_ring;
 
 use crate::evidence::Evidence;
 use std::collections::BTreeMap;
@@ -90,6 +93,8 @@ pub const ALL: &[&Observable] = &[
     &chip::LARGEST_PLASTIC_STRAIN,
     &chip::CHIP_RISE,
     &chip::CHIP_THICKNESS,
+    &compressed_strip::ROUGH_PLATES_RATIO,
+    &compressed_strip::SLIDING_PLATES_RATIO,
     &compression::COMPRESSION_ERROR,
     &compression::ADIABATIC_RISE_ERROR,
     &contact_duration::CONTACT_DURATION,
@@ -155,6 +160,7 @@ pub const ALL: &[&Observable] = &[
     &tool_heat::TOOL_CONTACT_ERROR,
     &tool_heat::TOOL_STEADY_ERROR,
     &tool_heat::TOOL_HEAT_CLOSURE,
+    &upset_ring::RING_INNER_CHANGE,
 ];
 
 /// The observable called `name`.
