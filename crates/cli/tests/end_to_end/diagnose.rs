@@ -168,7 +168,8 @@ fn paired_runs_explain_and_are_kept() {
         serde_json::from_str(&shop.read("missing/diagnosis.json")).unwrap();
     assert_eq!(numbers["model"], "paired runs of the particle solver");
     let page = shop.read("missing/diagnosis.html");
-    assert!(page.contains("paired runs of the particle solver") && !page.contains("NaN"));
+    assert!(page.contains("paired runs of the particle solver"));
+    assert!(!without_embedded_data(&page).contains("NaN"));
     // Every run is a run of a sweep: what it sets, where it lies and what it gave.
     let runs = shop.read("missing/runs/library/table.csv");
     assert_eq!(runs.lines().filter(|line| line.contains(",finished,")).count(), 207);
@@ -180,6 +181,14 @@ fn paired_runs_explain_and_are_kept() {
     let second = second.expect_code(0);
     assert!(!second.err.contains("to be computed"), "{}", second.err);
     assert_eq!(shop.read("missing/diagnosis.json"), shop.read("again/diagnosis.json"));
+}
+
+/// A page without its fonts and pictures, whose letters can be any.
+fn without_embedded_data(page: &str) -> String {
+    let is_data = |c: char| c.is_ascii_alphanumeric() || "+/=".contains(c);
+    let mut parts = page.split("base64,");
+    let first = parts.next().unwrap_or_default().to_owned();
+    first + &parts.map(|part| part.trim_start_matches(is_data)).collect::<String>()
 }
 
 #[test]
