@@ -56,7 +56,7 @@ pub(crate) fn tool_heat(name: &str) -> Section {
             "contact_conductance",
             positive(Quantity::HeatTransfer, 1e12),
             default(CONDUCTANCE),
-            "h_c between workpiece and tool: q = h_c (T_workpiece - T_tool) at the surfaces; the default is that of rough \
+            "h_c between workpiece and tool: q = h_c (T_workpiece - T_tool) at the surfaces; the default is an estimate for rough \
              metals pressed together with about their hardness (Cooper, Mikic and Yovanovich 1969)",
         )
         .example("\"1e6 W/(m^2 K)\""),
