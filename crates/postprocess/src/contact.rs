@@ -1,7 +1,8 @@
 //! Length of the tool's outline that touches the workpiece.
 //!
-//! Each particle on which the tool presses is projected onto the outline and covers one spacing
-//! of it; the contact length is the length of what is covered at least once. It is told apart
+//! Each particle in contact is projected onto the outline and covers its share of the tool's surface
+//! about there: a length in the plane, in space the side of a square as large (records without it: one
+//! spacing). The contact length is the length of what is covered at least once. It is told apart
 //! by the outward normal of the outline: rake side where it points along the cutting direction,
 //! flank side where it points against it.
 //!
@@ -50,9 +51,11 @@ pub(crate) struct Touching {
     pub particle: usize,
     /// Where on the outline.
     pub foot: Foot,
+    /// Length of the outline that it covers in m.
+    pub width: f64,
 }
 
-/// The particles on which the tool presses, loose ones left out.
+/// The particles in contact, loose ones left out.
 pub(crate) fn touching(snapshot: &Snapshot, cloud: &Cloud, outline: &Outline) -> Vec<Touching> {
     let size = |i: usize| snapshot.contact_force[i].iter().map(|f| f * f).sum::<f64>().sqrt();
     let largest = cloud.source.iter().map(|&i| size(i)).fold(0.0, f64::max);
@@ -61,9 +64,22 @@ pub(crate) fn touching(snapshot: &Snapshot, cloud: &Cloud, outline: &Outline) ->
         .source
         .iter()
         .zip(&cloud.points)
-        .filter(|(particle, _)| size(**particle) > limit)
-        .map(|(&particle, &point)| Touching { particle, foot: outline.foot(point) })
+        .filter(|(particle, _)| size(**particle) > limit || snapshot.contact_area[**particle] > 0.0)
+        .map(|(&particle, &point)| Touching {
+            particle,
+            foot: outline.foot(point),
+            width: width(snapshot, particle),
+        })
         .collect()
+}
+
+/// Length of the outline that a particle covers in m.
+fn width(snapshot: &Snapshot, particle: usize) -> f64 {
+    match (snapshot.contact_area[particle], snapshot.dimension) {
+        (area, _) if area.is_nan() => snapshot.particle_spacing,
+        (area, 2) => area,
+        (area, _) => area.sqrt(),
+    }
 }
 
 /// Measures the contact of the particles `touching`.
@@ -104,9 +120,8 @@ fn covered<'a>(
     touching: impl Iterator<Item = &'a Touching>,
     spacing: f64,
 ) -> [f64; 2] {
-    let half = 0.5 * spacing;
-    let mut pieces: Vec<(f64, f64)> =
-        touching.map(|touching| (touching.foot.arc - half, touching.foot.arc + half)).collect();
+    let piece = |t: &Touching| (t.foot.arc - 0.5 * t.width, t.foot.arc + 0.5 * t.width);
+    let mut pieces: Vec<(f64, f64)> = touching.map(piece).collect();
     pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut lengths = [0.0; 2];
     let mut end = f64::NEG_INFINITY;
@@ -172,6 +187,7 @@ mod tests {
         snapshot.contact_force[crumb] = [1e6, 0.0, 0.0];
         assert_eq!(measured(&snapshot).unwrap(), before);
         snapshot.friction_use.fill(f64::NAN);
+        snapshot.contact_area.fill(f64::NAN);
         let old = measured(&snapshot).unwrap();
         assert_eq!((old.rake, old.sticking.is_nan()), (before.rake, true));
     }
@@ -195,6 +211,7 @@ mod tests {
             snapshot.contact_force.push([force, 0.0, 0.0]);
             snapshot.friction_use.push(used);
             snapshot.shear_friction_factor.push(0.3);
+            snapshot.contact_area.push(f64::from(force > 0.0));
         }
         let contact = measured(&snapshot).unwrap();
         // [1.5, 3.0] and [6.5, 7.5]; of them [2.0, 3.0] sticks.

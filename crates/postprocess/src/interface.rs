@@ -8,12 +8,11 @@
 //! of curves.
 //!
 //! **Contact length** l_c: length along the outline from the tool's lowest point that carries 98 % of the
-//! normal force. The stretched rows of a sheared chip leave gaps, which count here, other than in the
-//! covered length of [`crate::Contact`]. Its sticking part is the integral of the share of sticking
+//! normal force. Its sticking part is the integral of the share of sticking
 //! particles over it.
 //!
 //! **Interface temperature**: that of the particles in contact on the rake side. Its mean is over the
-//! contact length (each particle counts once), its maximum the hottest particle; both are means over
+//! contact length (each particle counts by the length that it covers), its maximum the hottest particle; both are means over
 //! the snapshots. The mean in `temperature.interface_mean_k` weights with the contact force and includes
 //! the flank.
 
@@ -40,7 +39,7 @@ pub struct InterfaceBin {
     pub shear_stress: f64,
     /// Mean temperature of the particles in contact in K.
     pub temperature: f64,
-    /// Share of the particles in contact that stick; not a number where the record does not tell.
+    /// Share of the length in contact that sticks; not a number where the record does not tell.
     pub sticking: f64,
 }
 
@@ -67,7 +66,7 @@ struct Sums {
     shear: f64,
     temperature: f64,
     sticking: f64,
-    count: f64,
+    width: f64,
 }
 
 /// Gathers the snapshots of the window.
@@ -89,6 +88,7 @@ impl Collector {
     ) {
         self.snapshots += 1;
         let mut temperatures = Vec::new();
+        let (mut heated, mut covered) = (0.0, 0.0);
         for touch in touching.iter().filter(|t| outline.sides[t.foot.side].faces_cut()) {
             let force: Point = plane.project(&snapshot.contact_force[touch.particle]);
             let along = |way: Point| force[0] * way[0] + force[1] * way[1];
@@ -100,13 +100,15 @@ impl Collector {
             sums.normal += along(outline.sides[touch.foot.side].normal);
             // The force on the particle holds it back; that on the tool drags along.
             sums.shear -= along(outline.up(touch.foot.side));
-            sums.temperature += temperature;
-            sums.sticking += if told { sticks } else { f64::NAN };
-            sums.count += 1.0;
+            sums.temperature += touch.width * temperature;
+            sums.sticking += touch.width * if told { sticks } else { f64::NAN };
+            sums.width += touch.width;
+            heated += touch.width * temperature;
+            covered += touch.width;
             temperatures.push(temperature);
         }
-        if !temperatures.is_empty() {
-            self.means.push(mean(&temperatures));
+        if covered > 0.0 {
+            self.means.push(heated / covered);
             self.hottest.push(temperatures.iter().copied().fold(f64::NEG_INFINITY, f64::max));
         }
     }
@@ -120,8 +122,8 @@ impl Collector {
             distance: (*number as f64 + 0.5) * spacing,
             normal_stress: sums.normal / area,
             shear_stress: sums.shear / area,
-            temperature: sums.temperature / sums.count,
-            sticking: sums.sticking / sums.count,
+            temperature: sums.temperature / sums.width,
+            sticking: sums.sticking / sums.width,
         };
         let profile: Vec<InterfaceBin> = self.bins.iter().map(bin).collect();
         let contact_length = contact_length(&profile, spacing);

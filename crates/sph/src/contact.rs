@@ -3,17 +3,18 @@
 //! A particle is a sphere of radius `dx/2`. Its overlap `g` with the surface
 //! gives the normal force `f_n = kappa M dx^(D-2) g` (M: p-wave modulus; per
 //! width in 2D). Friction is the force that stops the slip predicted for the
-//! coming step, clipped at the law's limit on the particle's share of the surface
-//! ([`crate::contact_area`]): it sticks below and slides at it, whatever the time step or stiffness.
+//! coming step, clipped at the law's limit times the particle's area, at the pressure and shear strength of
+//! the contact surface ([`crate::contact_surface`]): it sticks below and slides at it, whatever the time
+//! step or stiffness. Particles between those that press rub although they do not press themselves.
 //! The slip is the true projection `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
 
-use crate::contact_area::{Footing, SurfaceShares, make_room};
+use crate::contact_surface::{ContactSurface, Footing, Share, make_room};
 use crate::error::SetupError;
 use crate::setup::{Tool, Vector as Vector3};
 use crate::tensor::Vector;
 use crate::tool_holder::ToolHolder;
 use crate::tool_motion::ToolMotion;
-use crate::tool_surface::{Nearest, Surface, along, sub, sum};
+use crate::tool_surface::{Nearest, Surface, sub, sum};
 use sphcut_physics::friction::{ContactState, FrictionLaw};
 
 /// Overlap at the start, in radii of a particle, that rounding may make.
@@ -36,6 +37,10 @@ pub(crate) struct Touch<const D: usize> {
     pub(crate) friction_use: f64,
     /// Share of the tool's surface in m^2 (m in 2D).
     pub(crate) area: f64,
+    /// Regularised pressure of the contact in Pa.
+    pub(crate) pressure: f64,
+    /// Tresca's m: shear stress over the shear strength sigma_y / sqrt(3) of the contact there.
+    pub(crate) shear_friction_factor: f64,
 }
 
 /// The tool in contact with particles.
@@ -50,15 +55,14 @@ pub(crate) struct ToolContact<const D: usize> {
     pub(crate) velocity: Vector3,
     radius: f64,
     stiffness: f64,
-    spacing: f64,
     candidates: Vec<Candidate>,
     candidate_facets: Vec<u32>,
     /// Contacts of the last force evaluation, ordered by particle.
     pub(crate) touches: Vec<Touch<D>>,
-    /// Who touches in the present evaluation, and where they stand.
-    pressed: Vec<(u32, Nearest)>,
+    /// Who is near the tool in the present evaluation.
+    near: Vec<u32>,
     footings: Vec<Footing>,
-    shares: SurfaceShares,
+    contact_surface: ContactSurface,
 }
 
 /// Kinematics of one particle as contact sees it.
@@ -72,6 +76,8 @@ pub(crate) struct ContactInput<const D: usize> {
     pub(crate) inertia: f64,
     pub(crate) flow_stress: f64,
     pub(crate) temperature: f64,
+    /// In m^3 (m^2 in 2D).
+    pub(crate) volume: f64,
 }
 
 pub(crate) fn extended<const D: usize>(x: &Vector<D>) -> Vector3 {
@@ -99,25 +105,18 @@ impl<const D: usize> ToolContact<D> {
             velocity: tool.velocity,
             radius: 0.5 * spacing,
             stiffness: kappa * modulus * spacing.powi(power - 2),
-            spacing,
             candidates: Vec::new(),
             candidate_facets: Vec::new(),
             touches: Vec::new(),
-            pressed: Vec::new(),
+            near: Vec::new(),
             footings: Vec::new(),
-            shares: SurfaceShares::default(),
+            contact_surface: ContactSurface::new(spacing, D),
         })
     }
 
     /// The same tool in a holder.
     pub(crate) fn held_by(self, holder: ToolHolder) -> Self {
         Self { holder, ..self }
-    }
-
-    /// Friction of `touch` over the shear strength sigma_y / sqrt(3) of the particle: Tresca's m.
-    pub(crate) fn shear_friction_factor(&self, touch: &Touch<D>, flow_stress: f64) -> f64 {
-        let friction = crate::tensor::dot(&touch.friction_force, &touch.friction_force).sqrt();
-        friction / touch.area * 3.0_f64.sqrt() / flow_stress
     }
 
     /// Displacement of the tool at `time`.
@@ -195,7 +194,7 @@ impl<const D: usize> ToolContact<D> {
     /// Lists the particles that can come into contact while nothing moves by more than
     /// `margin` relative to the tool.
     pub(crate) fn refresh(&mut self, positions: &[Vector<D>], time: f64, margin: f64) {
-        let reach = self.radius + margin;
+        let reach = self.contact_surface.depth() + margin;
         self.holder.refresh();
         let displacement = self.displacement(time);
         self.candidates.clear();
@@ -215,9 +214,9 @@ impl<const D: usize> ToolContact<D> {
         // Room for all of them to touch: a step then asks for none.
         let most = self.candidates.len();
         make_room(&mut self.footings, most);
-        make_room(&mut self.pressed, most);
+        make_room(&mut self.near, most);
         make_room(&mut self.touches, most);
-        self.shares.make_room(most);
+        self.contact_surface.make_room(most);
     }
 
     /// Computes the contact forces at `time`; `look` tells about a particle.
@@ -229,25 +228,40 @@ impl<const D: usize> ToolContact<D> {
     ) {
         let displacement = self.displacement(time);
         let velocity = reduced(&self.mean_velocity(time, time_step));
+        let depth = self.contact_surface.depth();
         self.footings.clear();
-        self.pressed.clear();
+        self.near.clear();
         for candidate in &self.candidates {
-            let centre = sub(&extended(&look(candidate.particle as usize).position), &displacement);
+            let input = look(candidate.particle as usize);
+            let centre = sub(&extended(&input.position), &displacement);
             let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
-            let Some(nearest) = self.surface.nearest_of(&centre, facets) else { continue };
-            if nearest.distance >= self.radius {
+            let Some(foot) = self.surface.foot_of(&centre, facets) else { continue };
+            let Nearest { distance, normal } = foot.nearest;
+            if distance >= depth {
                 continue;
             }
-            let foot = along(&centre, -nearest.distance, &nearest.normal);
-            self.footings.push(Footing { centre, foot, normal: nearest.normal });
-            self.pressed.push((candidate.particle, nearest));
+            self.footings.push(Footing {
+                centre,
+                foot: foot.place,
+                normal,
+                station: self.surface.station(&foot),
+                distance,
+                pressing: self.stiffness * (self.radius - distance).max(0.0),
+                flow_stress: input.flow_stress,
+                volume: input.volume,
+            });
+            self.near.push(candidate.particle);
         }
-        self.shares.share_out(&self.footings, self.spacing, D);
+        self.contact_surface.lay(&self.footings, self.surface.perimeter());
         let mut touches = std::mem::take(&mut self.touches);
         touches.clear();
-        for (&(particle, nearest), &area) in self.pressed.iter().zip(self.shares.areas()) {
-            let input = look(particle as usize);
-            touches.push(self.touch(particle, &input, &nearest, area, &velocity, time_step));
+        let shares = self.contact_surface.shares();
+        for ((&particle, footing), share) in self.near.iter().zip(&self.footings).zip(shares) {
+            // Outside the contact nothing has an area.
+            if share.area > 0.0 || footing.pressing > 0.0 {
+                let input = look(particle as usize);
+                touches.push(self.touch(particle, &input, footing, share, &velocity, time_step));
+            }
         }
         self.touches = touches;
     }
@@ -256,14 +270,13 @@ impl<const D: usize> ToolContact<D> {
         &self,
         particle: u32,
         input: &ContactInput<D>,
-        nearest: &Nearest,
-        area: f64,
+        footing: &Footing,
+        share: &Share,
         tool_velocity: &Vector<D>,
         time_step: f64,
     ) -> Touch<D> {
-        let normal: Vector<D> = reduced(&nearest.normal);
-        let pressing = self.stiffness * (self.radius - nearest.distance);
-        let normal_force = normal.map(|n| n * pressing);
+        let normal: Vector<D> = reduced(&footing.normal);
+        let normal_force = normal.map(|n| n * footing.pressing);
         // Slip now, and after the coming step without friction, projected on the surface.
         let now: Vector<D> = std::array::from_fn(|k| input.velocity[k] - tool_velocity[k]);
         let mut slip: Vector<D> = std::array::from_fn(|k| {
@@ -276,10 +289,10 @@ impl<const D: usize> ToolContact<D> {
         let speed = crate::tensor::dot(&slip, &slip).sqrt();
         let across = crate::tensor::dot(&now, &normal);
         let sliding = crate::tensor::dot(&now, &now) - across * across;
-        let limit = area
+        let limit = share.area
             * self.law.shear_limit(&ContactState {
-                pressure: pressing / area,
-                flow_stress: input.flow_stress,
+                pressure: share.pressure,
+                flow_stress: share.flow_stress,
                 // Not the predicted slip: without friction it is too fast by a step's acceleration.
                 sliding_speed: sliding.max(0.0).sqrt(),
                 temperature: input.temperature,
@@ -287,9 +300,17 @@ impl<const D: usize> ToolContact<D> {
         let sticking = input.inertia * speed / time_step;
         let size = sticking.min(limit);
         let friction_force = if speed > 0.0 { slip.map(|v| -v / speed * size) } else { [0.0; D] };
-        // Without friction nothing holds the particle: it slides.
-        let friction_use = if limit > 0.0 { size / limit } else { 1.0 };
-        Touch { particle, normal_force, friction_force, friction_use, area }
+        let strength = share.area * share.flow_stress / 3.0_f64.sqrt();
+        Touch {
+            particle,
+            normal_force,
+            friction_force,
+            // Without friction nothing holds the particle: it slides.
+            friction_use: if limit > 0.0 { size / limit } else { 1.0 },
+            area: share.area,
+            pressure: share.pressure,
+            shear_friction_factor: if strength > 0.0 { size / strength } else { 0.0 },
+        }
     }
 
     /// Particles that lie on the tool, or overlap it by no more than rounding: those that exchange heat

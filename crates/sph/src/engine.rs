@@ -476,6 +476,7 @@ impl<const D: usize> Engine<D> {
             inertia: self.inertia(i),
             flow_stress: self.point[i].flow_stress,
             temperature: self.point[i].temperature,
+            volume: self.volume[i] * self.point[i].volume_ratio,
         });
         self.tool = Some(tool);
         self.add_contact_forces();

@@ -5,7 +5,7 @@
 
 mod account;
 mod contact;
-mod contact_area;
+mod contact_surface;
 mod crowding;
 mod density_diffusion;
 mod engine;

@@ -182,7 +182,7 @@ impl<const D: usize> Engine<D> {
             let touches = &tool.touches;
             let (mut force, mut heat) = (0.0, 0.0);
             for touch in touches {
-                let size = dot(&touch.normal_force, &touch.normal_force).sqrt();
+                let size = touch.pressure * touch.area;
                 force += size;
                 heat += size * self.point[touch.particle as usize].temperature;
             }
@@ -205,15 +205,15 @@ impl<const D: usize> Engine<D> {
         let mut contact = vec![[0.0; 3]; count];
         let mut friction_use = vec![0.0; count];
         let mut shear_friction = vec![0.0; count];
-        let touches = self.tool.iter().flat_map(|tool| tool.touches.iter().map(move |t| (tool, t)));
-        for (tool, touch) in touches {
+        let mut area = vec![0.0; count];
+        for touch in self.tool.iter().flat_map(|tool| &tool.touches) {
             let particle = touch.particle as usize;
             contact[particle] = extended(&std::array::from_fn::<f64, D, _>(|k| {
                 touch.normal_force[k] + touch.friction_force[k]
             }));
             friction_use[particle] = touch.friction_use;
-            shear_friction[particle] =
-                tool.shear_friction_factor(touch, self.point[particle].flow_stress);
+            shear_friction[particle] = touch.shear_friction_factor;
+            area[particle] = touch.area;
         }
         let mut snapshot = Snapshot {
             time: self.time,
@@ -254,6 +254,7 @@ impl<const D: usize> Engine<D> {
             snapshot.contact_force.push(contact[i]);
             snapshot.friction_use.push(friction_use[i]);
             snapshot.shear_friction_factor.push(shear_friction[i]);
+            snapshot.contact_area.push(area[i]);
             snapshot.neighbours.push(self.list.count(i));
         }
         snapshot
@@ -277,6 +278,7 @@ impl<const D: usize> Engine<D> {
         snapshot.contact_force.push([0.0; 3]);
         snapshot.friction_use.push(0.0);
         snapshot.shear_friction_factor.push(0.0);
+        snapshot.contact_area.push(0.0);
         snapshot.neighbours.push(0);
     }
 
@@ -344,7 +346,9 @@ impl<const D: usize> Engine<D> {
             real("window", books.clone());
         }
         real("friction_use", touches.iter().map(|t| t.friction_use).collect());
-        real("contact_area", touches.iter().map(|t| t.area).collect());
+        let surface =
+            touches.iter().flat_map(|t| [t.area, t.pressure, t.shear_friction_factor]).collect();
+        real("contact_surface", surface);
         let mut integer =
             |name: &str, values: Vec<u64>| state.integers.push((name.to_owned(), values));
         integer("id", self.id.clone());
@@ -456,12 +460,12 @@ impl<const D: usize> Engine<D> {
         let touched = reader.state.integer("touched").ok_or_else(|| missing("touched"))?;
         let forces = reader.reals("touches", touched.len() * 2 * D)?;
         let uses = reader.reals("friction_use", touched.len())?;
-        let areas = reader.reals("contact_area", touched.len())?;
+        let surface = reader.reals("contact_surface", touched.len() * 3)?;
         tool.touches = touched
             .iter()
             .zip(forces.chunks_exact(2 * D))
-            .zip(uses.iter().zip(areas))
-            .map(|((&particle, force), (&friction_use, &area))| {
+            .zip(uses.iter().zip(surface.chunks_exact(3)))
+            .map(|((&particle, force), (&friction_use, surface))| {
                 let particle =
                     u32::try_from(particle).ok().filter(|p| (*p as usize) < reader.count);
                 Ok(Touch {
@@ -469,7 +473,9 @@ impl<const D: usize> Engine<D> {
                     normal_force: std::array::from_fn(|k| force[k]),
                     friction_force: std::array::from_fn(|k| force[D + k]),
                     friction_use,
-                    area,
+                    area: surface[0],
+                    pressure: surface[1],
+                    shear_friction_factor: surface[2],
                 })
             })
             .collect::<Result<_, SetupError>>()?;

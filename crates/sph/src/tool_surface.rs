@@ -104,6 +104,8 @@ pub(crate) struct Surface {
     tree: RTree<IndexedFacet>,
     low: Vector3,
     high: Vector3,
+    /// In the plane: length of the outline up to each facet in m.
+    start: Vec<f64>,
 }
 
 #[derive(Debug, Clone)]
@@ -172,7 +174,37 @@ impl Surface {
             .enumerate()
             .map(|(index, facet)| IndexedFacet { facet: *facet, index: index as u32 })
             .collect();
-        Self { facets, tree: RTree::bulk_load(indexed), low, high }
+        let start = facets
+            .iter()
+            .scan(0.0, |length, facet| {
+                let here = *length;
+                let side = sub(&facet.corners[1], &facet.corners[0]);
+                *length += dot3(&side, &side).sqrt();
+                Some(here)
+            })
+            .collect();
+        Self { facets, tree: RTree::bulk_load(indexed), low, high, start }
+    }
+
+    /// Length of a closed outline in m; infinity of a half space. Without meaning in space.
+    pub(crate) fn perimeter(&self) -> f64 {
+        let last = self.facets.len() - 1;
+        let facet = &self.facets[last];
+        if facet.kind == FacetKind::Plane {
+            return f64::INFINITY;
+        }
+        let side = sub(&facet.corners[1], &facet.corners[0]);
+        self.start[last] + dot3(&side, &side).sqrt()
+    }
+
+    /// Length along the outline at `foot` in m, of a half space from its point. Without meaning in space.
+    pub(crate) fn station(&self, foot: &Foot) -> f64 {
+        let facet = &self.facets[foot.facet as usize];
+        let way = sub(&foot.place, &facet.corners[0]);
+        if facet.kind == FacetKind::Plane {
+            return way[1] * facet.normal[0] - way[0] * facet.normal[1];
+        }
+        self.start[foot.facet as usize] + dot3(&way, &way).sqrt()
     }
 
     /// Whether `x` (tool frame) lies within `reach` of the surface's bounding box.
@@ -211,7 +243,8 @@ impl Surface {
         [self.low, self.high]
     }
 
-    fn foot_of(&self, x: &Vector3, facets: &[u32]) -> Option<Foot> {
+    /// Nearest point among the facets listed, with the facet it lies on.
+    pub(crate) fn foot_of(&self, x: &Vector3, facets: &[u32]) -> Option<Foot> {
         let mut best: Option<(f64, Vector3, u32)> = None;
         for &index in facets {
             let facet = &self.facets[index as usize];

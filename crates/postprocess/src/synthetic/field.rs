@@ -51,6 +51,7 @@ struct State {
     residual_stress: f64,
     friction_use: f64,
     shear_friction_factor: f64,
+    contact_area: f64,
 }
 
 impl Field<'_> {
@@ -111,6 +112,7 @@ impl Field<'_> {
             residual_stress: residual,
             friction_use: 0.0,
             shear_friction_factor: 0.0,
+            contact_area: if touches { spacing } else { 0.0 },
         }
     }
 
@@ -206,6 +208,7 @@ impl Field<'_> {
                 (true, true) => 1.0,
                 (true, false) => 0.4,
             },
+            contact_area: if in_contact { cut.particle_spacing } else { 0.0 },
         }
     }
 
@@ -223,6 +226,7 @@ impl Field<'_> {
                 residual_stress: 0.0,
                 friction_use: 0.0,
                 shear_friction_factor: 0.0,
+                contact_area: 0.0,
             };
             self.push(LOOSE + k as u64, [x, y], state);
         }
@@ -263,6 +267,7 @@ impl Field<'_> {
         snapshot.contact_force.push([state.contact_force[0], state.contact_force[1], 0.0]);
         snapshot.friction_use.push(state.friction_use);
         snapshot.shear_friction_factor.push(state.shear_friction_factor);
+        snapshot.contact_area.push(state.contact_area);
         snapshot.neighbours.push(28);
     }
 }
@@ -288,6 +293,7 @@ fn sort(snapshot: &mut Snapshot) {
         &mut snapshot.temperature,
         &mut snapshot.friction_use,
         &mut snapshot.shear_friction_factor,
+        &mut snapshot.contact_area,
     ] {
         ordered(values, &order);
     }

@@ -147,6 +147,7 @@ mod tests {
             contact_force: vectors(2.0),
             friction_use: filled(0.0),
             shear_friction_factor: filled(0.0),
+            contact_area: filled(0.0),
             neighbours: (0..particles).collect(),
             ..Snapshot::default()
         }

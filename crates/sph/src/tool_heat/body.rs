@@ -69,6 +69,14 @@ impl Body {
         }
     }
 
+    /// Width of a patch of `area`: the length itself in the plane, in space the side of a square as large.
+    pub(super) fn width(&self, area: f64) -> f64 {
+        match self {
+            Self::Plane { .. } => area,
+            Self::Space { .. } => area.sqrt(),
+        }
+    }
+
     /// Where `position` (tool frame) touches: in the plane the place along the outline, in space the
     /// position itself.
     pub(super) fn place(&self, position: &Vector) -> Vector {

@@ -1,7 +1,7 @@
 //! Heat in the tool: conduction by finite elements, coupled to the particles that touch it.
 //!
-//! A particle covers its share A of the tool's surface ([`crate::contact_area`]: a length in the plane), about its
-//! foot (spread over dx, in space over a square of side dx), and exchanges
+//! A particle covers its share A of the tool's surface ([`crate::contact_surface`]: a length in the plane; in space
+//! taken as a square) about its foot, and exchanges
 //! ```text
 //! q = h (T_particle - T_tool),   1/h = 1/h_c + dx / (2 k)
 //! ```
@@ -52,6 +52,9 @@ const LONGEST_WAY: f64 = 0.1;
 /// Step of the tool in terms of `dx^2 / a`, a the diffusivity of its best conducting layer: the heat of
 /// a particle spreads by no more than a third of its width.
 const LONGEST_DIFFUSION: f64 = 0.1;
+
+/// Least width of the share of a particle that heats the tool, in spacings.
+const LEAST_WIDTH: f64 = 0.1;
 
 /// What a particle did at the surface since the last step of the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -138,7 +141,7 @@ pub(crate) struct ToolHeat {
     first_interval: f64,
     /// Longest step by the diffusion of a particle's heat in s.
     longest_interval: f64,
-    /// Width that a particle covers in m.
+    /// Width that a particle of a resting lattice covers in m.
     width: f64,
     /// Time since the last step in s.
     pending: f64,
@@ -291,7 +294,9 @@ impl ToolHeat {
             let middle =
                 std::array::from_fn(|k| exposure.place[k] + exposure.drift[k] / exposure.duration);
             let first = self.shares.len();
-            self.body.footprint(&middle, self.width, &mut self.shares);
+            let width = self.body.width(exposure.coverage / exposure.duration);
+            let width = width.max(LEAST_WIDTH * self.width);
+            self.body.footprint(&middle, width, &mut self.shares);
             for &(node, share) in &self.shares[first..] {
                 let node = node as usize;
                 load.supply[node] += share * exposure.friction;

@@ -1,0 +1,632 @@
+//! The contact as a surface: who lies on the tool, with which area, pressure and shear strength.
+//!
+//! Friction is a stress: a law limits the shear stress by pressure and shear strength, and becomes a force
+//! only with an area. The rows of a chip stretch along the tool, so that only one particle in two presses
+//! while the material between them lies a few hundredths of a spacing farther off. So neither the area nor
+//! the pressure can be those of single particles.
+//!
+//! **Contact layer.** A particle belongs to the contact if it presses (overlap above 0), or if it
+//! is nearer to the tool than one spacing and stands within the feet of those that press, as far as
+//! [`REACH`] off: in the plane between two of them, in space where no sector above [`WIDEST`] is free of them.
+//!
+//! **Area.** The Voronoi cell of the foot on the tool's surface: of its arc in the plane, of its tangent plane in
+//! space. Where no neighbour follows, the contact ends as far off as the border on the other side (half the
+//! local pitch; half a spacing of one alone). A gap above 1.5 dx to a neighbour is open
+//! unless material lies behind it: the particles up to 2 dx from the tool fill at least [`OPEN_BELOW`] of
+//! the band behind the gap and 1.25 dx to its ends (two missing columns of a lattice are closed, three
+//! are open). In space the band is one spacing wide: its particles count by (1 - |t| / dx)^+, t being
+//! their distance from its middle, so that a row at the rim counts as one inside.
+//!
+//! **Pressure and strength** are regularised over three times the mean distance a_j of the particles that
+//! press (at least dx), with f_j the penalty forces:
+//! ```text
+//! W_ij = (1 - |s_i - s_j| / (3 a_j))^+ (n_i . n_j)^+
+//! p_i  = sum_j W_ij f_j / S_j,    S_j = sum_k W_kj A_k
+//! Y_i  = sum_j W_ji A_j Y_j / S_i
+//! ```
+//! (the normals n keep the pressure of an edge off the faces beside it), so that `sum_i A_i p_i = sum_j f_j` exactly: Coulomb friction of the whole contact is mu times its
+//! normal force however unevenly the penalty presses, and the concave limit min(mu p, k) sees no noise of
+//! single particles. There is no memory.
+//!
+//! **Limits.** Changes of pressure within three distances of particles are smoothed. In space the surface counts as flat
+//! over five spacings.
+
+use crate::setup::Vector as Vector3;
+
+/// Radius of the regularisation in terms of the mean distance of the particles that press.
+const RADIUS: f64 = 3.0;
+/// Largest way in spacings to a neighbour on the surface: the pitch of rows of twice the height's
+/// length that are stretched three times.
+const REACH: f64 = 5.0;
+/// Gaps up to this many spacings are covered by their two neighbours.
+const CLOSED_GAP: f64 = 1.5;
+/// Depth of the band that a covered gap must have material in, in spacings.
+pub(crate) const BAND: f64 = 2.0;
+/// Least share of that band that is material.
+const OPEN_BELOW: f64 = 0.7;
+/// The band reaches this many spacings beyond the gap: stretched rows may stand in columns.
+const END: f64 = 1.25;
+/// Particles that stand behind one another are nearer along the surface than this, in spacings.
+const SAME_PLACE: f64 = 0.5;
+/// Widest sector in radians without one that presses around a particle between them: half of the plane, and
+/// the disorder of a row at the rim.
+const WIDEST: f64 = std::f64::consts::PI * 10.0 / 9.0;
+/// Around a corner of the contact more than this is free, in radians.
+const CORNER: f64 = std::f64::consts::PI * 1.25;
+/// A sector in radians wider than this and without a neighbour is beside the contact.
+const FREE: f64 = std::f64::consts::TAU / 3.0;
+/// Corners that a particle's cell can have; further neighbours than that cut nothing.
+const MOST_CORNERS: usize = 48;
+
+/// Room for `most` values in all, and for as many as a power of two.
+pub(crate) fn make_room<T>(values: &mut Vec<T>, most: usize) {
+    values.reserve(most.next_power_of_two().saturating_sub(values.len()));
+}
+
+/// A particle near the tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Footing {
+    pub(crate) centre: Vector3,
+    /// Point of the tool that is nearest.
+    pub(crate) foot: Vector3,
+    /// Unit normal out of the tool.
+    pub(crate) normal: Vector3,
+    /// Length along the outline at the foot in m; only used in the plane.
+    pub(crate) station: f64,
+    /// Distance of the centre from the tool in m, negative inside.
+    pub(crate) distance: f64,
+    /// Penalty force in N (N/m in 2D).
+    pub(crate) pressing: f64,
+    /// Of the particle in Pa.
+    pub(crate) flow_stress: f64,
+    /// In m^3 (m^2 in 2D).
+    pub(crate) volume: f64,
+}
+
+/// A particle's part of the contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Share {
+    /// In m^2 (m in 2D); 0 outside the contact.
+    pub(crate) area: f64,
+    /// Regularised, in Pa.
+    pub(crate) pressure: f64,
+    /// Regularised, in Pa.
+    pub(crate) flow_stress: f64,
+}
+
+/// Distance, number in the layer and direction of a neighbour in the tangent plane.
+type Neighbour = (f64, u32, [f64; 2]);
+
+/// Makes the contact surface of each step; keeps its memory between the steps.
+#[derive(Debug, Default)]
+pub(crate) struct ContactSurface {
+    spacing: f64,
+    dimension: usize,
+    /// Coordinate by which the footings are ordered, with their numbers; in the plane the station.
+    order: Vec<(f64, u32)>,
+    /// Places in `order` of those in contact.
+    layer: Vec<u32>,
+    /// Numbers in `layer` of those that press.
+    pressing: Vec<u32>,
+    /// Mean distance of those that press around each of the layer in m.
+    pitches: Vec<f64>,
+    /// W around one of them.
+    weights: Vec<f64>,
+    /// In space: directions to those that press around one.
+    angles: Vec<f64>,
+    /// In space: the layer around one.
+    around: Vec<Neighbour>,
+    shares: Vec<Share>,
+}
+
+fn minus(a: &Vector3, b: &Vector3) -> Vector3 {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn dot(a: &Vector3, b: &Vector3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: &Vector3, b: &Vector3) -> Vector3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Two unit vectors along the surface.
+fn tangents(normal: &Vector3) -> [Vector3; 2] {
+    let least =
+        (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs())).expect("three axes");
+    let mut axis = [0.0; 3];
+    axis[least] = 1.0;
+    let along = cross(normal, &axis);
+    let length = dot(&along, &along).sqrt();
+    let first = along.map(|component| component / length);
+    [first, cross(normal, &first)]
+}
+
+impl ContactSurface {
+    pub(crate) fn new(spacing: f64, dimension: usize) -> Self {
+        Self { spacing, dimension, ..Self::default() }
+    }
+
+    /// Distance from the tool in m within which particles have to be told of.
+    pub(crate) fn depth(&self) -> f64 {
+        BAND * self.spacing
+    }
+
+    /// Room for `most` particles.
+    pub(crate) fn make_room(&mut self, most: usize) {
+        make_room(&mut self.order, most);
+        make_room(&mut self.layer, most);
+        make_room(&mut self.pressing, most);
+        make_room(&mut self.pitches, most);
+        make_room(&mut self.weights, most);
+        if self.dimension == 3 {
+            make_room(&mut self.angles, 2 * most);
+            make_room(&mut self.around, most);
+        }
+        make_room(&mut self.shares, most);
+    }
+
+    /// What the last call of [`ContactSurface::lay`] found, in the order of its footings.
+    pub(crate) fn shares(&self) -> &[Share] {
+        &self.shares
+    }
+
+    /// Finds the contact among `footings`; `perimeter`: length of a closed outline, or infinity.
+    pub(crate) fn lay(&mut self, footings: &[Footing], perimeter: f64) {
+        self.shares.clear();
+        self.shares.resize(footings.len(), Share::default());
+        self.sort(footings, perimeter);
+        self.find_layer(footings);
+        if self.dimension == 2 {
+            self.share_arcs(footings);
+        } else {
+            self.share_cells(footings);
+        }
+        self.regularise(footings);
+    }
+
+    /// Orders the footings: in the plane along the outline, which is cut open at the largest gap.
+    fn sort(&mut self, footings: &[Footing], perimeter: f64) {
+        let axis = longest_axis(footings);
+        let place = |f: &Footing| if self.dimension == 2 { f.station } else { f.foot[axis] };
+        self.order.clear();
+        self.order.extend(footings.iter().zip(0..).map(|(footing, k)| (place(footing), k)));
+        self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let (Some(first), Some(last)) = (self.order.first(), self.order.last()) else { return };
+        if self.dimension != 2 || !perimeter.is_finite() {
+            return;
+        }
+        let (mut widest, mut start) = (perimeter - (last.0 - first.0), 0);
+        for k in 1..self.order.len() {
+            let gap = self.order[k].0 - self.order[k - 1].0;
+            if gap > widest {
+                (widest, start) = (gap, k);
+            }
+        }
+        self.order[..start].iter_mut().for_each(|entry| entry.0 += perimeter);
+        self.order.rotate_left(start);
+    }
+
+    /// Places in `order` within `reach` spacings of place `k`.
+    fn near(&self, k: usize, reach: f64) -> std::ops::Range<usize> {
+        let reach = reach * self.spacing;
+        let here = self.order[k].0;
+        let mut first = k;
+        while first > 0 && self.order[first - 1].0 >= here - reach {
+            first -= 1;
+        }
+        let mut last = k + 1;
+        while last < self.order.len() && self.order[last].0 <= here + reach {
+            last += 1;
+        }
+        first..last
+    }
+
+    fn find_layer(&mut self, footings: &[Footing]) {
+        self.layer.clear();
+        for k in 0..self.order.len() {
+            let this = &footings[self.order[k].1 as usize];
+            let belongs = this.pressing > 0.0
+                || (this.distance < self.spacing && self.is_surrounded(footings, k));
+            if belongs {
+                self.layer.push(k as u32);
+            }
+        }
+    }
+
+    /// Whether particles that press stand around place `k` of the order.
+    fn is_surrounded(&mut self, footings: &[Footing], k: usize) -> bool {
+        let here = self.order[k];
+        let near = self.near(k, REACH);
+        if self.dimension == 2 {
+            let presses = |entry: &&(f64, u32)| footings[entry.1 as usize].pressing > 0.0;
+            let mut pressing = self.order[near].iter().filter(presses);
+            let is_before = |entry: &(f64, u32)| entry.0 < here.0;
+            return pressing.clone().any(is_before) && pressing.any(|entry| !is_before(entry));
+        }
+        let this = &footings[here.1 as usize];
+        let basis = tangents(&this.normal);
+        let mut angles = std::mem::take(&mut self.angles);
+        angles.clear();
+        for &(_, other) in &self.order[near] {
+            let other = &footings[other as usize];
+            if other.pressing > 0.0
+                && let Some((unit, _)) = self.way(this, other, &basis)
+            {
+                angles.push(unit[1].atan2(unit[0]));
+            }
+        }
+        let widest = widest_sector(&mut angles);
+        self.angles = angles;
+        widest <= WIDEST
+    }
+
+    /// Direction in the tangent plane and distance of the feet, if within reach and apart.
+    fn way(
+        &self,
+        this: &Footing,
+        other: &Footing,
+        basis: &[Vector3; 2],
+    ) -> Option<([f64; 2], f64)> {
+        let apart = minus(&other.foot, &this.foot);
+        let distance = dot(&apart, &apart).sqrt();
+        if distance > REACH * self.spacing {
+            return None;
+        }
+        let towards = minus(&other.centre, &this.centre);
+        let way = [dot(&towards, &basis[0]), dot(&towards, &basis[1])];
+        let length = way[0].hypot(way[1]);
+        (length > 0.0).then(|| (way.map(|component| component / length), distance))
+    }
+
+    /// Shares the arc out among the layer.
+    fn share_arcs(&mut self, footings: &[Footing]) {
+        let mut start = 0;
+        while start < self.layer.len() {
+            let mut end = start;
+            while end + 1 < self.layer.len() && self.is_covered(footings, end) {
+                end += 1;
+            }
+            let station = |n: usize| self.order[self.layer[n] as usize].0;
+            let is_apart =
+                |a: usize, b: usize| (station(a) - station(b)).abs() >= SAME_PLACE * self.spacing;
+            // Not beyond the middle of an open gap.
+            let pitch = |end: usize, inner: Option<usize>, beyond: Option<usize>| {
+                let way = |n: usize| (station(n) - station(end)).abs();
+                inner.map_or(self.spacing, way).min(beyond.map_or(f64::INFINITY, way))
+            };
+            let inner = (start..=end).find(|&n| is_apart(n, start));
+            let first = pitch(start, inner, start.checked_sub(1));
+            let inner = (start..=end).rev().find(|&n| is_apart(n, end));
+            let last = pitch(end, inner, Some(end + 1).filter(|n| *n < self.layer.len()));
+            for n in start..=end {
+                let before = if n > start { station(n) - station(n - 1) } else { first };
+                let behind = if n < end { station(n + 1) - station(n) } else { last };
+                let footing = self.order[self.layer[n] as usize].1;
+                self.shares[footing as usize].area = 0.5 * (before + behind);
+            }
+            start = end + 1;
+        }
+    }
+
+    /// Whether material lies behind the gap that follows number `n` of the layer in the plane.
+    fn is_covered(&self, footings: &[Footing], n: usize) -> bool {
+        let (from, to) = (self.layer[n] as usize, self.layer[n + 1] as usize);
+        let (low, high) = (self.order[from].0, self.order[to].0);
+        let gap = high - low;
+        if gap <= CLOSED_GAP * self.spacing {
+            return true;
+        }
+        let end = END * self.spacing;
+        let before = self.order[..from].iter().rev().take_while(|entry| entry.0 >= low - end);
+        let behind = self.order[from..].iter().take_while(|entry| entry.0 <= high + end);
+        let filled = before.chain(behind).map(|entry| footings[entry.1 as usize].volume).sum();
+        self.fills(filled, gap)
+    }
+
+    /// The same of the way from place `k` of the order along `unit` of `basis` to a neighbour `gap` off.
+    fn is_covered_in_space(
+        &self,
+        footings: &[Footing],
+        k: usize,
+        basis: &[Vector3; 2],
+        unit: [f64; 2],
+        gap: f64,
+    ) -> bool {
+        if gap <= CLOSED_GAP * self.spacing {
+            return true;
+        }
+        let foot = &footings[self.order[k].1 as usize].foot;
+        let end = END * self.spacing;
+        let counted = |entry: &(f64, u32)| {
+            let other = &footings[entry.1 as usize];
+            let apart = minus(&other.foot, foot);
+            let [x, y] = [dot(&apart, &basis[0]), dot(&apart, &basis[1])];
+            let (along, across) = (x * unit[0] + y * unit[1], y * unit[0] - x * unit[1]);
+            let lies = along >= -end && along <= gap + end;
+            let share = if lies { (1.0 - across.abs() / self.spacing).max(0.0) } else { 0.0 };
+            other.volume / self.spacing * share
+        };
+        let filled = self.order[self.near(k, REACH + END)].iter().map(counted).sum();
+        self.fills(filled, gap)
+    }
+
+    /// Whether `filled` of a band in m^2 is enough material behind a gap.
+    fn fills(&self, filled: f64, gap: f64) -> bool {
+        filled >= OPEN_BELOW * BAND * self.spacing * (gap + 2.0 * END * self.spacing)
+    }
+
+    /// Root of the area per particle that presses, within reach of number `n` of the layer.
+    fn pitch_in_space(&self, footings: &[Footing], n: usize) -> f64 {
+        let reach = REACH * self.spacing;
+        let (mut area, mut count) = (0.0, 0);
+        for m in self.layer_near(n, REACH) {
+            if self.distance(footings, n, m) <= reach {
+                let other = self.order[self.layer[m] as usize].1 as usize;
+                area += self.shares[other].area;
+                count += i32::from(footings[other].pressing > 0.0);
+            }
+        }
+        if count == 0 {
+            return self.spacing;
+        }
+        (area / f64::from(count)).sqrt().clamp(self.spacing, reach)
+    }
+
+    /// Shares the surface out among the layer as Voronoi cells.
+    fn share_cells(&mut self, footings: &[Footing]) {
+        let mut around = std::mem::take(&mut self.around);
+        let mut angles = std::mem::take(&mut self.angles);
+        for n in 0..self.layer.len() {
+            let k = self.layer[n] as usize;
+            let this = &footings[self.order[k].1 as usize];
+            let basis = tangents(&this.normal);
+            around.clear();
+            for m in self.layer_near(n, REACH) {
+                let other = &footings[self.order[self.layer[m] as usize].1 as usize];
+                if let Some((unit, distance)) = self.way(this, other, &basis) {
+                    around.push((distance, m as u32, unit));
+                }
+            }
+            around.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let is_covered = |&(distance, _, unit): &Neighbour| {
+                self.is_covered_in_space(footings, k, &basis, unit, distance)
+            };
+            let mut cell = Cell::square(0.5 * REACH * self.spacing);
+            angles.clear();
+            for neighbour in &around {
+                let (distance, _, unit) = *neighbour;
+                if cell.is_cut(unit, 0.5 * distance) {
+                    cell.cut(unit, 0.5 * distance);
+                    if is_covered(neighbour) {
+                        angles.push(angle(unit));
+                    }
+                }
+            }
+            if widest_sector(&mut angles) > FREE {
+                around.retain(is_covered);
+                angles.clear();
+                angles.extend(around.iter().map(|neighbour| angle(neighbour.2)));
+                self.end_cell(&mut cell, &around, &mut angles);
+            }
+            self.shares[self.order[k].1 as usize].area = cell.area();
+        }
+        self.around = around;
+        self.angles = angles;
+    }
+
+    /// Ends the `cell` of one at the rim whose neighbours are `around`, seen in the directions `angles`.
+    fn end_cell(&self, cell: &mut Cell, around: &[Neighbour], angles: &mut Vec<f64>) {
+        angles.sort_unstable_by(f64::total_cmp);
+        let seen = angles.len();
+        // Mirrored neighbours stand where there is nobody: at the rim, or at a corner itself.
+        for &(distance, _, unit) in around {
+            if distance < SAME_PLACE * self.spacing {
+                continue;
+            }
+            for place in 0..seen {
+                let (start, width) = gap(&angles[..seen], place);
+                let out = start + 0.5 * width;
+                let through = unit[0] * out.cos() + unit[1] * out.sin();
+                let mirrored = if width > CORNER {
+                    unit.map(|component| -component)
+                } else {
+                    [unit[0] - 2.0 * through * out.cos(), unit[1] - 2.0 * through * out.sin()]
+                };
+                if width > FREE && is_within(angle(mirrored), (start, width)) {
+                    cell.cut(mirrored, 0.5 * distance);
+                    angles.push(angle(mirrored));
+                }
+            }
+        }
+        angles.sort_unstable_by(f64::total_cmp);
+        let half = 0.5 * self.spacing;
+        if angles.is_empty() {
+            *cell = Cell::square(half);
+        }
+        for (start, width) in (0..angles.len()).map(|k| gap(angles, k)) {
+            if width > FREE {
+                let out = start + 0.5 * width;
+                cell.cut([out.cos(), out.sin()], half);
+            }
+        }
+    }
+
+    /// Numbers of the layer whose coordinate is within `reach` spacings of number `n`.
+    fn layer_near(&self, n: usize, reach: f64) -> std::ops::Range<usize> {
+        let reach = reach * self.spacing;
+        let place = |n: usize| self.order[self.layer[n] as usize].0;
+        let here = place(n);
+        let mut first = n;
+        while first > 0 && place(first - 1) >= here - reach {
+            first -= 1;
+        }
+        let mut last = n + 1;
+        while last < self.layer.len() && place(last) <= here + reach {
+            last += 1;
+        }
+        first..last
+    }
+
+    /// Distance of two numbers of the layer along the surface.
+    fn distance(&self, footings: &[Footing], n: usize, m: usize) -> f64 {
+        let (a, b) = (self.order[self.layer[n] as usize], self.order[self.layer[m] as usize]);
+        if self.dimension == 2 {
+            return (a.0 - b.0).abs();
+        }
+        let apart = minus(&footings[a.1 as usize].foot, &footings[b.1 as usize].foot);
+        dot(&apart, &apart).sqrt()
+    }
+
+    /// Pressure and flow stress of the layer.
+    fn regularise(&mut self, footings: &[Footing]) {
+        let number = |surface: &Self, n: usize| surface.order[surface.layer[n] as usize].1 as usize;
+        self.find_pitches(footings);
+        for n in 0..self.layer.len() {
+            let this = number(self, n);
+            let radius = RADIUS * self.pitches[n];
+            let near = self.layer_near(n, radius / self.spacing);
+            let (mut whole, mut flow_stress) = (0.0, 0.0);
+            self.weights.clear();
+            for m in near.clone() {
+                let other = number(self, m);
+                let weight = (1.0 - self.distance(footings, n, m) / radius).max(0.0)
+                    * dot(&footings[this].normal, &footings[other].normal).max(0.0);
+                let covered = weight * self.shares[other].area;
+                whole += covered;
+                flow_stress += covered * footings[other].flow_stress;
+                self.weights.push(weight);
+            }
+            let is_alone = whole <= 0.0;
+            self.shares[this].flow_stress =
+                if is_alone { footings[this].flow_stress } else { flow_stress / whole };
+            if is_alone || footings[this].pressing <= 0.0 {
+                continue;
+            }
+            for (k, m) in near.enumerate() {
+                let other = number(self, m);
+                self.shares[other].pressure += self.weights[k] * footings[this].pressing / whole;
+            }
+        }
+    }
+
+    /// Mean distance of the particles that press around each of the layer, at least one spacing: in the
+    /// plane up to the second on both sides.
+    fn find_pitches(&mut self, footings: &[Footing]) {
+        self.pitches.clear();
+        self.pitches.resize(self.layer.len(), self.spacing);
+        if self.dimension != 2 {
+            for n in 0..self.layer.len() {
+                self.pitches[n] = self.pitch_in_space(footings, n);
+            }
+            return;
+        }
+        self.pressing.clear();
+        for n in 0..self.layer.len() as u32 {
+            let place = self.layer[n as usize];
+            if footings[self.order[place as usize].1 as usize].pressing > 0.0 {
+                self.pressing.push(n);
+            }
+        }
+        let station = |n: u32| self.order[self.layer[n as usize] as usize].0;
+        for (k, &n) in self.pressing.iter().enumerate() {
+            let first = k.saturating_sub(2);
+            let last = (k + 2).min(self.pressing.len() - 1);
+            if last > first {
+                let pitch = (station(self.pressing[last]) - station(self.pressing[first]))
+                    / (last - first) as f64;
+                self.pitches[n as usize] = pitch.clamp(self.spacing, REACH * self.spacing);
+            }
+        }
+    }
+}
+
+/// Axis along which the contact is longest.
+fn longest_axis(footings: &[Footing]) -> usize {
+    let extent = |k: usize| {
+        let places = footings.iter().map(|footing| footing.foot[k]);
+        let (low, high) = places
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        high - low
+    };
+    (0..3).max_by(|&i, &j| extent(i).total_cmp(&extent(j))).expect("three axes")
+}
+
+fn angle(unit: [f64; 2]) -> f64 {
+    unit[1].atan2(unit[0])
+}
+
+/// Start and width of what lies behind number `k` of `angles`, which rise.
+fn gap(angles: &[f64], k: usize) -> (f64, f64) {
+    let next = angles.get(k + 1).copied().unwrap_or(angles[0] + std::f64::consts::TAU);
+    (angles[k], next - angles[k])
+}
+
+/// Width of the widest, of angles in any order.
+fn widest_sector(angles: &mut [f64]) -> f64 {
+    angles.sort_unstable_by(f64::total_cmp);
+    (0..angles.len()).map(|k| gap(angles, k).1).reduce(f64::max).unwrap_or(std::f64::consts::TAU)
+}
+
+fn is_within(angle: f64, (start, width): (f64, f64)) -> bool {
+    let way = (angle - start).rem_euclid(std::f64::consts::TAU);
+    way > 0.0 && way < width
+}
+
+/// Part of the tangent plane around a particle, as a convex polygon.
+struct Cell {
+    corners: [[f64; 2]; MOST_CORNERS],
+    count: usize,
+}
+
+impl Cell {
+    fn square(half: f64) -> Self {
+        let mut corners = [[0.0; 2]; MOST_CORNERS];
+        corners[..4].copy_from_slice(&[[-half, -half], [half, -half], [half, half], [-half, half]]);
+        Self { corners, count: 4 }
+    }
+
+    /// Whether a corner lies beyond `distance` of the origin along `direction`.
+    fn is_cut(&self, direction: [f64; 2], distance: f64) -> bool {
+        self.corners[..self.count]
+            .iter()
+            .any(|c| c[0] * direction[0] + c[1] * direction[1] > distance)
+    }
+
+    /// Keeps what lies within `distance` of the origin along `direction`.
+    fn cut(&mut self, direction: [f64; 2], distance: f64) {
+        if self.count + 1 > MOST_CORNERS {
+            return;
+        }
+        let beyond = |c: &[f64; 2]| c[0] * direction[0] + c[1] * direction[1] - distance;
+        let old = self.corners;
+        let count = self.count;
+        self.count = 0;
+        for k in 0..count {
+            let (here, next) = (old[k], old[(k + 1) % count]);
+            let (a, b) = (beyond(&here), beyond(&next));
+            if a <= 0.0 {
+                self.push(here);
+            }
+            if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
+                let part = a / (a - b);
+                self.push(std::array::from_fn(|i| here[i] + part * (next[i] - here[i])));
+            }
+        }
+    }
+
+    fn push(&mut self, corner: [f64; 2]) {
+        self.corners[self.count] = corner;
+        self.count += 1;
+    }
+
+    fn area(&self) -> f64 {
+        let corner = |k: usize| self.corners[k % self.count.max(1)];
+        let doubled = |k: usize| corner(k)[0] * corner(k + 1)[1] - corner(k)[1] * corner(k + 1)[0];
+        0.5 * (0..self.count).map(doubled).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests;
