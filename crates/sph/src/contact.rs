@@ -3,9 +3,10 @@
 //! A particle is a sphere of radius `dx/2`. Its overlap `g` with the surface
 //! gives the normal force `f_n = kappa M dx^(D-2) g` (M: p-wave modulus; per
 //! width in 2D). Friction is the force that stops the slip predicted for the
-//! coming step, clipped at the law's limit times the particle's area, at the pressure and shear strength of
-//! the contact surface ([`crate::contact_surface`]): it sticks below and slides at it, whatever the time
-//! step or stiffness. Particles between those that press rub although they do not press themselves.
+//! coming step, clipped at the law's limit at the particle's own strength and the pressure of the contact
+//! surface, times its area there ([`crate::contact_surface`]): it sticks below and slides at it, whatever the
+//! time step or stiffness. Particles between those that press rub although they do not press themselves.
+//! The strength is not averaged: one that melts must not be rubbed by the strength of its neighbours.
 //! The slip is the true projection `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
 
 use crate::contact_surface::{ContactSurface, Footing, Share, make_room};
@@ -39,7 +40,7 @@ pub(crate) struct Touch<const D: usize> {
     pub(crate) area: f64,
     /// Regularised pressure of the contact in Pa.
     pub(crate) pressure: f64,
-    /// Tresca's m: shear stress over the shear strength sigma_y / sqrt(3) of the contact there.
+    /// Tresca's m: shear stress over the shear strength sigma_y / sqrt(3) of the particle.
     pub(crate) shear_friction_factor: f64,
 }
 
@@ -247,7 +248,6 @@ impl<const D: usize> ToolContact<D> {
                 station: self.surface.station(&foot),
                 distance,
                 pressing: self.stiffness * (self.radius - distance).max(0.0),
-                flow_stress: input.flow_stress,
                 volume: input.volume,
             });
             self.near.push(candidate.particle);
@@ -292,7 +292,7 @@ impl<const D: usize> ToolContact<D> {
         let limit = share.area
             * self.law.shear_limit(&ContactState {
                 pressure: share.pressure,
-                flow_stress: share.flow_stress,
+                flow_stress: input.flow_stress,
                 // Not the predicted slip: without friction it is too fast by a step's acceleration.
                 sliding_speed: sliding.max(0.0).sqrt(),
                 temperature: input.temperature,
@@ -300,7 +300,7 @@ impl<const D: usize> ToolContact<D> {
         let sticking = input.inertia * speed / time_step;
         let size = sticking.min(limit);
         let friction_force = if speed > 0.0 { slip.map(|v| -v / speed * size) } else { [0.0; D] };
-        let strength = share.area * share.flow_stress / 3.0_f64.sqrt();
+        let strength = share.area * input.flow_stress / 3.0_f64.sqrt();
         Touch {
             particle,
             normal_force,

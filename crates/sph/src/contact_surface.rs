@@ -1,4 +1,4 @@
-//! The contact as a surface: who lies on the tool, with which area, pressure and shear strength.
+//! The contact as a surface: who lies on the tool, with which area and pressure.
 //!
 //! Friction is a stress: a law limits the shear stress by pressure and shear strength, and becomes a force
 //! only with an area. The rows of a chip stretch along the tool, so that only one particle in two presses
@@ -17,16 +17,15 @@
 //! are open). In space the band is one spacing wide: its particles count by (1 - |t| / dx)^+, t being
 //! their distance from its middle, so that a row at the rim counts as one inside.
 //!
-//! **Pressure and strength** are regularised over three times the mean distance a_j of the particles that
+//! **Pressure** is regularised over three times the mean distance a_j of the particles that
 //! press (at least dx), with f_j the penalty forces:
 //! ```text
 //! W_ij = (1 - |s_i - s_j| / (3 a_j))^+ (n_i . n_j)^+
 //! p_i  = sum_j W_ij f_j / S_j,    S_j = sum_k W_kj A_k
-//! Y_i  = sum_j W_ji A_j Y_j / S_i
 //! ```
-//! (the normals n keep the pressure of an edge off the faces beside it), so that `sum_i A_i p_i = sum_j f_j` exactly: Coulomb friction of the whole contact is mu times its
+//! so that `sum_i A_i p_i = sum_j f_j` exactly: Coulomb friction of the whole contact is mu times its
 //! normal force however unevenly the penalty presses, and the concave limit min(mu p, k) sees no noise of
-//! single particles. There is no memory.
+//! single particles. The normals n keep the pressure of an edge off the faces beside it. There is no memory.
 //!
 //! **Limits.** Changes of pressure within three distances of particles are smoothed. In space the surface counts as flat
 //! over five spacings.
@@ -77,8 +76,6 @@ pub(crate) struct Footing {
     pub(crate) distance: f64,
     /// Penalty force in N (N/m in 2D).
     pub(crate) pressing: f64,
-    /// Of the particle in Pa.
-    pub(crate) flow_stress: f64,
     /// In m^3 (m^2 in 2D).
     pub(crate) volume: f64,
 }
@@ -90,8 +87,6 @@ pub(crate) struct Share {
     pub(crate) area: f64,
     /// Regularised, in Pa.
     pub(crate) pressure: f64,
-    /// Regularised, in Pa.
-    pub(crate) flow_stress: f64,
 }
 
 /// Distance, number in the layer and direction of a neighbour in the tangent plane.
@@ -479,7 +474,7 @@ impl ContactSurface {
         dot(&apart, &apart).sqrt()
     }
 
-    /// Pressure and flow stress of the layer.
+    /// Pressure of the layer.
     fn regularise(&mut self, footings: &[Footing]) {
         let number = |surface: &Self, n: usize| surface.order[surface.layer[n] as usize].1 as usize;
         self.find_pitches(footings);
@@ -487,21 +482,16 @@ impl ContactSurface {
             let this = number(self, n);
             let radius = RADIUS * self.pitches[n];
             let near = self.layer_near(n, radius / self.spacing);
-            let (mut whole, mut flow_stress) = (0.0, 0.0);
+            let mut whole = 0.0;
             self.weights.clear();
             for m in near.clone() {
                 let other = number(self, m);
                 let weight = (1.0 - self.distance(footings, n, m) / radius).max(0.0)
                     * dot(&footings[this].normal, &footings[other].normal).max(0.0);
-                let covered = weight * self.shares[other].area;
-                whole += covered;
-                flow_stress += covered * footings[other].flow_stress;
+                whole += weight * self.shares[other].area;
                 self.weights.push(weight);
             }
-            let is_alone = whole <= 0.0;
-            self.shares[this].flow_stress =
-                if is_alone { footings[this].flow_stress } else { flow_stress / whole };
-            if is_alone || footings[this].pressing <= 0.0 {
+            if whole <= 0.0 || footings[this].pressing <= 0.0 {
                 continue;
             }
             for (k, m) in near.enumerate() {

@@ -135,7 +135,7 @@ pub struct Snapshot {
     /// Friction over the most that the friction law allows there: 1 slides, less sticks; 0 without
     /// contact. Not a number where a record does not hold it.
     pub friction_use: Vec<f64>,
-    /// Shear stress over the shear strength sigma_y / sqrt(3) of the contact there (m of Tresca's law); 0 without
+    /// Shear stress over the shear strength sigma_y / sqrt(3) of the particle (m of Tresca's law); 0 without
     /// contact. Not a number where a record does not hold it.
     pub shear_friction_factor: Vec<f64>,
     /// Share of the tool's surface in m^2 (m in 2D); 0 without contact. Not a number where a record

@@ -112,7 +112,7 @@ impl Field<'_> {
             residual_stress: residual,
             friction_use: 0.0,
             shear_friction_factor: 0.0,
-            contact_area: if touches { spacing } else { 0.0 },
+            contact_area: if touches && cut.flank_force != 0.0 { spacing } else { 0.0 },
         }
     }
 

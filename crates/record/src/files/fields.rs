@@ -124,7 +124,7 @@ pub(crate) const PARTICLE_FIELDS: &[Field] = fields! {
     Real temperature "K" "temperature";
     Vector contact_force "N" "force of the tool on the particle (per metre of width in a plane run)";
     Real friction_use "" "friction over the most that the friction law allows: 1 slides, less sticks, 0 without contact";
-    Real shear_friction_factor "" "shear stress over the shear strength sigma_y / sqrt(3) of the contact there, 0 without contact";
+    Real shear_friction_factor "" "shear stress over the shear strength sigma_y / sqrt(3) of the particle, 0 without contact";
     Real contact_area "m^2" "share of the tool's surface (m, per metre of width, in a plane run), 0 without contact";
     Short neighbours "" "number of neighbours";
 };

@@ -12,16 +12,7 @@ fn areas(footings: &[Footing], spacing: f64, dimension: usize) -> Vec<f64> {
 
 /// One that presses with a force of 1, of the unit spacing.
 fn pressing(centre: Vector3, foot: Vector3, normal: Vector3, station: f64) -> Footing {
-    Footing {
-        centre,
-        foot,
-        normal,
-        station,
-        distance: 0.49,
-        pressing: 1.0,
-        flow_stress: 1.0,
-        volume: 1.0,
-    }
+    Footing { centre, foot, normal, station, distance: 0.49, pressing: 1.0, volume: 1.0 }
 }
 
 fn on_plane(places: &[[f64; 2]]) -> Vec<Footing> {
