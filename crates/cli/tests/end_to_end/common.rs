@@ -39,6 +39,14 @@ snapshots = 4
 travel = "0.2 mm"
 "#;
 
+/// A cut that diverges within five steps: ten thousand times the inertia, a thousand metres per second, and a tool a
+/// hundred times as stiff.
+pub fn diverging() -> String {
+    let text =
+        TINY.replace("150 m/min", "1000 m/s").replace("mass_scaling = 1000", "mass_scaling = 1e4");
+    format!("{text}\n[contact]\nstiffness = 100\n")
+}
+
 /// A folder of one test, empty at its start.
 pub struct Workshop {
     folder: PathBuf,

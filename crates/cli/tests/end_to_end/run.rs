@@ -1,6 +1,6 @@
 //! `sphcut run` from the outside: files, exit codes, interruption.
 
-use crate::common::{Ended, TINY, Workshop};
+use crate::common::{Ended, TINY, Workshop, diverging};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -152,10 +152,7 @@ fn wrong_arguments_are_bad_input() {
 #[test]
 fn a_run_that_blows_up_says_where_and_keeps_what_it_has() {
     let shop = Workshop::new("run_diverged");
-    // A thousand metres per second and ten thousand times the inertia: far beyond the sound speed.
-    let text =
-        TINY.replace("150 m/min", "1000 m/s").replace("mass_scaling = 1000", "mass_scaling = 1e4");
-    shop.write("tiny.toml", &text);
+    shop.write("tiny.toml", &diverging());
     shop.sphcut(&["run", "tiny.toml"])
         .expect_code(3)
         .expect_err("diverged in step")
@@ -254,8 +251,9 @@ fn a_run_stops_once_its_mean_is_known_well_enough() {
             "travel = \"1.4 mm\"\n\
              steady = { relative_half_width = 0.2, minimum_travel = \"0.2 mm\" }",
         );
-    // Half of the heat of friction leaves: with all of it this coarse cut softens until the end.
-    shop.write("tiny.toml", &format!("{text}\n[heat]\nfriction_heat_share = 0.5\n"));
+    // Little friction: with more of it this coarse cut heats and softens until the end.
+    let text = text.replace("friction_coefficient = 0.25", "friction_coefficient = 0.1");
+    shop.write("tiny.toml", &text);
     let ended = shop.sphcut(&["run", "tiny.toml"]).expect_code(0);
     assert!(ended.out.contains("steady, stopped early"), "{}", ended.out);
     let travelled = rows(&shop.read("out/tiny/forces.csv")).len();

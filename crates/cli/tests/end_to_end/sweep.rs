@@ -1,6 +1,6 @@
 //! `sphcut sweep` from the outside.
 
-use crate::common::{TINY, Workshop};
+use crate::common::{TINY, Workshop, diverging};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::process::Stdio;
@@ -123,13 +123,12 @@ fn progress_as_json_tells_every_run() {
     assert!(ended.out.contains("\"event\":\"error\""), "{}", ended.out);
 }
 
-/// A thousand metres per second and ten thousand times the inertia: far beyond the sound speed.
 #[test]
 fn a_run_that_diverges_is_told_and_the_others_finish() {
     let sweep = "title = \"t\"\nbase = \"tiny.toml\"\n[[vary]]\nkey = \"process.cutting_speed\"\n\
                  values = [\"150 m/min\", \"1000 m/s\"]\n";
     let shop = shop("sweep_diverged", sweep);
-    shop.write("tiny.toml", &TINY.replace("mass_scaling = 1000", "mass_scaling = 1e4"));
+    shop.write("tiny.toml", &diverging());
     let ended = shop.sphcut(&OUT).expect_code(3);
     assert!(ended.err.contains("failed: process.cutting_speed = "), "{}", ended.err);
     assert_eq!(forces(&shop, "out/store").len(), 1);

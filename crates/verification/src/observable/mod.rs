@@ -26,6 +26,7 @@ mod momentum;
 mod moving_source;
 mod oscillation;
 mod pressed_cylinder;
+mod rake_friction;
 mod restitution;
 mod rough_plates;
 mod shock;
@@ -138,6 +139,8 @@ pub const ALL: &[&Observable] = &[
     &pressed_cylinder::CYLINDER_CROWN_RATIO,
     &pressed_cylinder::CYLINDER_SIDE_ERROR,
     &pressed_cylinder::CYLINDER_SIDE_RATIO,
+    &rake_friction::RAKE_FRICTION_RATIO,
+    &rake_friction::RAKE_STICKING_RATIO,
     &restitution::RESTITUTION,
     &restitution::REBOUND,
     &shock::SHOCK_SPEED,
