@@ -241,11 +241,13 @@ impl<const D: usize> ToolContact<D> {
             if distance >= depth {
                 continue;
             }
+            let (station, turn) = self.surface.station(&centre, &foot);
             self.footings.push(Footing {
                 centre,
                 foot: foot.place,
                 normal,
-                station: self.surface.station(&foot),
+                station,
+                turn,
                 distance,
                 pressing: self.stiffness * (self.radius - distance).max(0.0),
                 volume: input.volume,

@@ -72,6 +72,8 @@ pub(crate) struct Footing {
     pub(crate) normal: Vector3,
     /// Length along the outline at the foot in m; only used in the plane.
     pub(crate) station: f64,
+    /// Orders those whose foot is the same corner of the outline; in radians.
+    pub(crate) turn: f64,
     /// Distance of the centre from the tool in m, negative inside.
     pub(crate) distance: f64,
     /// Penalty force in N (N/m in 2D).
@@ -187,7 +189,10 @@ impl ContactSurface {
         let place = |f: &Footing| if self.dimension == 2 { f.station } else { f.foot[axis] };
         self.order.clear();
         self.order.extend(footings.iter().zip(0..).map(|(footing, k)| (place(footing), k)));
-        self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let turn = |entry: &(f64, u32)| footings[entry.1 as usize].turn;
+        self.order.sort_unstable_by(|a, b| {
+            a.0.total_cmp(&b.0).then(turn(a).total_cmp(&turn(b))).then(a.1.cmp(&b.1))
+        });
         let (Some(first), Some(last)) = (self.order.first(), self.order.last()) else { return };
         if self.dimension != 2 || !perimeter.is_finite() {
             return;
@@ -237,8 +242,8 @@ impl ContactSurface {
         if self.dimension == 2 {
             let presses = |entry: &&(f64, u32)| footings[entry.1 as usize].pressing > 0.0;
             let mut pressing = self.order[near].iter().filter(presses);
-            let is_before = |entry: &(f64, u32)| entry.0 < here.0;
-            return pressing.clone().any(is_before) && pressing.any(|entry| !is_before(entry));
+            return pressing.clone().any(|entry| entry.0 <= here.0)
+                && pressing.any(|entry| entry.0 >= here.0);
         }
         let this = &footings[here.1 as usize];
         let basis = tangents(&this.normal);

@@ -197,14 +197,27 @@ impl Surface {
         self.start[last] + dot3(&side, &side).sqrt()
     }
 
-    /// Length along the outline at `foot` in m, of a half space from its point. Without meaning in space.
-    pub(crate) fn station(&self, foot: &Foot) -> f64 {
-        let facet = &self.facets[foot.facet as usize];
-        let way = sub(&foot.place, &facet.corners[0]);
+    /// Length along the outline at `foot` of `x` in m, of a half space from its point; and at a corner of the
+    /// outline, where many have their foot, the angle about it that orders them the same way, otherwise 0.
+    /// Without meaning in space.
+    pub(crate) fn station(&self, x: &Vector3, foot: &Foot) -> (f64, f64) {
+        let number = foot.facet as usize;
+        let facet = &self.facets[number];
+        let along = |normal: &Vector3, way: &Vector3| way[1] * normal[0] - way[0] * normal[1];
         if facet.kind == FacetKind::Plane {
-            return way[1] * facet.normal[0] - way[0] * facet.normal[1];
+            return (along(&facet.normal, &sub(&foot.place, &facet.corners[0])), 0.0);
         }
-        self.start[foot.facet as usize] + dot3(&way, &way).sqrt()
+        let [from, to, _] = &facet.corners;
+        let length = along(&facet.normal, &sub(to, from));
+        let way = along(&facet.normal, &sub(x, from));
+        let corner = match way {
+            way if way <= 0.0 => number,
+            way if way >= length => (number + 1) % self.facets.len(),
+            _ => return (self.start[number] + way, 0.0),
+        };
+        let normal = &self.facets[corner].normal;
+        let turn = along(normal, &foot.nearest.normal).atan2(dot3(normal, &foot.nearest.normal));
+        (self.start[corner], turn)
     }
 
     /// Whether `x` (tool frame) lies within `reach` of the surface's bounding box.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::setup::ToolSurface;
 
 fn shares(footings: &[Footing], spacing: f64, dimension: usize) -> Vec<Share> {
     let mut surface = ContactSurface::new(spacing, dimension);
@@ -12,7 +13,7 @@ fn areas(footings: &[Footing], spacing: f64, dimension: usize) -> Vec<f64> {
 
 /// One that presses with a force of 1, of the unit spacing.
 fn pressing(centre: Vector3, foot: Vector3, normal: Vector3, station: f64) -> Footing {
-    Footing { centre, foot, normal, station, distance: 0.49, pressing: 1.0, volume: 1.0 }
+    Footing { centre, foot, normal, station, turn: 0.0, distance: 0.49, pressing: 1.0, volume: 1.0 }
 }
 
 fn on_plane(places: &[[f64; 2]]) -> Vec<Footing> {
@@ -128,6 +129,39 @@ fn where_a_closed_outline_begins_does_not_matter() {
     for (a, b) in surface.shares().iter().zip(shares(&here, 1.0, 2)) {
         assert!((a.area - b.area).abs() < 1e-12 && (a.pressure - b.pressure).abs() < 1e-12);
     }
+}
+
+#[test]
+fn around_a_corner_the_mirrored_contact_is_the_mirror_of_the_contact() {
+    // Three have the corner of a square as their foot, one stands on either side; told in an order that says nothing.
+    let corners: [Vector3; 4] = [[0.0; 3], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [0.0, 10.0, 0.0]];
+    let square = corners.map(|corner| [corner[0], corner[1]]).to_vec();
+    let outline = crate::tool_surface::Surface::new(&ToolSurface::Polygon(square)).unwrap();
+    let facets: Vec<u32> = (0..4).collect();
+    let there = [[0.3, -0.4], [9.0, -0.4], [10.4, -0.1], [10.1, -0.4], [10.3, -0.3], [10.4, 1.5]];
+    let found = |mirror: &dyn Fn([f64; 2]) -> [f64; 2]| {
+        let stand = |place: &[f64; 2]| {
+            let [x, y] = mirror(*place);
+            let centre = [x, y, 0.0];
+            let foot = outline.foot_of(&centre, &facets).unwrap();
+            let (station, turn) = outline.station(&centre, &foot);
+            let normal = foot.nearest.normal;
+            Footing { turn, ..pressing(centre, foot.place, normal, station) }
+        };
+        let footings: Vec<Footing> = there.iter().map(stand).collect();
+        let mut surface = ContactSurface::new(1.0, 2);
+        surface.lay(&footings, outline.perimeter());
+        surface.shares().to_vec()
+    };
+    let drawn = found(&|place| place);
+    // Mirrored at the diagonal of the corner at (10, 0), and the same corner at the beginning of the outline.
+    for mirror in [|[x, y]: [f64; 2]| [10.0 - y, 10.0 - x], |[x, y]: [f64; 2]| [10.0 - x, y]] {
+        for (a, b) in drawn.iter().zip(found(&mirror)) {
+            assert!((a.area - b.area).abs() < 1e-12, "{a:?} {b:?}");
+            assert!((a.pressure - b.pressure).abs() < 1e-12, "{a:?} {b:?}");
+        }
+    }
+    assert!(drawn[2].area > 0.1 && drawn[3].area > 0.1 && drawn[4].area < 1e-12, "{drawn:?}");
 }
 
 #[test]
