@@ -78,31 +78,10 @@ fn refuse_idle_share(findings: &mut Findings, record: &Record<'_>, share: &str, 
     }
 }
 
-/// How far supports stretch with bodies that are not cut: drawn out by an impact, supports that stay round
-/// lose the neighbours along the stretch and the body tears into strands (docs/numerics.md).
-const BODY_SUPPORT_STRETCH: f64 = 1.5;
-
 /// `[numerics]`: the values, and whether the particles move.
-pub(crate) fn numerics(
-    findings: &mut Findings,
-    root: &Record<'_>,
-    has_process: bool,
-) -> Option<(Values, Switch)> {
-    const STRETCH: &str = "support_stretch";
-    optional_section(findings, root, &sections::numerics(), 2, |findings, record| {
-        let mut numerics = values(record, options::NUMERICS)?;
-        if !has_process && !record.is_written(STRETCH) {
-            let given: Vec<(&str, f64)> = numerics
-                .iter()
-                .map(|(option, value)| match option.key {
-                    STRETCH => (STRETCH, BODY_SUPPORT_STRETCH),
-                    key => (key, value),
-                })
-                .collect();
-            numerics = Values::resolve(options::NUMERICS, &given).ok()?;
-            findings.followed("numerics", STRETCH, BODY_SUPPORT_STRETCH);
-        }
-        Some((numerics, switch(record.switch("mechanics")?)))
+pub(crate) fn numerics(findings: &mut Findings, root: &Record<'_>) -> Option<(Values, Switch)> {
+    optional_section(findings, root, &sections::numerics(), 2, |_, record| {
+        Some((values(record, options::NUMERICS)?, switch(record.switch("mechanics")?)))
     })
 }
 

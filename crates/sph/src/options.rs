@@ -114,7 +114,7 @@ pub const NUMERICS: &[Parameter] = &[
         Range::closed(1.0, 3.0),
         1.0,
         "how far the support of a particle stretches along with the material; above 1 for bodies \
-         that are drawn out (impact, forming): 1.5 where a scenario has no [process]; 1 for cutting",
+         that are drawn out (impact, forming), 1 for cutting",
         "docs/numerics.md",
     ),
     number(
