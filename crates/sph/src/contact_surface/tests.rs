@@ -281,7 +281,8 @@ fn stretched_rows_carry_the_area_and_the_friction_of_what_they_cover() {
             // The pressure is 1 in the mean; what is left of its scatter lowers the mean of the smaller where
             // mu p is k by its standard deviation over root(2 pi) (of a normal distribution).
             let scatter = sum(&|share| (share.pressure - 1.0).powi(2)).sqrt();
-            assert!(scatter < 0.13, "{place}: scatter {scatter}");
+            // The 5 % above.
+            assert!(0.4 * scatter < 0.05, "{place}: scatter {scatter}");
             for ratio in [0.5, 0.8, 1.0, 1.25, 2.0] {
                 let friction = sum(&|share| (ratio * share.pressure).min(1.0));
                 let error = friction / f64::min(ratio, 1.0) - 1.0;
