@@ -141,7 +141,7 @@ proptest! {
         clearance in 1.0_f64..15.0,
         radius in 0.0_f64..40e-6,
         land in 0.0_f64..300e-6,
-        width in 50e-6_f64..300e-6,
+        width in 1e-6_f64..300e-6,
         angle in 1.0_f64..45.0,
         length in 1e-6_f64..80e-6,
         height in 1e-6_f64..100e-6,
@@ -156,7 +156,12 @@ proptest! {
         cap.height += cap.least_height(&tool);
         let tool = match which {
             0 => tool,
-            1 => chamfered(tool, width, angle),
+            1 => {
+                let mut tool = chamfered(tool, width, angle);
+                let inside = tool.chamfer.unwrap().length_in_edge(&tool);
+                tool.chamfer.as_mut().unwrap().width += inside;
+                tool
+            }
             _ => EdgeGeometry { built_up_edge: Some(cap), ..tool },
         };
         let polygon = tool.polygon();
