@@ -43,6 +43,8 @@ pub(crate) struct Cloud {
     pub spacing: f64,
     /// Positions of the particles kept.
     pub points: Vec<Point>,
+    /// How far the material of each reaches towards the tool in m; half a spacing where a record does not tell.
+    pub half_thickness: Vec<f64>,
     /// Their indices in the snapshot.
     pub source: Vec<usize>,
     /// Number of particles left out as loose or without a finite position.
@@ -64,7 +66,12 @@ impl Cloud {
         let source: Vec<usize> = kept.iter().map(|&i| finite[i]).collect();
         let points: Vec<Point> = kept.iter().map(|&i| points[i]).collect();
         let grid = Grid::new(&points, LINK * spacing);
-        Self { spacing, loose: all.len() - points.len(), points, source, grid }
+        let half_thickness = source
+            .iter()
+            .map(|&i| snapshot.half_thickness.get(i).copied().unwrap_or(f64::NAN))
+            .map(|half| if half.is_nan() { 0.5 * spacing } else { half })
+            .collect();
+        Self { spacing, loose: all.len() - points.len(), points, half_thickness, source, grid }
     }
 
     /// Calls `visit` for each particle within `radius` of `centre`; `radius` is at most 2.2

@@ -171,19 +171,19 @@ fn shear_angle(ratio: f64, rake: f64) -> f64 {
 }
 
 /// Height of the surface before the cut: of a hundred strips the median of the highest particle,
-/// plus half a spacing.
+/// plus its half thickness.
 pub(crate) fn uncut_surface(snapshot: &Snapshot, plane: CutPlane) -> f64 {
     let cloud = Cloud::new(snapshot, plane);
     let along: Vec<f64> = cloud.points.iter().map(|p| p[0]).collect();
     let (low, high) = (quantile(&along, 0.0), quantile(&along, 1.0));
     let width = ((high - low) / 100.0).max(2.0 * cloud.spacing);
     let mut tops = vec![f64::NEG_INFINITY; ((high - low) / width) as usize + 1];
-    for point in &cloud.points {
+    for (point, half) in cloud.points.iter().zip(&cloud.half_thickness) {
         let strip = (((point[0] - low) / width) as usize).min(tops.len() - 1);
-        tops[strip] = tops[strip].max(point[1]);
+        tops[strip] = tops[strip].max(point[1] + half);
     }
     tops.retain(|top| top.is_finite());
-    median(&tops) + 0.5 * cloud.spacing
+    median(&tops)
 }
 
 /// Where the tool leaves the machined surface, along the cut: the rear end of a wear land, which is

@@ -1,7 +1,7 @@
 //! Depth of the machined surface behind the tool.
 //!
 //! The surface behind the tool is divided into strips two spacings wide. In each the highest
-//! particle of the material below the tool's edge, plus half a spacing, is the surface; its
+//! particle of the material below the tool's edge, plus its half thickness, is the surface; its
 //! distance from the nominal plane, the uncut surface minus h, is the depth error (negative: too
 //! deep). A jump of about one spacing between the strips is the parting line moving to another
 //! row of particles: from there on the chip is thicker and every force with it.
@@ -48,10 +48,11 @@ pub(crate) fn measure(cloud: &Cloud, context: &SurfaceContext) -> Option<Machine
     // Chip material that has fallen behind the tool lies higher than three spacings.
     let ceiling = context.nominal + 3.0 * cloud.spacing;
     let mut heights = vec![f64::NEG_INFINITY; count as usize];
-    for point in cloud.points.iter().filter(|p| p[1] < ceiling && p[0] >= start) {
+    let below = cloud.points.iter().zip(&cloud.half_thickness);
+    for (point, half) in below.filter(|(p, _)| p[1] < ceiling && p[0] >= start) {
         let strip = ((point[0] - start) / width) as usize;
         if let Some(height) = heights.get_mut(strip) {
-            *height = height.max(point[1] + 0.5 * cloud.spacing - context.nominal);
+            *height = height.max(point[1] + half - context.nominal);
         }
     }
     heights.retain(|height| height.is_finite());

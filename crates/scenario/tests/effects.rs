@@ -280,12 +280,11 @@ fn damage_lowers_the_force_and_makes_it_uneven() {
     let ductile = table(entry, &[("failure_strain_range", 2.0)]);
     let ductile = force_ratio_over_lattices(CUT, &ductile);
     assert!(ductile > ratio + 0.05 && ductile < 1.0, "{ductile} {ratio}");
-    // Brittle material carries until a segment fails, then less than half of it until the next one bears
-    // (0.48 over these lattices, 0.45 on the square one).
+    // Brittle material carries until a segment fails, then half of it until the next one bears.
     let brittle = format!("{CUT}{}", table(entry, &[("failure_strain_range", 0.1)]));
     let brittle = over_lattices(&brittle, least_over_largest);
     let whole = over_lattices(CUT, least_over_largest);
-    assert!(brittle < 0.55 && whole > 0.75, "{brittle} {whole}");
+    assert!(brittle < 0.8 * whole, "{brittle} {whole}");
 }
 
 /// Smallest over largest force, each averaged over 32 um, once the tool has gone 32 um.

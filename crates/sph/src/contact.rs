@@ -1,18 +1,20 @@
 //! Contact of particles with a rigid tool: node to surface, by penalty, with friction.
 //!
-//! A particle is a sphere of radius `dx/2`. Its overlap `g` with the surface
-//! gives the normal force `f_n = kappa M dx^(D-2) g` (M: p-wave modulus; per
-//! width in 2D). Friction is the force that stops the slip predicted for the
-//! coming step, clipped at the law's limit at the particle's own strength and the pressure of the contact
-//! surface, times its area there ([`crate::contact_surface`]): it sticks below and slides at it, whatever the
-//! time step or stiffness. Particles between those that press rub although they do not press themselves.
+//! The point of a particle's material that faces the tool ([`crate::surface_point`]) overlaps it by `g`, which
+//! gives the normal force `f_n = kappa M dx^(D-2) g` (M: p-wave modulus; per width in 2D). Friction
+//! ([`crate::contact_friction`]) sticks below the law's limit and slides at it, whatever the time step or stiffness. The
+//! limit is that at the particle's own strength and the pressure of the contact surface, times its area there
+//! ([`crate::contact_surface`]). Particles between those that press rub although they do not press themselves.
 //! The strength is not averaged: one that melts must not be rubbed by the strength of its neighbours.
 //! The slip is the true projection `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
 
+use crate::contact_friction::ContactFriction;
 use crate::contact_surface::{ContactSurface, Footing, Share, make_room};
+use crate::engine::Engine;
 use crate::error::SetupError;
+use crate::neighbours::NeighbourList;
 use crate::setup::{Tool, Vector as Vector3};
-use crate::tensor::Vector;
+use crate::tensor::{Vector, dot, minus};
 use crate::tool_holder::ToolHolder;
 use crate::tool_motion::ToolMotion;
 use crate::tool_surface::{Nearest, Surface, sub, sum};
@@ -36,6 +38,8 @@ pub(crate) struct Touch<const D: usize> {
     pub(crate) friction_force: Vector<D>,
     /// Friction over the law's limit: 1 slides, less sticks.
     pub(crate) friction_use: f64,
+    /// From the point of the surface on which they act to the centre, in m.
+    pub(crate) lever: Vector<D>,
     /// Share of the tool's surface in m^2 (m in 2D).
     pub(crate) area: f64,
     /// Regularised pressure of the contact in Pa.
@@ -64,21 +68,9 @@ pub(crate) struct ToolContact<const D: usize> {
     near: Vec<u32>,
     footings: Vec<Footing>,
     contact_surface: ContactSurface,
-}
-
-/// Kinematics of one particle as contact sees it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ContactInput<const D: usize> {
-    pub(crate) position: Vector<D>,
-    pub(crate) velocity: Vector<D>,
-    /// Force on the particle without contact in N (N/m in 2D).
-    pub(crate) other_force: Vector<D>,
-    /// Inertia in kg (kg/m in 2D).
-    pub(crate) inertia: f64,
-    pub(crate) flow_stress: f64,
-    pub(crate) temperature: f64,
-    /// In m^3 (m^2 in 2D).
-    pub(crate) volume: f64,
+    /// Largest friction force of the touches in N (N/m in 2D).
+    limits: Vec<f64>,
+    friction: ContactFriction<D>,
 }
 
 pub(crate) fn extended<const D: usize>(x: &Vector<D>) -> Vector3 {
@@ -87,6 +79,14 @@ pub(crate) fn extended<const D: usize>(x: &Vector<D>) -> Vector3 {
 
 pub(crate) fn reduced<const D: usize>(x: &Vector3) -> Vector<D> {
     std::array::from_fn(|k| x[k])
+}
+
+impl<const D: usize> Touch<D> {
+    /// Unit normal out of the tool.
+    pub(crate) fn normal(&self) -> Vector<D> {
+        let length = dot(&self.lever, &self.lever).sqrt();
+        self.lever.map(|x| x / length)
+    }
 }
 
 impl<const D: usize> ToolContact<D> {
@@ -112,7 +112,17 @@ impl<const D: usize> ToolContact<D> {
             near: Vec::new(),
             footings: Vec::new(),
             contact_surface: ContactSurface::new(spacing, D),
+            limits: Vec::new(),
+            friction: ContactFriction::default(),
         })
+    }
+
+    /// The particles near the tool with their half thickness in m.
+    pub(crate) fn half_thicknesses(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.near
+            .iter()
+            .zip(&self.footings)
+            .map(|(&i, footing)| (i as usize, footing.half_thickness))
     }
 
     /// The same tool in a holder.
@@ -169,16 +179,17 @@ impl<const D: usize> ToolContact<D> {
     }
 
     /// An error if any particle overlaps the tool by more than rounding.
-    pub(crate) fn check_start(&self, positions: &[Vector<D>]) -> Result<(), SetupError> {
+    pub(crate) fn check_start(&self, engine: &Engine<D>) -> Result<(), SetupError> {
         let tolerance = OVERLAP_TOLERANCE * self.radius;
         let mut deepest: Option<(f64, Vector3)> = None;
         let mut count = 0;
-        for position in positions {
+        for (i, position) in engine.position.iter().enumerate() {
             let x = extended(position);
-            if !self.surface.is_near(&x, self.radius) {
+            if !self.surface.is_near(&x, self.contact_surface.depth()) {
                 continue;
             }
-            let depth = self.radius - self.surface.nearest(&x).distance;
+            let Nearest { distance, normal } = self.surface.nearest(&x);
+            let depth = engine.half_thickness(i, &reduced(&normal)) - distance;
             if depth > tolerance {
                 count += 1;
                 if deepest.is_none_or(|(most, _)| depth > most) {
@@ -194,7 +205,13 @@ impl<const D: usize> ToolContact<D> {
 
     /// Lists the particles that can come into contact while nothing moves by more than
     /// `margin` relative to the tool.
-    pub(crate) fn refresh(&mut self, positions: &[Vector<D>], time: f64, margin: f64) {
+    pub(crate) fn refresh(
+        &mut self,
+        positions: &[Vector<D>],
+        list: &NeighbourList,
+        time: f64,
+        margin: f64,
+    ) {
         let reach = self.contact_surface.depth() + margin;
         self.holder.refresh();
         let displacement = self.displacement(time);
@@ -217,30 +234,33 @@ impl<const D: usize> ToolContact<D> {
         make_room(&mut self.footings, most);
         make_room(&mut self.near, most);
         make_room(&mut self.touches, most);
+        make_room(&mut self.limits, most);
         self.contact_surface.make_room(most);
+        let neighbours = self.candidates.iter().map(|c| list.count(c.particle as usize) as usize);
+        self.friction.make_room(positions.len(), most, neighbours.max().unwrap_or(0));
     }
 
-    /// Computes the contact forces at `time`; `look` tells about a particle.
-    pub(crate) fn evaluate(
-        &mut self,
-        time: f64,
-        time_step: f64,
-        look: impl Fn(usize) -> ContactInput<D>,
-    ) {
+    /// Computes the contact forces at `time` on the particles of `engine`.
+    pub(crate) fn evaluate(&mut self, time: f64, time_step: f64, engine: &Engine<D>) {
         let displacement = self.displacement(time);
         let velocity = reduced(&self.mean_velocity(time, time_step));
         let depth = self.contact_surface.depth();
         self.footings.clear();
         self.near.clear();
         for candidate in &self.candidates {
-            let input = look(candidate.particle as usize);
-            let centre = sub(&extended(&input.position), &displacement);
+            let i = candidate.particle as usize;
+            let centre = sub(&extended(&engine.position[i]), &displacement);
             let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
             let Some(foot) = self.surface.foot_of(&centre, facets) else { continue };
             let Nearest { distance, normal } = foot.nearest;
             if distance >= depth {
                 continue;
             }
+            let half_thickness = if distance < 2.0 * self.radius {
+                engine.followed_half_thickness(i, &reduced(&normal), time_step)
+            } else {
+                engine.point[i].half_thickness
+            };
             let (station, turn) = self.surface.station(&centre, &foot);
             self.footings.push(Footing {
                 centre,
@@ -249,70 +269,67 @@ impl<const D: usize> ToolContact<D> {
                 station,
                 turn,
                 distance,
-                pressing: self.stiffness * (self.radius - distance).max(0.0),
-                volume: input.volume,
+                half_thickness,
+                pressing: self.stiffness * (half_thickness - distance).max(0.0),
+                volume: engine.volume[i] * engine.point[i].volume_ratio,
             });
             self.near.push(candidate.particle);
         }
         self.contact_surface.lay(&self.footings, self.surface.perimeter());
         let mut touches = std::mem::take(&mut self.touches);
         touches.clear();
+        self.limits.clear();
         let shares = self.contact_surface.shares();
         for ((&particle, footing), share) in self.near.iter().zip(&self.footings).zip(shares) {
             // Outside the contact nothing has an area.
             if share.area > 0.0 || footing.pressing > 0.0 {
-                let input = look(particle as usize);
-                touches.push(self.touch(particle, &input, footing, share, &velocity, time_step));
+                let touch = Self::touch(particle, footing, share);
+                let limit = self.shear_limit(&touch, engine, &velocity);
+                self.limits.push(limit);
+                touches.push(touch);
             }
+        }
+        self.friction.find(&mut touches, &self.limits, &velocity, time_step, engine);
+        for (touch, &limit) in touches.iter_mut().zip(&self.limits) {
+            let size = dot(&touch.friction_force, &touch.friction_force).sqrt();
+            let flow_stress = engine.point[touch.particle as usize].flow_stress;
+            let strength = touch.area * flow_stress / 3.0_f64.sqrt();
+            touch.shear_friction_factor = if strength > 0.0 { size / strength } else { 0.0 };
+            // Without friction nothing holds the particle: it slides.
+            touch.friction_use = if limit > 0.0 { size / limit } else { 1.0 };
         }
         self.touches = touches;
     }
 
-    fn touch(
-        &self,
-        particle: u32,
-        input: &ContactInput<D>,
-        footing: &Footing,
-        share: &Share,
-        tool_velocity: &Vector<D>,
-        time_step: f64,
-    ) -> Touch<D> {
+    /// A touch without friction.
+    fn touch(particle: u32, footing: &Footing, share: &Share) -> Touch<D> {
         let normal: Vector<D> = reduced(&footing.normal);
-        let normal_force = normal.map(|n| n * footing.pressing);
-        // Slip now, and after the coming step without friction, projected on the surface.
-        let now: Vector<D> = std::array::from_fn(|k| input.velocity[k] - tool_velocity[k]);
-        let mut slip: Vector<D> = std::array::from_fn(|k| {
-            now[k] + time_step / input.inertia * (input.other_force[k] + normal_force[k])
-        });
-        let through = crate::tensor::dot(&slip, &normal);
-        for k in 0..D {
-            slip[k] -= through * normal[k];
-        }
-        let speed = crate::tensor::dot(&slip, &slip).sqrt();
-        let across = crate::tensor::dot(&now, &normal);
-        let sliding = crate::tensor::dot(&now, &now) - across * across;
-        let limit = share.area
-            * self.law.shear_limit(&ContactState {
-                pressure: share.pressure,
-                flow_stress: input.flow_stress,
-                // Not the predicted slip: without friction it is too fast by a step's acceleration.
-                sliding_speed: sliding.max(0.0).sqrt(),
-                temperature: input.temperature,
-            });
-        let sticking = input.inertia * speed / time_step;
-        let size = sticking.min(limit);
-        let friction_force = if speed > 0.0 { slip.map(|v| -v / speed * size) } else { [0.0; D] };
-        let strength = share.area * input.flow_stress / 3.0_f64.sqrt();
         Touch {
             particle,
-            normal_force,
-            friction_force,
-            // Without friction nothing holds the particle: it slides.
-            friction_use: if limit > 0.0 { size / limit } else { 1.0 },
+            normal_force: normal.map(|n| n * footing.pressing),
+            friction_force: [0.0; D],
+            friction_use: 1.0,
+            lever: normal.map(|n| n * footing.half_thickness),
             area: share.area,
             pressure: share.pressure,
-            shear_friction_factor: if strength > 0.0 { size / strength } else { 0.0 },
+            shear_friction_factor: 0.0,
         }
+    }
+
+    /// Largest friction force of `touch` in N (N/m in 2D).
+    fn shear_limit(&self, touch: &Touch<D>, engine: &Engine<D>, tool_velocity: &Vector<D>) -> f64 {
+        let i = touch.particle as usize;
+        let slip = minus(&engine.surroundings().velocity(i, &touch.lever), tool_velocity);
+        let across = dot(&slip, &touch.normal());
+        let sliding = dot(&slip, &slip) - across * across;
+        let state = ContactState {
+            pressure: touch.pressure,
+            flow_stress: engine.point[i].flow_stress,
+            // Not the slip after the step: without friction it is too fast by a step's acceleration.
+            sliding_speed: sliding.max(0.0).sqrt(),
+            temperature: engine.point[i].temperature,
+        };
+        touch.area * self.law.shear_limit(&state)
     }
 
     /// Particles that lie on the tool, or overlap it by no more than rounding: those that exchange heat

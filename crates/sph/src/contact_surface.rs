@@ -57,9 +57,12 @@ const WIDEST: f64 = std::f64::consts::PI * 10.0 / 9.0;
 const CORNER: f64 = std::f64::consts::PI * 1.25;
 /// A sector in radians wider than this and without a neighbour is beside the contact.
 const FREE: f64 = std::f64::consts::TAU / 3.0;
+/// Least room, in values.
+const LEAST_ROOM: usize = 256;
+
 /// Room for `most` values in all, and for as many as a power of two.
 pub(crate) fn make_room<T>(values: &mut Vec<T>, most: usize) {
-    values.reserve(most.next_power_of_two().saturating_sub(values.len()));
+    values.reserve(most.max(LEAST_ROOM).next_power_of_two().saturating_sub(values.len()));
 }
 
 /// A particle near the tool.
@@ -76,6 +79,8 @@ pub(crate) struct Footing {
     pub(crate) turn: f64,
     /// Distance of the centre from the tool in m, negative inside.
     pub(crate) distance: f64,
+    /// Half thickness of the particle along the normal in m.
+    pub(crate) half_thickness: f64,
     /// Penalty force in N (N/m in 2D).
     pub(crate) pressing: f64,
     /// In m^3 (m^2 in 2D).

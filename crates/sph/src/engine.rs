@@ -16,7 +16,7 @@
 //! keeps both momenta. `docs/theory.md` derives all of it.
 
 use crate::account::{Account, Tally};
-use crate::contact::{ContactInput, ToolContact, reduced};
+use crate::contact::{ToolContact, reduced};
 use crate::equation_of_state::Elasticity;
 use crate::error::{Diverged, SetupError};
 use crate::history::{History, Memory};
@@ -26,6 +26,7 @@ use crate::neighbours::{CHUNK, Cells, NeighbourList, Smoothing};
 use crate::setup::{CuttingFrame, HeatSource, Setup};
 use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
+use crate::surface_point::{LatticeCell, Surroundings};
 use crate::tensor::{Matrix, Vector, dot, identity, plus_scaled, zero};
 use crate::thermoelasticity;
 use crate::tool_heat::{ToolHeat, in_tool};
@@ -143,6 +144,8 @@ pub(crate) struct Engine<const D: usize> {
     /// What comes and goes while the tool moves on; `None`: everything is followed from start to end.
     pub(crate) window: Option<Window<D>>,
     pub(crate) tool: Option<ToolContact<D>>,
+    /// Cells of the lattice, by body.
+    pub(crate) cells_of_bodies: Vec<LatticeCell<D>>,
     /// Heat in the tool, where it is asked for.
     pub(crate) tool_heat: Option<ToolHeat>,
     pub(crate) heat_sources: Vec<HeatSource>,
@@ -220,7 +223,7 @@ impl<const D: usize> Engine<D> {
             engine.size_arrays();
         }
         if let Some(tool) = &engine.tool {
-            tool.check_start(&engine.position)?;
+            tool.check_start(&engine)?;
         }
         engine.refresh();
         engine.account.initial_energy = engine.kinetic_energy() + engine.elastic_energy();
@@ -295,6 +298,7 @@ impl<const D: usize> Engine<D> {
             holds: Hold::all(setup),
             window: None,
             tool,
+            cells_of_bodies: LatticeCell::all(setup),
             tool_heat,
             heat_sources: setup.heat_sources.clone(),
             account: Account::default(),
@@ -469,27 +473,12 @@ impl<const D: usize> Engine<D> {
     /// Contact forces at the present positions for the coming step, added to the internal ones.
     fn touch_tool(&mut self) {
         let Some(mut tool) = self.tool.take() else { return };
-        tool.evaluate(self.time, self.time_step, |i| ContactInput {
-            position: self.position[i],
-            velocity: *self.motion[i].velocity(),
-            other_force: self.force[i],
-            inertia: self.inertia(i),
-            flow_stress: self.point[i].flow_stress,
-            temperature: self.point[i].temperature,
-            volume: self.volume[i] * self.point[i].volume_ratio,
-        });
+        tool.evaluate(self.time, self.time_step, self);
+        for (particle, half_thickness) in tool.half_thicknesses() {
+            self.point[particle].half_thickness = half_thickness;
+        }
         self.tool = Some(tool);
         self.add_contact_forces();
-    }
-
-    fn add_contact_forces(&mut self) {
-        let Some(tool) = &self.tool else { return };
-        for touch in &tool.touches {
-            let force = &mut self.force[touch.particle as usize];
-            for k in 0..D {
-                force[k] += touch.normal_force[k] + touch.friction_force[k];
-            }
-        }
     }
 
     /// Impulse, tool work and friction of the present contacts over half a step, with the
@@ -501,7 +490,13 @@ impl<const D: usize> Engine<D> {
         let tool_velocity: Vector<D> = reduced(&tool.velocity);
         for touch in &tool.touches {
             let i = touch.particle as usize;
-            let slip = crate::tensor::minus(&tool_velocity, self.motion[i].velocity());
+            let surface = Surroundings {
+                list: &self.list,
+                motion: &self.motion,
+                frame: &self.frame,
+                point: &self.point,
+            };
+            let slip = crate::tensor::minus(&tool_velocity, &surface.velocity(i, &touch.lever));
             let friction = duration * dot(&touch.friction_force, &slip);
             self.account.friction += friction;
             self.account.contact += duration * dot(&touch.normal_force, &slip);

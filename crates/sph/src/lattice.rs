@@ -139,7 +139,7 @@ fn rows(low: f64, high: f64, pitch: f64, parting: Option<f64>) -> Vec<(f64, f64)
 }
 
 /// Distance of particles across the first axis over that of a cubic lattice of the same volume.
-fn narrowing(dimension: Dimension, aspect: f64) -> f64 {
+pub(crate) fn narrowing(dimension: Dimension, aspect: f64) -> f64 {
     let axes = if dimension == Dimension::Two { 2.0 } else { 3.0 };
     aspect.powf(-1.0 / axes)
 }

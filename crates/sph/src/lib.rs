@@ -5,6 +5,7 @@
 
 mod account;
 mod contact;
+mod contact_friction;
 mod contact_surface;
 mod crowding;
 mod density_diffusion;
@@ -32,6 +33,7 @@ mod strain_gradient;
 mod strangers;
 mod support_shape;
 mod supports;
+mod surface_point;
 mod sweeps;
 mod tensor;
 mod thermoelasticity;
@@ -44,7 +46,7 @@ mod window;
 /// Version of the results: the same setup gives the same bits as long as it is the same. It goes up with every
 /// change of the solver that changes bits; stored results of another version are not used again
 /// (`crates/sweep/tests/results_version.rs` notices most changes).
-pub const RESULTS_VERSION: u32 = 2;
+pub const RESULTS_VERSION: u32 = 3;
 
 pub use error::{Diverged, SetupError};
 pub use observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};

@@ -45,6 +45,8 @@ pub(crate) struct MaterialPoint<const D: usize> {
     /// Young's modulus that the stress is expressed with, over that at room temperature: 1 where
     /// it does not depend on temperature ([`crate::thermoelasticity`]).
     pub(crate) stiffness: f64,
+    /// Half thickness towards the tool in m ([`crate::surface_point`]); 0 before the tool is near.
+    pub(crate) half_thickness: f64,
     /// Temperature at which `flow_stress` is the limit of elastic steps, which spares evaluating the law; not a
     /// number while the point flows, and where an effect remembers more than the point.
     pub(crate) limit_temperature: f64,
@@ -64,6 +66,7 @@ impl<const D: usize> MaterialPoint<D> {
             viscous_pressure: 0.0,
             offset: [0.0; D],
             stiffness: 1.0,
+            half_thickness: 0.0,
             limit_temperature: f64::NAN,
         }
     }

@@ -141,6 +141,9 @@ pub struct Snapshot {
     /// Share of the tool's surface in m^2 (m in 2D); 0 without contact. Not a number where a record
     /// does not hold it.
     pub contact_area: Vec<f64>,
+    /// From the particle to the point of its material that the tool touches, in m; where the tool has not been near,
+    /// half the cell of the lattice across the machined surface. Not a number where a record does not hold it.
+    pub half_thickness: Vec<f64>,
     /// Number of neighbours.
     pub neighbours: Vec<u32>,
     /// Outline of the tool (2D: closed polygon; 3D: vertices of its triangles, three by three) in m.

@@ -1,7 +1,7 @@
 //! What the engine tells: channels, snapshots, and its complete state.
 
 use crate::account::Account;
-use crate::contact::{Touch, extended};
+use crate::contact::{Touch, extended, reduced};
 use crate::engine::Engine;
 use crate::error::SetupError;
 use crate::history::History;
@@ -202,6 +202,7 @@ impl<const D: usize> Engine<D> {
             .chain((0..count).map(|i| (self.id[i], Shown::Followed(i))))
             .collect();
         order.sort_by_key(|(id, _)| *id);
+        let feed = reduced(&setup.frame.feed);
         let mut contact = vec![[0.0; 3]; count];
         let mut friction_use = vec![0.0; count];
         let mut shear_friction = vec![0.0; count];
@@ -232,7 +233,7 @@ impl<const D: usize> Engine<D> {
             let i = match shown {
                 Shown::Followed(i) => i,
                 Shown::Waiting(rest) => {
-                    self.show_waiting(rest, &mut snapshot);
+                    self.show_waiting(rest, &feed, &mut snapshot);
                     continue;
                 }
             };
@@ -255,13 +256,14 @@ impl<const D: usize> Engine<D> {
             snapshot.friction_use.push(friction_use[i]);
             snapshot.shear_friction_factor.push(shear_friction[i]);
             snapshot.contact_area.push(area[i]);
+            snapshot.half_thickness.push(self.half_thickness(i, &feed));
             snapshot.neighbours.push(self.list.count(i));
         }
         snapshot
     }
 
     /// Adds a particle that the moving window has not reached.
-    fn show_waiting(&self, rest: &Rest<D>, snapshot: &mut Snapshot) {
+    fn show_waiting(&self, rest: &Rest<D>, feed: &Vector<D>, snapshot: &mut Snapshot) {
         let data = &self.materials[rest.material as usize];
         let point = MaterialPoint::<D>::at_rest(rest.temperature);
         snapshot.id.push(rest.id);
@@ -279,6 +281,8 @@ impl<const D: usize> Engine<D> {
         snapshot.friction_use.push(0.0);
         snapshot.shear_friction_factor.push(0.0);
         snapshot.contact_area.push(0.0);
+        let cell = &self.cells_of_bodies[rest.body as usize];
+        snapshot.half_thickness.push(cell.half_thickness(feed));
         snapshot.neighbours.push(0);
     }
 
@@ -333,7 +337,10 @@ impl<const D: usize> Engine<D> {
         let touches: &[Touch<D>] = self.tool.as_ref().map_or(&[], |tool| &tool.touches);
         real(
             "touches",
-            touches.iter().flat_map(|t| [t.normal_force, t.friction_force].concat()).collect(),
+            touches
+                .iter()
+                .flat_map(|t| [t.normal_force, t.friction_force, t.lever].concat())
+                .collect(),
         );
         if let Some(tool) = self.tool.as_ref().filter(|tool| tool.holder.size() > 0) {
             real("tool_holder", tool.holder.to_vec());
@@ -458,12 +465,12 @@ impl<const D: usize> Engine<D> {
     fn restore_touches(&mut self, reader: &Reader) -> Result<(), SetupError> {
         let Some(tool) = &mut self.tool else { return Ok(()) };
         let touched = reader.state.integer("touched").ok_or_else(|| missing("touched"))?;
-        let forces = reader.reals("touches", touched.len() * 2 * D)?;
+        let forces = reader.reals("touches", touched.len() * 3 * D)?;
         let uses = reader.reals("friction_use", touched.len())?;
         let surface = reader.reals("contact_surface", touched.len() * 3)?;
         tool.touches = touched
             .iter()
-            .zip(forces.chunks_exact(2 * D))
+            .zip(forces.chunks_exact(3 * D))
             .zip(uses.iter().zip(surface.chunks_exact(3)))
             .map(|((&particle, force), (&friction_use, surface))| {
                 let particle =
@@ -472,6 +479,7 @@ impl<const D: usize> Engine<D> {
                     particle: particle.ok_or_else(|| missing("touched"))?,
                     normal_force: std::array::from_fn(|k| force[k]),
                     friction_force: std::array::from_fn(|k| force[D + k]),
+                    lever: std::array::from_fn(|k| force[2 * D + k]),
                     friction_use,
                     area: surface[0],
                     pressure: surface[1],
@@ -516,7 +524,7 @@ fn point_to_vec<const D: usize>(point: &MaterialPoint<D>) -> Vec<f64> {
         point.viscous_pressure,
     ]);
     values.extend(point.offset);
-    values.push(point.stiffness);
+    values.extend([point.stiffness, point.half_thickness]);
     values
 }
 
@@ -537,6 +545,7 @@ fn point_from_slice<const D: usize>(values: &[f64]) -> MaterialPoint<D> {
         viscous_pressure: rest[5],
         offset: std::array::from_fn(|k| rest[6 + k]),
         stiffness: rest[6 + D],
+        half_thickness: rest[7 + D],
         limit_temperature: f64::NAN,
     }
 }

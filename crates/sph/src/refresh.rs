@@ -102,7 +102,8 @@ impl<const D: usize> Engine<D> {
         let limits = self.correct_operators();
         self.set_time_step(&limits);
         if let Some(mut tool) = self.tool.take() {
-            tool.refresh(reference, self.refresh_time, CONTACT_MARGIN * self.spacing);
+            let margin = CONTACT_MARGIN * self.spacing;
+            tool.refresh(reference, &self.list, self.refresh_time, margin);
             self.tool = Some(tool);
         }
         self.since_refresh = crate::account::Tally::default();

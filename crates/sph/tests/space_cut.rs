@@ -205,9 +205,9 @@ fn a_tool_in_space_that_takes_heat_cools_the_interface_as_in_the_plane() {
     let (found, expected) = (share(&coated) / bare, share(&coated_plane) / plane);
     assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
     for (space, plane) in [(&samples, &bare_plane), (&coated, &coated_plane)] {
-        // The heat of friction rises with the feed force, which is that of the plane to 8 %.
-        let force = |samples| mean(samples, ChannelId::FeedForce);
-        let heat = force(space) / (ROWS * SPACING) / force(plane);
+        // It rises with the heat of friction: the feed force is that of the plane to 8 %.
+        let friction = |samples: &[Sample]| samples.last().unwrap().get(ChannelId::FrictionWork);
+        let heat = friction(space) / (ROWS * SPACING) / friction(plane);
         let (found, expected) = (rise(space), heat * rise(plane));
         assert!((found / expected - 1.0).abs() < 0.05, "{found} {expected}");
     }

@@ -3,8 +3,8 @@
 //!
 //! **Springback** s: normal distance between the lowest point of the tool and the machined surface
 //! behind it, positive where the surface has risen (turning tests measure it with a displacement
-//! sensor behind the tool). A particle touches the tool with its radius dx / 2, so
-//! `s = y + dx/2 - y_tool` along the normal of the machined plane, of a particle of the surface that
+//! sensor behind the tool). A particle touches the tool with its half thickness r, so
+//! `s = y + r - y_tool` along the normal of the machined plane, of a particle of the surface that
 //! is more than [`Springback::clear_distance`] behind the tool.
 //!
 //! **Which particles are the surface** decides everything: the outer rows of a cut are rough by a

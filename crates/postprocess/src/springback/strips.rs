@@ -27,7 +27,7 @@ pub struct Strips {
     pub roughness: f64,
 }
 
-/// Heights of the outermost particles of `snapshot` above `level`, each plus half a spacing, in
+/// Heights of the outermost particles of `snapshot` above `level`, each plus its half thickness, in
 /// strips two spacings wide between `from` and `to` along the cutting direction; strips without a
 /// particle within three spacings of the level are left out. Loose particles do not count.
 #[must_use]
@@ -48,13 +48,15 @@ fn outermost(cloud: &Cloud, level: f64, from: f64, to: f64) -> Vec<f64> {
     let width = WIDTH * cloud.spacing;
     let count = ((to - from) / width + 1e-9).floor().max(0.0) as usize;
     let mut heights = vec![f64::NEG_INFINITY; count];
-    for point in cloud.points.iter().filter(|p| p[0] >= from) {
+    for (point, half) in
+        cloud.points.iter().zip(&cloud.half_thickness).filter(|(p, _)| p[0] >= from)
+    {
         let strip = ((point[0] - from) / width) as usize;
         let height = point[1] - level;
         if height.abs() <= REACH * cloud.spacing
             && let Some(highest) = heights.get_mut(strip)
         {
-            *highest = highest.max(height + 0.5 * cloud.spacing);
+            *highest = highest.max(height + half);
         }
     }
     heights

@@ -92,9 +92,12 @@ pub(super) struct Found {
 impl Followed {
     pub fn visit(&mut self, view: &View<'_>, context: &Context) {
         let lowest = view.lowest;
-        for (point, &index) in view.cloud.points.iter().zip(&view.cloud.source) {
+        let cloud = view.cloud;
+        for ((point, half), &index) in
+            cloud.points.iter().zip(&cloud.half_thickness).zip(&cloud.source)
+        {
             let id = view.snapshot.id[index];
-            let height = point[1] + 0.5 * context.spacing - lowest.height;
+            let height = point[1] + half - lowest.height;
             let [_, force] = context.plane.project(&view.snapshot.contact_force[index]);
             let under = point[0] >= lowest.rear - context.reach
                 && point[0] <= lowest.front + context.reach

@@ -13,7 +13,17 @@ fn areas(footings: &[Footing], spacing: f64, dimension: usize) -> Vec<f64> {
 
 /// One that presses with a force of 1, of the unit spacing.
 fn pressing(centre: Vector3, foot: Vector3, normal: Vector3, station: f64) -> Footing {
-    Footing { centre, foot, normal, station, turn: 0.0, distance: 0.49, pressing: 1.0, volume: 1.0 }
+    Footing {
+        centre,
+        foot,
+        normal,
+        station,
+        turn: 0.0,
+        distance: 0.49,
+        half_thickness: 0.5,
+        pressing: 1.0,
+        volume: 1.0,
+    }
 }
 
 fn on_plane(places: &[[f64; 2]]) -> Vec<Footing> {
@@ -60,7 +70,7 @@ fn a_gap_with_material_behind_it_is_covered() {
     let columns = |second: f64| {
         let mut footings = on_line(&[-1.0, 0.0, second, second + 1.0]);
         for k in 0..4 {
-            let row = Footing { distance: 1.49, pressing: 0.0, ..footings[k] };
+            let row = Footing { distance: 1.49, half_thickness: 0.5, pressing: 0.0, ..footings[k] };
             footings.push(row);
         }
         footings
@@ -71,7 +81,12 @@ fn a_gap_with_material_behind_it_is_covered() {
     assert_close(&areas(&columns(4.0), 1.0, 2), &open);
     // What is nearer than one spacing belongs to the contact itself.
     let mut nearer = columns(3.0);
-    nearer.push(Footing { distance: 0.8, pressing: 0.0, ..on_line(&[1.5])[0] });
+    nearer.push(Footing {
+        distance: 0.8,
+        half_thickness: 0.5,
+        pressing: 0.0,
+        ..on_line(&[1.5])[0]
+    });
     assert_close(&areas(&nearer, 1.0, 2)[..4], &[1.0, 1.25, 1.25, 1.0]);
     assert_close(&areas(&nearer, 1.0, 2)[8..], &[1.5]);
 }
@@ -80,12 +95,14 @@ fn a_gap_with_material_behind_it_is_covered() {
 fn a_slab_in_space_shares_its_face_as_the_plane_shares_its_line() {
     // Four rows; columns as in the plane, of which two or three are missing; a particle nearer than one
     // spacing; one beside the contact.
-    let between = Footing { distance: 0.8, pressing: 0.0, ..on_line(&[1.5])[0] };
-    let beside = Footing { distance: 0.6, pressing: 0.0, ..on_line(&[5.0])[0] };
+    let between =
+        Footing { distance: 0.8, half_thickness: 0.5, pressing: 0.0, ..on_line(&[1.5])[0] };
+    let beside =
+        Footing { distance: 0.6, half_thickness: 0.5, pressing: 0.0, ..on_line(&[5.0])[0] };
     for second in [1.0, 3.0, 4.0] {
         let mut line = on_line(&[-1.0, 0.0, second, second + 1.0]);
         for k in 0..4 {
-            line.push(Footing { distance: 1.49, pressing: 0.0, ..line[k] });
+            line.push(Footing { distance: 1.49, half_thickness: 0.5, pressing: 0.0, ..line[k] });
         }
         if second == 3.0 {
             line.extend([between, beside]);
@@ -231,6 +248,7 @@ fn stretched_rows(
             let pressing_force = f64::from(presses);
             footings.push(Footing {
                 distance,
+                half_thickness: 0.5,
                 pressing: pressing_force,
                 ..pressing(centre, foot, normal, x)
             });

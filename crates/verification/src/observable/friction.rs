@@ -57,7 +57,7 @@ pub(super) const CONTACT_SHEAR_STRESS: Observable = Observable {
     name: "contact_shear_stress",
     unit: "Pa",
     meaning: "largest tangential force of the wall on the body in all snapshots over the length of the \
-              contact: from the first to the last touching particle, and half a spacing beyond (2D)",
+              contact: from the first to the last touching particle, and half the way to the next one beyond (2D)",
     arguments: &[],
     evaluate: |evidence, _| {
         if evidence.setup.dimension != Dimension::Two {
@@ -66,19 +66,31 @@ pub(super) const CONTACT_SHEAR_STRESS: Observable = Observable {
         let normal = wall_normal(evidence)?;
         let spacing = evidence.setup.particle_spacing;
         let stress = |snapshot: &Snapshot| {
-            let (mut force, mut low, mut high) = ([0.0; 3], f64::INFINITY, f64::NEG_INFINITY);
+            let mut force = [0.0; 3];
+            let mut places = Vec::new();
             for (contact, x) in snapshot.contact_force.iter().zip(&snapshot.position) {
                 if *contact != [0.0; 3] {
-                    let along = normal[0] * x[1] - normal[1] * x[0];
-                    (low, high) = (low.min(along), high.max(along));
+                    places.push(normal[0] * x[1] - normal[1] * x[0]);
                     force = std::array::from_fn(|axis| force[axis] + contact[axis]);
                 }
             }
-            if low > high { 0.0 } else { split(&force, &normal).1 / (high - low + spacing) }
+            if places.is_empty() {
+                0.0
+            } else {
+                split(&force, &normal).1 / covered(places, spacing)
+            }
         };
         Ok(evidence.snapshots.iter().map(stress).fold(0.0, f64::max))
     },
 };
+
+/// Length of a row that particles at `places` cover, each half the way to its neighbours; one alone `spacing`.
+fn covered(mut places: Vec<f64>, spacing: f64) -> f64 {
+    places.sort_by(f64::total_cmp);
+    let [first, .., last] = places.as_slice() else { return spacing };
+    let ends = (places[1] - first) + (last - places[places.len() - 2]);
+    last - first + 0.5 * ends
+}
 
 /// The normal out of the wall.
 fn wall_normal(evidence: &Evidence) -> Result<Vector, String> {

@@ -28,7 +28,8 @@ pub(super) const SPRINGBACK_RATIO: Observable = Observable {
     name: "springback_ratio",
     unit: "",
     meaning: "logarithmic strain of the middle part along y recovered between `loaded` and the \
-              mean from `released` on, over (1 - nu^2) / E times the wall's pressure at `loaded`",
+              mean from `released` on, over (1 - nu^2) / E times the Kirchhoff stress J p of the \
+              wall's pressure p at `loaded`",
     arguments: &[
         LOADED,
         FROM,
@@ -122,7 +123,10 @@ fn pressure(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
 }
 
 fn springback_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
-    let loaded = strain(evidence, arguments, nearest(evidence, arguments.get("loaded"))?, 1)?;
+    let at = nearest(evidence, arguments.get("loaded"))?;
+    let loaded = strain(evidence, arguments, at, 1)?;
+    // The elastic law is one of the Kirchhoff stress. Plane strain: J from the strains in the plane.
+    let volume_ratio = (loaded + strain(evidence, arguments, at, 0)?).exp();
     let released = arguments.get("released");
     let (mut sum, mut count) = (0.0, 0.0);
     for snapshot in evidence.snapshots.iter().filter(|snapshot| snapshot.time >= released) {
@@ -136,7 +140,8 @@ fn springback_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, S
         return Err("no snapshot after `released`".to_owned());
     }
     let modulus = plane_strain_modulus(&evidence.setup.materials[0].moduli);
-    Ok((sum / count - loaded) * modulus / pressure(evidence, arguments)?)
+    let stress = volume_ratio * pressure(evidence, arguments)?;
+    Ok((sum / count - loaded) * modulus / stress)
 }
 
 fn surface_springback_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
