@@ -9,7 +9,7 @@ use crate::units::significant;
 use sphcut_physics::friction::ContactState;
 use sphcut_physics::heat::{ContactSide, PARAMETERS, share_by_effusivities};
 use sphcut_physics::{Quantity, TemperatureTable, Values};
-use sphcut_sph::setup::{Body, Material, Setup, Tool, ToolHeat};
+use sphcut_sph::setup::{Body, Heat, Material, Setup, Tool, ToolHeat};
 use toml::de::DeTable;
 
 const KEY: &str = "friction_heat_share";
@@ -25,10 +25,7 @@ pub(crate) fn share(findings: &mut Findings, root: &Record<'_>, setup: &mut Setu
         return;
     };
     let empty = DeTable::new();
-    let place = root.table("heat").unwrap_or((&empty, root.heading.clone()));
-    // Its mistakes were told when the section was read.
-    let mut told = Findings::default();
-    let record = reader::read(&mut told, &root.source, place, &sections::heat(), 2);
+    let record = section(root, &empty);
     if record.is_written(KEY) {
         return;
     }
@@ -63,6 +60,19 @@ pub(crate) fn share(findings: &mut Findings, root: &Record<'_>, setup: &mut Setu
         .collect();
     setup.heat.values = Values::resolve(PARAMETERS, &given).expect("a share is between 0 and 1");
     findings.derived("heat", KEY, Quantity::Dimensionless, share);
+}
+
+/// Whether the tool of a plane cut takes its share of the heat where nothing is said of it: nobody asks for another share,
+/// and heat is there and goes somewhere.
+pub(crate) fn tool_takes_share(root: &Record<'_>, heat: Option<&Heat>) -> bool {
+    let acts = heat.is_some_and(|heat| heat.friction_heating.is_on() && heat.conduction.is_on());
+    acts && !section(root, &DeTable::new()).is_written(KEY)
+}
+
+/// `[heat]`, without its mistakes: they were told when the section was first read.
+fn section<'a>(root: &Record<'a>, empty: &'a DeTable<'a>) -> Record<'a> {
+    let place = root.table("heat").unwrap_or((empty, root.heading.clone()));
+    reader::read(&mut Findings::default(), &root.source, place, &sections::heat(), 2)
 }
 
 /// Says where friction heat leaves the model.

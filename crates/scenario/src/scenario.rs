@@ -204,7 +204,9 @@ fn read_cut(
     let output = read_output(findings, root, Kind::Cut, stop.as_ref());
     let sizes = resolution.zip(stop.as_ref()).map(|(r, stop)| (r.particle_spacing, stop.extent));
     let space = match dimension {
-        2 => Space::Plane,
+        2 => Space::Plane {
+            tool_takes_heat: friction_heat::tool_takes_share(root, common.heat.as_ref()),
+        },
         _ => Space::Solid { width: workpiece.as_ref().map(|workpiece| workpiece.width) },
     };
     let tool = tool::tool(findings, root, surroundings, process, sizes, space);

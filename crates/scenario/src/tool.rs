@@ -52,8 +52,8 @@ const WHOLE_SHAPES: [&str; 2] = ["outline", "mesh_file"];
 /// What a tool is in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Space {
-    /// A plane cut.
-    Plane,
+    /// A plane cut; whether its tool takes heat where nothing is said of it.
+    Plane { tool_takes_heat: bool },
     /// Turning, of a workpiece of this width in m.
     Solid { width: Option<f64> },
 }
@@ -87,6 +87,7 @@ pub(crate) fn tool(
             outer_sides: turned.cut_off,
             fine_reach: turned.reach,
             particle_spacing: sizes?.0,
+            by_default: false,
         };
         let heat = tool_heat::tool_heat(findings, &record, &around)?;
         return Some(ToolShape {
@@ -119,7 +120,9 @@ pub(crate) fn tool(
         None => from_angles(findings, &record, process, sizes, &mut notes)?,
     };
     let machine = machine::machine(findings, &record);
-    let around = heat_surroundings(&record, &polygon, whole, process?, sizes?.0);
+    let mut around = heat_surroundings(&record, &polygon, whole, process?, sizes?.0);
+    // Where a tool of another shape is cut off is not known.
+    around.by_default = whole.is_none() && space == Space::Plane { tool_takes_heat: true };
     let heat = tool_heat::tool_heat(findings, &record, &around)?;
     let body = ToolBody::Section(polygon);
     Some(ToolShape { edge_radius, body, friction: friction?, heat, machine: machine?, notes })
@@ -148,6 +151,7 @@ fn heat_surroundings<'a>(
         outer_sides: whole.is_none().then(|| vec![count - 3, count - 2]),
         fine_reach: reach + record.number("edge_radius").unwrap_or(0.0),
         particle_spacing,
+        by_default: false,
     }
 }
 

@@ -10,6 +10,7 @@ use crate::sections;
 use crate::tool_geometry::point_distance;
 use sphcut_physics::{Quantity, TemperatureTable};
 use sphcut_sph::setup::{Coating, OuterBoundary, ROOM_TEMPERATURE, ThermalMaterial, ToolHeat};
+use toml::de::DeTable;
 
 /// The surface of a tool.
 #[derive(Debug, Clone, Copy)]
@@ -31,15 +32,22 @@ pub(crate) struct Surroundings<'a> {
     /// Without the key, in m.
     pub(crate) fine_reach: f64,
     pub(crate) particle_spacing: f64,
+    /// Whether it takes heat where nothing is said of it.
+    pub(crate) by_default: bool,
 }
 
-/// `heat` of `owner`: `Some(None)` where it is not written, `None` after a mistake.
+/// `heat` of `owner`: `Some(None)` where the tool takes none, `None` after a mistake.
 pub(crate) fn tool_heat(
     findings: &mut Findings,
     owner: &Record<'_>,
     around: &Surroundings<'_>,
 ) -> Option<Option<ToolHeat>> {
-    let Some(table) = owner.table("heat") else { return Some(None) };
+    let empty = DeTable::new();
+    let table = match owner.table("heat") {
+        Some(table) => table,
+        None if around.by_default => (&empty, owner.heading.clone()),
+        None => return Some(None),
+    };
     let name = format!("{}.heat", owner.section);
     let record = reader::read(findings, &owner.source, table, &sections::tool_heat(&name), 2);
     refuse_parts_of_a_material(findings, &record);

@@ -53,6 +53,7 @@ pub(crate) fn wall(
         },
         centre: point,
         outer_sides: None,
+        by_default: false,
         fine_reach: f64::INFINITY,
         particle_spacing: particle_spacing?,
     };

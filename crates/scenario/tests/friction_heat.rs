@@ -2,6 +2,7 @@
 
 use sphcut_scenario::{LoadOptions, Origin, Problem, Scenario, parse};
 use sphcut_sph::{ChannelId, Simulation};
+use std::path::Path;
 
 const CUT: &str = r#"
 title = "A small cut"
@@ -54,10 +55,29 @@ fn complaint(scenario: &Scenario) -> Option<&String> {
 }
 
 #[test]
+fn a_tool_of_angles_is_carbide_without_being_told() {
+    let (told, untold) = (read("[tool.heat]\n").unwrap(), read("").unwrap());
+    assert_eq!(untold.setup.tool.as_ref().unwrap().heat, told.setup.tool.as_ref().unwrap().heat);
+    assert_eq!(share(&untold, Origin::Derived), share(&told, Origin::Derived));
+    assert_eq!(complaint(&untold), None);
+}
+
+#[test]
 fn a_tool_without_heat_leaves_all_of_it_to_the_chip() {
-    let scenario = read("").unwrap();
-    assert_eq!(share(&scenario, Origin::Derived), 1.0);
-    assert_eq!(complaint(&scenario), None);
+    let takes = |scenario: &Scenario| scenario.setup.tool.as_ref().unwrap().heat.is_some();
+    let adiabatic = read("[heat]\nfriction_heat_share = 1.0\n").unwrap();
+    assert!(!takes(&adiabatic));
+    assert_eq!((share(&adiabatic, Origin::Given), complaint(&adiabatic)), (1.0, None));
+    // What conducts nothing gives nothing.
+    let still = read("[heat]\nconduction = false\n").unwrap();
+    assert!(!takes(&still));
+    assert_eq!((share(&still, Origin::Derived), complaint(&still)), (1.0, None));
+    // Where a drawn tool is cut off is not known.
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good");
+    let text = std::fs::read_to_string(folder.join("cut_with_outline.toml")).unwrap();
+    let drawn = parse(&text, "cut.toml", Some(&folder), &LoadOptions::default()).unwrap();
+    assert!(!takes(&drawn));
+    assert_eq!((share(&drawn, Origin::Derived), complaint(&drawn)), (1.0, None));
 }
 
 #[test]

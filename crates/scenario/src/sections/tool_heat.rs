@@ -108,8 +108,9 @@ pub(crate) fn tool_heat(name: &str) -> Section {
     ]);
     Section::new(
         name,
-        "Heat in the tool by finite elements on a mesh of its own; an empty table is a tool of cemented carbide. Without \
-         this table the tool takes no heat, and all friction heats the workpiece unless `friction_heat_share` is written.",
+        "Heat in the tool by finite elements on a mesh of its own; an empty table is a tool of cemented carbide. A tool of angles in \
+         a plane cut has it without being told, unless `friction_heat_share` is written. Any other tool takes no heat without this \
+         table, and all friction heats the workpiece.",
         fields,
     )
 }

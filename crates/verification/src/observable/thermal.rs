@@ -20,15 +20,16 @@ pub(super) const HEAT_CLOSURE: Observable = Observable {
 pub(super) const HEAT_BALANCE: Observable = Observable {
     name: "heat_balance",
     unit: "",
-    meaning: "thermal energy over (Taylor-Quinney share of the plastic work + workpiece's share \
-              of the friction work), at the end",
+    meaning: "thermal energy and what passed through the contact into the tool over (Taylor-Quinney \
+              share of the plastic work + workpiece's share of the friction work), at the end",
     arguments: &[],
     evaluate: |evidence, _| {
         let sample = evidence.last_sample()?;
         let values = &evidence.setup.heat.values;
         let heat = values.get("taylor_quinney") * sample.get(ChannelId::PlasticWork)
             + values.get("friction_heat_share") * sample.get(ChannelId::FrictionWork);
-        Ok(sample.get(ChannelId::HeatContent) / heat)
+        let found = sample.get(ChannelId::HeatContent) + sample.get(ChannelId::HeatIntoTool);
+        Ok(found / heat)
     },
 };
 
