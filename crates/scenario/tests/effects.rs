@@ -280,7 +280,8 @@ fn damage_lowers_the_force_and_makes_it_uneven() {
     let ductile = table(entry, &[("failure_strain_range", 2.0)]);
     let ductile = force_ratio_over_lattices(CUT, &ductile);
     assert!(ductile > ratio + 0.05 && ductile < 1.0, "{ductile} {ratio}");
-    // Brittle material carries until a segment fails, then half of it until the next one bears.
+    // Brittle material carries until a segment fails, then less until the next one bears: 0.57 over these lattices,
+    // where the whole chip keeps 0.76.
     let brittle = format!("{CUT}{}", table(entry, &[("failure_strain_range", 0.1)]));
     let brittle = over_lattices(&brittle, least_over_largest);
     let whole = over_lattices(CUT, least_over_largest);
