@@ -428,46 +428,12 @@ fn context<'a, const D: usize>(
 mod tests {
     use super::*;
     use crate::lanes::Plain;
-    use crate::setup::{
-        Body, Dimension, Discretisation, Lattice, Material, Setup, Shape, TemperatureTables,
-        VelocityField,
-    };
+    use crate::setup::{Dimension, Lattice, Setup};
     use crate::tensor::{dot, identity};
-    use sphcut_physics::Values;
-    use sphcut_physics::elasticity::ElasticModuli;
-    use sphcut_physics::flow_stress;
 
     /// A disordered block of rubber.
     fn block(dimension: Dimension) -> Setup {
-        let mut setup = Setup::empty(dimension, 0.1, 1.0);
-        let law = flow_stress::find("elastic").unwrap();
-        setup.materials.push(Material {
-            name: "rubber".to_owned(),
-            density: 1000.0,
-            moduli: ElasticModuli::from_young(1e7, 0.4),
-            specific_heat: 1.0,
-            thermal_conductivity: 0.0,
-            tables: TemperatureTables::default(),
-            equation_of_state: None,
-            flow_stress: law,
-            flow_stress_values: Values::defaults(law.parameters),
-        });
-        setup.bodies.push(Body {
-            name: "block".to_owned(),
-            material: 0,
-            shape: Shape::Box {
-                min: [0.0; 3],
-                max: [1.0, 0.8, 0.6],
-                rotation: 0.0,
-                mirrored: false,
-            },
-            velocity: VelocityField::Uniform([0.0; 3]),
-            temperature: 300.0,
-        });
-        setup.discretisation =
-            Discretisation { lattice: Lattice::Disordered, ..Discretisation::default() };
-        setup.seed = 7;
-        setup
+        crate::surface_point::tests::block(dimension, Lattice::Disordered, 1.0)
     }
 
     fn gradient_is_exact<const D: usize>(dimension: Dimension) {
