@@ -56,6 +56,7 @@ fn standing(standing: Standing) -> &'static str {
         Standing::Enclosed => "enclosed",
         Standing::AtBorder => "at_border",
         Standing::ReachesBorder => "reaches_border",
+        Standing::Saturated => "saturated",
         Standing::Undetermined => "undetermined",
     }
 }

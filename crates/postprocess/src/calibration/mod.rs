@@ -103,6 +103,9 @@ pub enum Standing {
     AtBorder,
     /// Coefficients up to an end of the range cannot be told from the best one.
     ReachesBorder,
+    /// The best coefficient is one of those from which on more friction changes no force: the chip sticks, and its
+    /// shear strength decides.
+    Saturated,
     /// No coefficient of the range can be told from the best one.
     Undetermined,
 }
@@ -162,6 +165,29 @@ impl Scan {
         [self.trials[first].coefficient, self.trials[last].coefficient]
     }
 
+    /// The smallest of the largest coefficients, two at least, with the same forces within their intervals, if the best
+    /// one is among them and the feed force levels off there: it ends further below the straight line through the first run
+    /// and that of this coefficient than the intervals of the three explain.
+    #[must_use]
+    pub fn saturated_from(&self) -> Option<f64> {
+        let (first, last) = (self.trials.first()?, self.trials.last()?);
+        let same = |a: &Force, b: &Force| (a.mean - b.mean).abs() <= a.ci95.hypot(b.ci95);
+        let level =
+            |trial: &&Trial| same(&trial.cutting, &last.cutting) && same(&trial.feed, &last.feed);
+        let count = self.trials.iter().rev().take_while(level).count();
+        let from = self.trials.len() - count;
+        if count < 2 || from == 0 || self.best < from {
+            return None;
+        }
+        let start = &self.trials[from];
+        let share =
+            (last.coefficient - start.coefficient) / (start.coefficient - first.coefficient);
+        let missing = (1.0 + share) * start.feed.mean - share * first.feed.mean - last.feed.mean;
+        let known =
+            ((1.0 + share) * start.feed.ci95).hypot(share * first.feed.ci95).hypot(last.feed.ci95);
+        (missing > known).then_some(start.coefficient)
+    }
+
     /// What the scan says.
     #[must_use]
     pub fn standing(&self) -> Standing {
@@ -169,6 +195,7 @@ impl Scan {
         let end = self.trials.len() - 1;
         match (first == 0, last == end) {
             (true, true) => Standing::Undetermined,
+            _ if self.saturated_from().is_some() => Standing::Saturated,
             _ if self.best == 0 || self.best == end => Standing::AtBorder,
             (false, false) => Standing::Enclosed,
             _ => Standing::ReachesBorder,

@@ -60,6 +60,28 @@ fn what_reaches_the_border_is_told() {
 }
 
 #[test]
+fn forces_that_level_off_are_told_from_a_range_that_is_too_narrow() {
+    // Feed force 100 (1 + deviation): -40, -20 % and then level, 8 % short of the measured one.
+    let levels = |interval| {
+        let of = |(mu, deviation)| trial(mu, deviation, interval);
+        Scan::new([(0.2, -0.4), (0.4, -0.2), (0.6, -0.09), (0.8, -0.08)].map(of).to_vec()).unwrap()
+    };
+    assert_eq!(
+        (levels(0.02).standing(), levels(0.02).saturated_from()),
+        (Standing::Saturated, Some(0.6))
+    );
+    // Known too badly: the line through the first two is no better known than what is missing on it.
+    assert_eq!((levels(0.1).standing(), levels(0.1).saturated_from()), (Standing::AtBorder, None));
+    // A straight line whose last two runs lie within their intervals.
+    assert_eq!(scan(0.9, 0.075).saturated_from(), None);
+    assert_eq!(scan(0.9, 0.001).saturated_from(), None);
+    // Level, but the best is before.
+    let of = |(mu, deviation)| trial(mu, deviation, 0.02);
+    let before = [(0.2, -0.2), (0.4, 0.0), (0.6, 0.11), (0.8, 0.12)].map(of);
+    assert_eq!(Scan::new(before.to_vec()).unwrap().standing(), Standing::Enclosed);
+}
+
+#[test]
 fn files_hold_scan_and_predictions() {
     let calibration = Calibration {
         scenario: "cut".to_owned(),

@@ -79,6 +79,12 @@ pub fn calibration_words(calibration: &Calibration) -> Vec<String> {
             "{least}. Coefficients from {low} to {high}, an end of the range scanned, cannot be told \
              from it: the coefficient is bounded on one side only."
         ),
+        Standing::Saturated => format!(
+            "{least}. From {} on more friction changes neither force beyond its interval: where the chip \
+             sticks its shear strength decides, so that any coefficient from there on is as good and a wider \
+             range does not help.",
+            scan.saturated_from().map(coefficient).unwrap_or_default()
+        ),
         Standing::Undetermined => format!(
             "{least}, but no coefficient of the range can be told from it: the runs do not \
              determine the coefficient. Longer cuts have smaller intervals."
