@@ -8,11 +8,11 @@ use crate::record::Record;
 use crate::sections;
 use sphcut_physics::Quantity;
 
-/// Each of them alone says the spacing.
-const KEYS: [&str; 4] =
-    ["particle_spacing", "preset", "particles_across_chip", "particles_across_edge"];
+/// Of these one says the spacing; the edge may stand beside either of the two before it.
+const KEYS: [&str; 4] = ["particle_spacing", "preset", "particles_across_chip", EDGE];
+const EDGE: &str = "particles_across_edge";
 
-/// dx; of a cut `h / n` by a preset or `particles_across_chip`, `r_n / n` by `particles_across_edge`.
+/// dx; of a cut `h / n` by a preset or `particles_across_chip`, `r_n / n` by `particles_across_edge`, the finer one of both.
 pub(crate) fn spacing(
     findings: &mut Findings,
     root: &Record<'_>,
@@ -25,31 +25,35 @@ pub(crate) fn spacing(
         tell_missing(findings, record, has_process);
         return None;
     };
-    for other in others {
+    let beside = |other: &&&str| key != "particle_spacing" && **other == EDGE;
+    let excluded: Vec<&&str> = others.iter().filter(|other| !beside(other)).collect();
+    for other in &excluded {
         let message = format!("`{key}` and `{other}` exclude each other");
         contradiction(findings, record, other, message, "keep one of them");
     }
-    if !others.is_empty() {
+    if !excluded.is_empty() {
         return None;
     }
     if key == "particle_spacing" {
         return record.number(key);
     }
     if !has_process {
-        let across_edge = key == "particles_across_edge";
-        let needs = if across_edge { "an edge radius" } else { "an uncut chip thickness" };
+        let needs = if key == EDGE { "an edge radius" } else { "an uncut chip thickness" };
         let message = format!("`{key}` needs {needs}, and this scenario has no [process]");
         contradiction(findings, record, key, message, "give `particle_spacing`");
         return None;
     }
-    let spacing = match key {
-        "preset" => {
-            let preset = record.text(key)?;
-            uncut_chip_thickness? / sections::PRESETS.iter().find(|known| known.0 == preset)?.1
-        }
-        "particles_across_chip" => uncut_chip_thickness? / record.number(key)?,
-        _ => edge_radius(findings, root, record, key)? / record.number(key)?,
-    };
+    let mut spacing = f64::INFINITY;
+    for key in written {
+        spacing = spacing.min(match key {
+            "preset" => {
+                let preset = record.text(key)?;
+                uncut_chip_thickness? / sections::PRESETS.iter().find(|known| known.0 == preset)?.1
+            }
+            "particles_across_chip" => uncut_chip_thickness? / record.number(key)?,
+            _ => edge_radius(findings, root, record, key)? / record.number(key)?,
+        });
+    }
     findings.derived("resolution", "particle_spacing", Quantity::Length, spacing);
     Some(spacing)
 }

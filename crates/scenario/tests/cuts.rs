@@ -87,9 +87,13 @@ fn presets_are_relative_to_the_uncut_chip_thickness() {
 #[test]
 fn the_spacing_follows_from_particles_across_the_chip_or_the_edge() {
     // h is 0.1 mm, the edge radius 20 um.
-    for (key, spacing) in
-        [("particles_across_chip = 12.5", 8e-6), ("particles_across_edge = 5", 4e-6)]
-    {
+    for (key, spacing) in [
+        ("particles_across_chip = 12.5", 8e-6),
+        ("particles_across_edge = 5", 4e-6),
+        ("preset = \"draft\"\nparticles_across_edge = 5", 4e-6),
+        ("preset = \"draft\"\nparticles_across_edge = 0.5", 1e-4 / 7.0),
+        ("particles_across_chip = 12.5\nparticles_across_edge = 4", 5e-6),
+    ] {
         let text = QUICK.replace("preset = \"draft\"", key);
         let scenario = parse(&text, "cut.toml", None, &LoadOptions::default()).unwrap();
         assert_relative_eq!(scenario.setup.particle_spacing, spacing, max_relative = 1e-12);

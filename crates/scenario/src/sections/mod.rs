@@ -173,7 +173,7 @@ pub(crate) fn root() -> Section {
 pub(crate) fn resolution() -> Section {
     Section::new(
         "resolution",
-        "One of `particle_spacing` and, for a cut, `preset`, `particles_across_chip`, `particles_across_edge`.",
+        "`particle_spacing`, or for a cut one of `preset` and `particles_across_chip`, or `particles_across_edge`, or one of those two and the edge: the finer spacing counts.",
         vec![
             Field::new(
                 "particle_spacing",
@@ -199,7 +199,7 @@ pub(crate) fn resolution() -> Section {
                 "particles_across_edge",
                 Kind::Quantity(Quantity::Dimensionless, Range::closed(0.5, 1000.0)),
                 Presence::Optional,
-                "edge radius over spacing: presets look at the chip alone; ploughing is resolved from 5 on, and a sharp edge then makes many particles",
+                "edge radius over spacing, alone or beside the two above, which look at the chip alone; ploughing is resolved from 5 on, and a sharp edge then makes many particles",
             )
             .example("5"),
             Field::new(
