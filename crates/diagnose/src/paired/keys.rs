@@ -124,10 +124,16 @@ impl PairedScenario {
             return Err(cannot("its flow stress is not Johnson and Cook's", ""));
         };
         let thickness = needed("process", "uncut_chip_thickness")?;
-        let spacing = table
-            .get("resolution")
-            .and_then(Value::as_table)
-            .filter(|own| own.contains_key("particle_spacing"));
+        let resolution = table.get("resolution").and_then(Value::as_table);
+        let says = |key: &str| resolution.is_some_and(|own| own.contains_key(key));
+        if says("particles_across_edge") {
+            let help = "give `preset`, `particles_across_chip` or `particle_spacing`";
+            return Err(cannot(
+                "its spacing follows the edge radius, which paired runs change",
+                help,
+            ));
+        }
+        let spacing = says("particle_spacing");
         let material = &setup.materials[0];
         let heat = match &material.tables.specific_heat {
             Some(known) => known.pairs().collect(),
@@ -136,7 +142,7 @@ impl PairedScenario {
         Ok(Self {
             below: needed("workpiece", "height")? - 3.0 * thickness,
             length: needed("workpiece", "length")?,
-            across: spacing.map(|_| thickness / setup.particle_spacing),
+            across: spacing.then(|| thickness / setup.particle_spacing),
             edge_radius,
             friction_coefficient: cut.friction_coefficient,
             shear_friction_factor: cut.shear_friction_factor,
@@ -402,7 +408,6 @@ mod tests {
         all.into_iter().zip(resolved).map(|(change, run)| (change, run, plain.clone())).collect()
     }
 
-    /// A run differs from the scenario in what its change names, and in how far it goes; a run without a change in nothing else.
     #[test]
     fn cuts_with_another_tool_are_refused() {
         let path =
@@ -423,6 +428,21 @@ mod tests {
         assert!(error.to_string().contains("another rake"), "{error}");
     }
 
+    /// With the spacing the edge would change what the runs are compared in.
+    #[test]
+    fn a_spacing_that_follows_the_edge_is_refused() {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ti6al4v_orthogonal.toml");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let text =
+            text.replace("preset = \"draft\"", "preset = \"draft\"\nparticles_across_edge = 2.5");
+        let scenario =
+            sphcut_scenario::parse(&text, "cut", path.parent(), &LoadOptions::default()).unwrap();
+        let error = PairedScenario::of(&scenario, 30.0).unwrap_err();
+        assert!(error.to_string().contains("follows the edge radius"), "{error}");
+    }
+
+    /// A run differs from the scenario in what its change names, and in how far it goes; a run without a change in nothing else.
     #[test]
     fn a_run_changes_what_its_change_names() {
         for (change, run, plain) in library() {
