@@ -387,7 +387,7 @@ fn resolve(
         .map_err(|reason| format!("expectation `{}`: {reason}", raw.observable))?;
     if let Reference::Column(column) = &reference {
         for index in &indices {
-            table.lookup("run", &runs[*index].name, column)?;
+            table.lookup("run", variants::stem(&runs[*index].name), column)?;
         }
     }
     if raw.because.trim().is_empty() {

@@ -7,6 +7,7 @@ use crate::judge::number;
 use crate::sweep_trends::SweepCase;
 use crate::variants;
 use crate::verdict::{Finding, Outcome, Verdict};
+use sphcut_sph::RESULTS_VERSION;
 use std::fmt::Write;
 
 /// A line of the ledger: a case with its verdict, or without one if it was never run.
@@ -109,8 +110,8 @@ Generated from the folders under `validation/` by
 `cargo run --release -p sphcut-verification --example ledger`; do not edit by hand.
 
 **Verification** compares with exact or published solutions of the same equations,
-**validation** with measurements by others, without any fitting (but for the corrections of the grey box, judged on
-conditions left out); **regression** with our own
+**validation** with measurements by others, without any fitting (but for the corrections of the grey box and friction
+coefficients fitted at one condition, judged on those left out); **regression** with our own
 frozen output. A known gap is an expectation that does not hold yet: it has to keep failing as
 stated until its mark is removed, and it never counts as passed. All values are in SI units;
 forces of plane runs are per metre of width (1 N/m = 0.001 N/mm).
@@ -138,7 +139,10 @@ fn outcome(entry: &Entry) -> String {
         Some(Verdict { outcome: Outcome::Broken { reason }, .. }) => {
             format!("BROKEN: {}", reason.replace('\n', " "))
         }
-        Some(verdict) => verdict.outcome.word().to_owned(),
+        Some(verdict) if verdict.earlier.is_empty() => verdict.outcome.word().to_owned(),
+        Some(verdict) => {
+            format!("{} (of an earlier version of the solver)", verdict.outcome.word())
+        }
     }
 }
 
@@ -149,6 +153,13 @@ fn section(text: &mut String, entry: &Entry) {
     let Some(verdict) = &entry.verdict else { return };
     if verdict.findings.is_empty() {
         return;
+    }
+    if !verdict.earlier.is_empty() {
+        let _ = writeln!(
+            text,
+            "To be run again, results are now of version {RESULTS_VERSION}: {}.\n",
+            verdict.earlier.join(", ")
+        );
     }
     text.push_str("| run | observable | value | reference | result | tolerance | holds |\n");
     text.push_str("|---|---|---|---|---|---|---|\n");

@@ -9,6 +9,7 @@ use crate::store::{Store, StoredRun};
 use crate::verdict::{Outcome, Verdict};
 use sphcut_record::Run;
 use sphcut_scenario::{LoadOptions, Scenario};
+use sphcut_sph::RESULTS_VERSION;
 use std::fs;
 use std::path::Path;
 
@@ -50,18 +51,27 @@ pub fn run_case(
 }
 
 /// Judges `case` on the values kept in `store`, without running anything; `None` if a run is
-/// missing there.
+/// missing there or was one of another scenario. Values of an earlier [`RESULTS_VERSION`] count, and are named in
+/// [`Verdict::earlier`].
 ///
 /// # Errors
 /// A store that cannot be read.
 pub fn judge_stored(case: &Case, store: &Store) -> Result<Option<Verdict>, CaseError> {
-    let mut values = Vec::new();
+    let (mut values, mut earlier) = (Vec::new(), Vec::new());
     for (index, run) in case.runs.iter().enumerate() {
         let Some(stored) = store.read(&case.name, &run.name)? else { return Ok(None) };
         let Some(run_values) = from_store(case, index, &stored) else { return Ok(None) };
+        if stored.scenario != scenario_text(run)? {
+            return Ok(None);
+        }
+        if stored.results_version != RESULTS_VERSION {
+            earlier.push(run.name.clone());
+        }
         values.push(run_values);
     }
-    Ok(Some(verdict(case, judge::judge(case, &values))))
+    let mut verdict = verdict(case, judge::judge(case, &values));
+    verdict.earlier = earlier;
+    Ok(Some(verdict))
 }
 
 /// Reads the scenarios of all runs of `case` without running them.
@@ -146,6 +156,7 @@ fn verdict(case: &Case, findings: Result<Vec<crate::Finding>, CaseError>) -> Ver
         tier: case.tier,
         claim: case.claim.clone(),
         findings,
+        earlier: Vec::new(),
         outcome,
     }
 }
@@ -161,6 +172,7 @@ fn run_values(
     if let Some(store) = &options.store
         && let Some(stored) = store.read(&case.name, &run.name)?
         && stored.scenario == text
+        && stored.results_version == RESULTS_VERSION
         && let Some(values) = from_store(case, index, &stored)
     {
         return Ok(values);
@@ -232,7 +244,7 @@ fn to_store(case: &Case, run: &RunSpecification, text: String, values: &RunValue
         });
     StoredRun {
         run: run.name.clone(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        results_version: RESULTS_VERSION,
         spacing: values.spacing,
         scenario: text,
         values: labelled.collect(),

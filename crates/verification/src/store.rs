@@ -21,8 +21,8 @@ pub struct Store {
 pub struct StoredRun {
     /// Name of the run.
     pub run: String,
-    /// Version of the program.
-    pub version: String,
+    /// Version of the solver's numbers, [`sphcut_sph::RESULTS_VERSION`], that gave the values.
+    pub results_version: u32,
     /// Particle spacing in m.
     pub spacing: f64,
     /// The scenario as it was run: the values belong to this text and no other.

@@ -1,8 +1,8 @@
 //! The same measured conditions with other models: computed and shown beside the judged ones.
 //!
 //! A variant repeats runs of a case with further changes, as `RUN@VARIANT`. Every expectation with a
-//! column of the reference is evaluated for them too, and the ledger shows both side by side; only the runs of the case
-//! itself are judged.
+//! column of the reference is evaluated for them too, and the ledger shows both side by side; the runs of the case
+//! itself are judged, and those of a variant that an expectation names.
 
 use crate::case::{Case, Expectation, Metric, Reference, RunSpecification};
 use crate::judge::number;
@@ -97,7 +97,7 @@ pub(crate) fn table(case: &Case, findings: &[Finding]) -> String {
     if case.variants.is_empty() {
         return text;
     }
-    text.push_str("\nSide by side, without fitting; only the first is judged:\n\n");
+    text.push_str("\nSide by side:\n\n");
     let _ = writeln!(text, "- as in the table above: `scenario.toml`");
     for variant in &case.variants {
         let _ = writeln!(text, "- {}: {}", variant.name, variant.title);

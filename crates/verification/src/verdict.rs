@@ -79,6 +79,8 @@ pub struct Verdict {
     pub claim: String,
     /// The judged expectations.
     pub findings: Vec<Finding>,
+    /// Runs whose kept values an earlier version of the solver gave: they have to be run again.
+    pub earlier: Vec<String>,
     /// The judgement.
     pub outcome: Outcome,
 }

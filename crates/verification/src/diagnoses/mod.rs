@@ -222,6 +222,7 @@ impl DiagnosesCase {
             tier: self.tier,
             claim: self.claim.clone(),
             findings,
+            earlier: Vec::new(),
             outcome,
         }
     }

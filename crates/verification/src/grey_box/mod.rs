@@ -267,6 +267,7 @@ impl GreyBoxCase {
             tier: self.tier,
             claim: self.claim.clone(),
             findings,
+            earlier: Vec::new(),
             outcome,
         }
     }

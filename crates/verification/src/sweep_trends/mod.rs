@@ -141,6 +141,11 @@ impl SweepCase {
             tier: Self::TIER,
             claim: self.claim.clone(),
             findings,
+            earlier: if self.results_version == sphcut_sph::RESULTS_VERSION {
+                Vec::new()
+            } else {
+                vec!["the table".to_owned()]
+            },
             outcome,
         }
     }
