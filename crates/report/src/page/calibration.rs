@@ -112,11 +112,12 @@ pub fn calibration_words(calibration: &Calibration) -> Vec<String> {
     match unsteady.len() {
         0 => {}
         1..=3 => words.push(format!(
-            "The forces were not steady with {}: a longer cut is needed.",
+            "The cutting force was not steady with {}: a longer cut is needed.",
             unsteady.join(", ")
         )),
-        count => words
-            .push(format!("The forces of {count} runs were not steady: a longer cut is needed.")),
+        count => words.push(format!(
+            "The cutting force of {count} runs was not steady: a longer cut is needed."
+        )),
     }
     words
 }

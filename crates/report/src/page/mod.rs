@@ -104,7 +104,7 @@ fn page(run: &Run, result: &ProcessResult, pictures: &Pictures) -> Markup {
 fn lead(run: &Run) -> String {
     let outcome = match &run.outcome {
         Outcome::Finished => "ran to its end",
-        Outcome::Steady => "stopped when the forces were steady",
+        Outcome::Steady => "stopped when the cutting force was steady",
         Outcome::Interrupted => "was interrupted",
         Outcome::Diverged(_) => "diverged",
     };
@@ -124,7 +124,7 @@ fn warnings(result: &ProcessResult) -> Markup {
     if result.warnings.is_empty() {
         return html! {
             p.clean {
-                "No warnings: forces are steady, the balances close and the numerical terms are \
+                "No warnings: the cutting force is steady, the balances close and the numerical terms are \
                  within their limits."
             }
         };

@@ -144,7 +144,7 @@ fn sentence(run: &SpringbackRun<'_>, measurements: &[Measurement]) -> String {
             )
         }
     };
-    let steady = if run.result.steady.reached { "" } else { " The forces were not steady." };
+    let steady = if run.result.steady.reached { "" } else { " The cutting force was not steady." };
     format!(
         "{start}{} \u{b1} {total} \u{b5}m; {resolved}.{compared}{steady}",
         three_digits(mean.mean * UM)
