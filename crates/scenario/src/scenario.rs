@@ -192,7 +192,7 @@ fn read_cut(
 ) -> Option<Scenario> {
     require_sections(findings, root, &["workpiece", "tool", "process"]);
     let dimension = if root.count("dimension") == Some(3) { 3 } else { 2 };
-    let common = Common::read(findings, root);
+    let common = Common::read(findings, root, true);
     refuse_rest(findings, root, &common);
     let mut shelf =
         Shelf::new(findings, root, surroundings, common.heat_acts() || has_tool_heat(root));
@@ -265,7 +265,7 @@ fn read_bodies(
 ) -> Option<Scenario> {
     require_sections(findings, root, &["body"]);
     let dimension = if root.count("dimension") == Some(3) { 3 } else { 2 };
-    let common = Common::read(findings, root);
+    let common = Common::read(findings, root, false);
     let heat = common.heat_acts() || root.is_written("heat_source") || has_tool_heat(root);
     let mut shelf = Shelf::new(findings, root, surroundings, heat);
     let bodies = bodies::bodies(findings, root, &mut shelf, dimension);
@@ -307,10 +307,10 @@ struct Common {
 }
 
 impl Common {
-    fn read(findings: &mut Findings, root: &Record<'_>) -> Self {
+    fn read(findings: &mut Findings, root: &Record<'_>, has_process: bool) -> Self {
         Self {
             heat: shared::heat(findings, root),
-            numerics: shared::numerics(findings, root),
+            numerics: shared::numerics(findings, root, has_process),
             contact: shared::contact(findings, root),
             effects: effects::effects(findings, root),
         }

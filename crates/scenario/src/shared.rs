@@ -46,11 +46,14 @@ pub(crate) fn switch(on: bool) -> Switch {
 
 /// Values of a parameter table from a record that has its keys; `None` after a mistake.
 pub(crate) fn values(record: &Record<'_>, table: &'static [Parameter]) -> Option<Values> {
-    let given: Vec<(&str, f64)> = table
+    Values::resolve(table, &given(record, table)).ok()
+}
+
+fn given(record: &Record<'_>, table: &'static [Parameter]) -> Vec<(&'static str, f64)> {
+    table
         .iter()
         .filter_map(|parameter| Some((parameter.key, record.number(parameter.key)?)))
-        .collect();
-    Values::resolve(table, &given).ok()
+        .collect()
 }
 
 /// `[heat]`.
@@ -78,10 +81,25 @@ fn refuse_idle_share(findings: &mut Findings, record: &Record<'_>, share: &str, 
     }
 }
 
+/// How far supports stretch without a cut, where material is drawn out and keeps its neighbours. In a shear zone
+/// neighbours have to change (docs/numerics.md).
+const SUPPORT_STRETCH: f64 = 1.5;
+
 /// `[numerics]`: the values, and whether the particles move.
-pub(crate) fn numerics(findings: &mut Findings, root: &Record<'_>) -> Option<(Values, Switch)> {
-    optional_section(findings, root, &sections::numerics(), 2, |_, record| {
-        Some((values(record, options::NUMERICS)?, switch(record.switch("mechanics")?)))
+pub(crate) fn numerics(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    has_process: bool,
+) -> Option<(Values, Switch)> {
+    optional_section(findings, root, &sections::numerics(), 2, |findings, record| {
+        let (mut given, key) = (given(record, options::NUMERICS), "support_stretch");
+        if !record.is_written(key) {
+            let usual = if has_process { 1.0 } else { SUPPORT_STRETCH };
+            findings.derived("numerics", key, Quantity::Dimensionless, usual);
+            given.push((key, usual));
+        }
+        let values = Values::resolve(options::NUMERICS, &given).ok()?;
+        Some((values, switch(record.switch("mechanics")?)))
     })
 }
 

@@ -113,8 +113,9 @@ pub const NUMERICS: &[Parameter] = &[
         "a",
         Range::closed(1.0, 3.0),
         1.0,
-        "how far the support of a particle stretches along with the material; above 1 for bodies \
-         that are drawn out (impact, forming), 1 for cutting",
+        "how far the support of a particle stretches along with the material: above 1 for bodies \
+         that are drawn out (impact, forming), 1 in a shear zone, where neighbours have to change, and for material \
+         without shear strength, which keeps no shape",
         "docs/numerics.md",
     ),
     number(

@@ -254,7 +254,7 @@ pub(crate) fn heat() -> Section {
 
 /// `[numerics]`.
 pub(crate) fn numerics() -> Section {
-    Section::new(
+    let mut section = Section::new(
         "numerics",
         "Discretisation and time step.",
         vec![
@@ -274,7 +274,11 @@ pub(crate) fn numerics() -> Section {
             .example("0.012"),
         ],
     )
-    .with_parameters(options::NUMERICS)
+    .with_parameters(options::NUMERICS);
+    let stretch = section.fields.iter_mut().find(|field| field.key == "support_stretch");
+    stretch.expect("an option of the discretisation").presence =
+        Presence::Derived("1 for a cut, 1.5 otherwise");
+    section
 }
 
 /// `[contact]`.
