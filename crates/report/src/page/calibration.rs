@@ -342,3 +342,42 @@ fn definitions() -> Markup {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphcut_postprocess::calibration::{MeasuredForces, Scan};
+
+    fn trial(coefficient: f64, feed: f64) -> Trial {
+        let force = |mean| Force { mean, ci95: 2.0, mean_per_width: mean, ci95_per_width: 2.0 };
+        Trial {
+            name: format!("mu_{coefficient}"),
+            coefficient,
+            measured: MeasuredForces {
+                cutting_speed: 1.0,
+                cutting_force: 200.0,
+                normal_force: 100.0,
+            },
+            cutting: force(200.0),
+            feed: force(feed),
+            steady: true,
+        }
+    }
+
+    /// A user whose chip sticks is not sent to a wider range.
+    #[test]
+    fn forces_that_level_off_are_said_to() {
+        let trials = [(0.2, 60.0), (0.4, 80.0), (0.6, 91.0), (0.8, 92.0)];
+        let calibration = Calibration {
+            scenario: "cut".to_owned(),
+            version: "0.1.0".to_owned(),
+            law: "shear_capped_coulomb".to_owned(),
+            scan: Scan::new(trials.map(|(mu, feed)| trial(mu, feed)).to_vec()).unwrap(),
+            predictions: Vec::new(),
+        };
+        let words = calibration_words(&calibration).join(" ");
+        assert!(words.contains("From 0.6 on more friction changes neither force"), "{words}");
+        assert!(words.contains("a wider range does not help"), "{words}");
+        assert!(!words.contains("not found"), "{words}");
+    }
+}
