@@ -20,12 +20,12 @@ fn values_of_an_earlier_version_are_named_and_computed_again() {
     let fresh = run_case(&case, &options, &mut |_| ());
     assert_eq!(judge_stored(&case, &store), Ok(Some(fresh)));
 
-    let name = case.runs[1].name.clone();
-    let mut stored = store.read(&case.name, &name).unwrap().unwrap();
+    let name = &case.runs[1].name;
+    let mut stored = store.read(&case.name, name).unwrap().unwrap();
     assert_eq!(stored.results_version, RESULTS_VERSION);
     stored.results_version -= 1;
     store.write(&case.name, &stored).unwrap();
-    assert_eq!(judge_stored(&case, &store).unwrap().unwrap().earlier, [name.clone()]);
+    assert_eq!(judge_stored(&case, &store).unwrap().unwrap().earlier, std::slice::from_ref(name));
     run_case(&case, &options, &mut |_| ());
     assert!(judge_stored(&case, &store).unwrap().unwrap().earlier.is_empty());
 
