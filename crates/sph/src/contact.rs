@@ -14,7 +14,8 @@ use crate::engine::Engine;
 use crate::error::SetupError;
 use crate::neighbours::NeighbourList;
 use crate::setup::{Tool, Vector as Vector3};
-use crate::tensor::{Vector, dot, minus};
+use crate::surface_point::SurfacePoints;
+use crate::tensor::{Matrix, Vector, dot, minus};
 use crate::tool_holder::ToolHolder;
 use crate::tool_motion::ToolMotion;
 use crate::tool_surface::{Nearest, Surface, sub, sum};
@@ -67,6 +68,10 @@ pub(crate) struct ToolContact<const D: usize> {
     /// Who is near the tool in the present evaluation.
     near: Vec<u32>,
     footings: Vec<Footing>,
+    /// What the surface points of these particles are found from; computed where it was needed.
+    moments: Vec<Option<Matrix<D>>>,
+    /// Where the touches act.
+    pub(crate) points: SurfacePoints<D>,
     contact_surface: ContactSurface,
     /// Largest friction force of the touches in N (N/m in 2D).
     limits: Vec<f64>,
@@ -111,6 +116,8 @@ impl<const D: usize> ToolContact<D> {
             touches: Vec::new(),
             near: Vec::new(),
             footings: Vec::new(),
+            moments: Vec::new(),
+            points: SurfacePoints::default(),
             contact_surface: ContactSurface::new(spacing, D),
             limits: Vec::new(),
             friction: ContactFriction::default(),
@@ -232,12 +239,15 @@ impl<const D: usize> ToolContact<D> {
         // Room for all of them to touch: a step then asks for none.
         let most = self.candidates.len();
         make_room(&mut self.footings, most);
+        make_room(&mut self.moments, most);
         make_room(&mut self.near, most);
         make_room(&mut self.touches, most);
         make_room(&mut self.limits, most);
         self.contact_surface.make_room(most);
         let neighbours = self.candidates.iter().map(|c| list.count(c.particle as usize) as usize);
-        self.friction.make_room(positions.len(), most, neighbours.max().unwrap_or(0));
+        let neighbours = neighbours.max().unwrap_or(0);
+        self.points.make_room(most, neighbours);
+        self.friction.make_room(positions.len(), most, neighbours);
     }
 
     /// Computes the contact forces at `time` on the particles of `engine`.
@@ -246,7 +256,9 @@ impl<const D: usize> ToolContact<D> {
         let velocity = reduced(&self.mean_velocity(time, time_step));
         let depth = self.contact_surface.depth();
         self.footings.clear();
+        self.moments.clear();
         self.near.clear();
+        let around = engine.surroundings();
         for candidate in &self.candidates {
             let i = candidate.particle as usize;
             let centre = sub(&extended(&engine.position[i]), &displacement);
@@ -256,11 +268,12 @@ impl<const D: usize> ToolContact<D> {
             if distance >= depth {
                 continue;
             }
-            let half_thickness = if distance < 2.0 * self.radius {
-                engine.followed_half_thickness(i, &reduced(&normal), time_step)
-            } else {
-                engine.point[i].half_thickness
+            let moment = (distance < 2.0 * self.radius).then(|| around.inverse_moment(i));
+            let half_thickness = match &moment {
+                Some(m) => engine.followed_half_thickness(i, &reduced(&normal), time_step, m),
+                None => engine.point[i].half_thickness,
             };
+            self.moments.push(moment);
             let (station, turn) = self.surface.station(&centre, &foot);
             self.footings.push(Footing {
                 centre,
@@ -279,17 +292,22 @@ impl<const D: usize> ToolContact<D> {
         let mut touches = std::mem::take(&mut self.touches);
         touches.clear();
         self.limits.clear();
+        self.points.clear();
         let shares = self.contact_surface.shares();
-        for ((&particle, footing), share) in self.near.iter().zip(&self.footings).zip(shares) {
+        let near = self.near.iter().zip(&self.moments);
+        for (((&particle, moment), footing), share) in near.zip(&self.footings).zip(shares) {
             // Outside the contact nothing has an area.
             if share.area > 0.0 || footing.pressing > 0.0 {
                 let touch = Self::touch(particle, footing, share);
-                let limit = self.shear_limit(&touch, engine, &velocity);
+                let moment = moment.unwrap_or_else(|| around.inverse_moment(particle as usize));
+                self.points.push(&touch, &moment, &around);
+                let moving = self.points.velocity(touches.len(), &engine.motion);
+                let limit = self.shear_limit(&touch, &minus(&moving, &velocity), engine);
                 self.limits.push(limit);
                 touches.push(touch);
             }
         }
-        self.friction.find(&mut touches, &self.limits, &velocity, time_step, engine);
+        self.friction.find(&mut touches, &self.points, &self.limits, &velocity, time_step, engine);
         for (touch, &limit) in touches.iter_mut().zip(&self.limits) {
             let size = dot(&touch.friction_force, &touch.friction_force).sqrt();
             let flow_stress = engine.point[touch.particle as usize].flow_stress;
@@ -316,12 +334,11 @@ impl<const D: usize> ToolContact<D> {
         }
     }
 
-    /// Largest friction force of `touch` in N (N/m in 2D).
-    fn shear_limit(&self, touch: &Touch<D>, engine: &Engine<D>, tool_velocity: &Vector<D>) -> f64 {
+    /// Largest friction force of `touch` in N (N/m in 2D); `slip`: velocity of its surface point against the tool.
+    fn shear_limit(&self, touch: &Touch<D>, slip: &Vector<D>, engine: &Engine<D>) -> f64 {
         let i = touch.particle as usize;
-        let slip = minus(&engine.surroundings().velocity(i, &touch.lever), tool_velocity);
-        let across = dot(&slip, &touch.normal());
-        let sliding = dot(&slip, &slip) - across * across;
+        let across = dot(slip, &touch.normal());
+        let sliding = dot(slip, slip) - across * across;
         let state = ContactState {
             pressure: touch.pressure,
             flow_stress: engine.point[i].flow_stress,

@@ -17,6 +17,7 @@
 use crate::contact::Touch;
 use crate::contact_surface::make_room;
 use crate::engine::Engine;
+use crate::surface_point::SurfacePoints;
 use crate::tensor::{Vector, dot, minus, plus_scaled};
 
 /// Ends the search: largest change of a friction force in terms of the largest one.
@@ -27,10 +28,10 @@ const MOST_SWEEPS: usize = 100;
 /// Finds friction forces; kept from step to step for its room.
 #[derive(Debug, Default)]
 pub(crate) struct ContactFriction<const D: usize> {
-    /// Particles with their parts in the surface points, touch by touch.
-    parts: Vec<(u32, f64)>,
-    /// Where the parts of each touch start, and the mobility W_aa of its surface point in 1/kg (m/kg).
-    points: Vec<(usize, f64)>,
+    /// Of each part of each surface point: velocity that a unit force on the point gives its particle over the step.
+    yields: Vec<f64>,
+    /// Mobility W_aa of each surface point in 1/kg (m/kg).
+    mobilities: Vec<f64>,
     /// Velocity of the particles after the coming step in m/s; only where they have a part.
     velocity: Vec<Vector<D>>,
 }
@@ -39,28 +40,30 @@ impl<const D: usize> ContactFriction<D> {
     /// Room for `touches` of `particles` that have so many `neighbours` at most.
     pub(crate) fn make_room(&mut self, particles: usize, touches: usize, neighbours: usize) {
         self.velocity.resize(particles, [0.0; D]);
-        make_room(&mut self.parts, touches.next_power_of_two() * (neighbours + 1));
-        make_room(&mut self.points, touches);
+        make_room(&mut self.yields, touches.next_power_of_two() * (neighbours + 1));
+        make_room(&mut self.mobilities, touches);
     }
 
-    /// Sets the friction of `touches`, which is none as yet, within their `limits` in N (N/m in 2D).
+    /// Sets the friction of `touches` with these surface `points`, which is none as yet, within their `limits` in
+    /// N (N/m in 2D).
     pub(crate) fn find(
         &mut self,
         touches: &mut [Touch<D>],
+        points: &SurfacePoints<D>,
         limits: &[f64],
         tool_velocity: &Vector<D>,
         time_step: f64,
         engine: &Engine<D>,
     ) {
-        self.lay(touches, time_step, engine);
+        self.lay(touches, points, time_step, engine);
         for _ in 0..MOST_SWEEPS {
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
             for (place, (touch, limit)) in touches.iter_mut().zip(limits).enumerate() {
-                let slip = self.slip(place, touch, tool_velocity);
+                let slip = self.slip(&points.parts()[points.range(place)], touch, tool_velocity);
                 let friction =
                     self.stick_or_slide(place, &touch.friction_force, &slip, *limit, time_step);
                 let moved = minus(&friction, &touch.friction_force);
-                self.push(place, &moved, time_step, engine);
+                self.push(place, points, &moved);
                 touch.friction_force = friction;
                 change = change.max(size(&moved));
                 largest = largest.max(size(&friction));
@@ -71,53 +74,44 @@ impl<const D: usize> ContactFriction<D> {
         }
     }
 
-    /// Lays out the surface points, and the velocities without friction.
-    fn lay(&mut self, touches: &[Touch<D>], time_step: f64, engine: &Engine<D>) {
-        self.parts.clear();
-        self.points.clear();
-        for touch in touches {
-            let i = touch.particle as usize;
-            let start = self.parts.len();
-            self.parts.push((touch.particle, 1.0));
-            for (j, part) in engine.surroundings().parts(i, &touch.lever) {
-                self.parts[start].1 += part;
-                self.parts.push((j as u32, -part));
-            }
-            let mobility =
-                self.parts[start..].iter().map(|(j, p)| p * p / engine.inertia(*j as usize)).sum();
-            self.points.push((start, mobility));
+    /// Lays out what forces on the surface points do, and the velocities without friction.
+    fn lay(
+        &mut self,
+        touches: &[Touch<D>],
+        points: &SurfacePoints<D>,
+        time_step: f64,
+        engine: &Engine<D>,
+    ) {
+        self.yields.clear();
+        self.mobilities.clear();
+        for place in 0..touches.len() {
+            let parts = &points.parts()[points.range(place)];
+            let mobility = parts.iter().map(|(j, p)| p * p / engine.inertia(*j as usize)).sum();
+            self.mobilities.push(mobility);
         }
-        for &(j, _) in &self.parts {
+        for &(j, part) in points.parts() {
             let j = j as usize;
-            self.velocity[j] = plus_scaled(
-                engine.motion[j].velocity(),
-                time_step / engine.inertia(j),
-                &engine.force[j],
-            );
+            let inertia = engine.inertia(j);
+            self.yields.push(part * time_step / inertia);
+            self.velocity[j] =
+                plus_scaled(engine.motion[j].velocity(), time_step / inertia, &engine.force[j]);
         }
         for (place, touch) in touches.iter().enumerate() {
-            self.push(place, &touch.normal_force, time_step, engine);
+            self.push(place, points, &touch.normal_force);
         }
-    }
-
-    /// Numbers of the parts of a touch.
-    fn parts_of(&self, place: usize) -> std::ops::Range<usize> {
-        let end = self.points.get(place + 1).map_or(self.parts.len(), |next| next.0);
-        self.points[place].0..end
     }
 
     /// Adds what `force` on a surface point does over the step.
-    fn push(&mut self, place: usize, force: &Vector<D>, time_step: f64, engine: &Engine<D>) {
-        for number in self.parts_of(place) {
-            let (j, part) = self.parts[number];
-            let share = part * time_step / engine.inertia(j as usize);
-            self.velocity[j as usize] = plus_scaled(&self.velocity[j as usize], share, force);
+    fn push(&mut self, place: usize, points: &SurfacePoints<D>, force: &Vector<D>) {
+        let range = points.range(place);
+        for ((j, _), share) in points.parts()[range.clone()].iter().zip(&self.yields[range]) {
+            let velocity = &mut self.velocity[*j as usize];
+            *velocity = plus_scaled(velocity, *share, force);
         }
     }
 
-    /// Slip of a surface point after the step in m/s.
-    fn slip(&self, place: usize, touch: &Touch<D>, tool_velocity: &Vector<D>) -> Vector<D> {
-        let parts = &self.parts[self.parts_of(place)];
+    /// Slip of the surface point of these `parts` after the step in m/s.
+    fn slip(&self, parts: &[(u32, f64)], touch: &Touch<D>, tool_velocity: &Vector<D>) -> Vector<D> {
         let slip = parts.iter().fold(tool_velocity.map(|v| -v), |sum, (j, part)| {
             plus_scaled(&sum, *part, &self.velocity[*j as usize])
         });
@@ -134,7 +128,7 @@ impl<const D: usize> ContactFriction<D> {
         limit: f64,
         time_step: f64,
     ) -> Vector<D> {
-        let mobility = self.points[place].1;
+        let mobility = self.mobilities[place];
         let sought = plus_scaled(now, -1.0 / (mobility * time_step), slip);
         let needed = size(&sought);
         if needed > limit { sought.map(|f| f / needed * limit) } else { sought }
@@ -192,7 +186,8 @@ mod tests {
                 let share = part * TIME_STEP / engine.inertia(j);
                 moved[j] = plus_scaled(&moved[j], share, &touch.friction_force);
             };
-            for (j, part) in engine.surroundings().parts(i, &touch.lever) {
+            let around = engine.surroundings();
+            for (j, part) in around.parts(i, &touch.lever, &around.inverse_moment(i)) {
                 own += part;
                 add(j, -part);
             }
@@ -201,7 +196,7 @@ mod tests {
         let slip = |touch: &Touch<2>| {
             let i = touch.particle as usize;
             let (around, here) = (engine.surroundings(), moved[i][0]);
-            let parts = around.parts(i, &touch.lever);
+            let parts = around.parts(i, &touch.lever, &around.inverse_moment(i));
             parts.fold(here - tool, |sum, (j, part)| sum - part * (moved[j][0] - here))
         };
         touches.iter().map(slip).collect()
@@ -212,11 +207,13 @@ mod tests {
         let (engine, mut touches) = touched();
         let mut friction = ContactFriction::default();
         friction.make_room(engine.motion.len(), touches.len(), 40);
+        let mut points = SurfacePoints::default();
+        points.lay(&touches, &engine.surroundings());
         let limits = vec![f64::INFINITY; touches.len()];
         let largest =
             |slips: Vec<f64>| slips.iter().fold(0.0_f64, |most, slip| most.max(slip.abs()));
         let before = largest(slips(&engine, &touches, 0.2));
-        friction.find(&mut touches, &limits, &[0.2, 0.0], TIME_STEP, &engine);
+        friction.find(&mut touches, &points, &limits, &[0.2, 0.0], TIME_STEP, &engine);
         let after = largest(slips(&engine, &touches, 0.2));
         assert!(before > 0.5 && after < 1e-7 * before, "{before} {after}");
     }
@@ -226,10 +223,12 @@ mod tests {
         let (engine, mut touches) = touched();
         let mut friction = ContactFriction::default();
         friction.make_room(engine.motion.len(), touches.len(), 40);
+        let mut points = SurfacePoints::default();
+        points.lay(&touches, &engine.surroundings());
         let free = slips(&engine, &touches, 0.2);
         // Half of what stops the fastest by itself: some slide, some stick.
         let limits = vec![0.2 * engine.inertia(0) / TIME_STEP; touches.len()];
-        friction.find(&mut touches, &limits, &[0.2, 0.0], TIME_STEP, &engine);
+        friction.find(&mut touches, &points, &limits, &[0.2, 0.0], TIME_STEP, &engine);
         let slips = slips(&engine, &touches, 0.2);
         let (mut sliding, mut sticking) = (0, 0);
         for ((touch, limit), (slip, free)) in touches.iter().zip(limits).zip(slips.iter().zip(free))

@@ -26,7 +26,7 @@ use crate::neighbours::{CHUNK, Cells, NeighbourList, Smoothing};
 use crate::setup::{CuttingFrame, HeatSource, Setup};
 use crate::stage::Stage;
 use crate::supports::{FREE, Hold};
-use crate::surface_point::{LatticeCell, Surroundings};
+use crate::surface_point::LatticeCell;
 use crate::tensor::{Matrix, Vector, dot, identity, plus_scaled, zero};
 use crate::thermoelasticity;
 use crate::tool_heat::{ToolHeat, in_tool};
@@ -394,6 +394,7 @@ impl<const D: usize> Engine<D> {
             self.sweep_forces();
             self.push_strangers_apart();
             self.push_crowded_apart();
+            self.lay_surface_points();
             self.add_contact_forces();
             passed(Stage::Renewal);
         }
@@ -488,15 +489,10 @@ impl<const D: usize> Engine<D> {
     fn book_contact(&mut self, duration: f64) {
         let Some(tool) = &self.tool else { return };
         let tool_velocity: Vector<D> = reduced(&tool.velocity);
-        for touch in &tool.touches {
+        for (place, touch) in tool.touches.iter().enumerate() {
             let i = touch.particle as usize;
-            let surface = Surroundings {
-                list: &self.list,
-                motion: &self.motion,
-                frame: &self.frame,
-                point: &self.point,
-            };
-            let slip = crate::tensor::minus(&tool_velocity, &surface.velocity(i, &touch.lever));
+            let moving = tool.points.velocity(place, &self.motion);
+            let slip = crate::tensor::minus(&tool_velocity, &moving);
             let friction = duration * dot(&touch.friction_force, &slip);
             self.account.friction += friction;
             self.account.contact += duration * dot(&touch.normal_force, &slip);

@@ -487,6 +487,7 @@ impl<const D: usize> Engine<D> {
                 })
             })
             .collect::<Result<_, SetupError>>()?;
+        self.lay_surface_points();
         Ok(())
     }
 }

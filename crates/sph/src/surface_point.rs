@@ -21,14 +21,17 @@
 //! **Limits.** L is that of the particle, linear over half a row. r stays within [`THINNEST`] and [`THICKEST`]
 //! spacings; at these limits the penalty's energy is not exact. n turns without turning what r was before.
 
-use crate::contact::reduced;
+use crate::contact::{Touch, reduced};
+use crate::contact_surface::make_room;
 use crate::engine::{Engine, Frame};
 use crate::lattice;
 use crate::material_point::MaterialPoint;
 use crate::motion::Motion;
 use crate::neighbours::NeighbourList;
 use crate::setup::{Body, Setup, Shape};
-use crate::tensor::{Vector, apply, dot, inverse_nonsingular, minus, plus_scaled};
+use crate::tensor::{
+    Matrix, Vector, apply, determinant, dot, inverse_nonsingular, minus, plus_scaled, zero,
+};
 
 /// Least half thickness in spacings.
 const THINNEST: f64 = 0.025;
@@ -45,16 +48,11 @@ pub(crate) struct Surroundings<'a, const D: usize> {
 }
 
 impl<const D: usize> Surroundings<'_, D> {
-    /// The neighbours of particle `i` with the parts c_ij they have in its surface point, `lever` being r n.
-    pub(crate) fn parts(
-        &self,
-        i: usize,
-        lever: &Vector<D>,
-    ) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let carried = apply(&inverse_nonsingular(&self.point[i].deformation), lever);
+    /// M_i^-1 of particle `i`; zero where its kernel gradient is not usable.
+    pub(crate) fn inverse_moment(&self, i: usize) -> Matrix<D> {
         let (index, weight) = self.list.row(i);
         let here = *self.motion[i].reference();
-        let mut second = crate::tensor::zero::<D>();
+        let mut second = zero::<D>();
         for (&j, &w) in index.iter().zip(weight) {
             let x = minus(self.motion[j as usize].reference(), &here);
             let w = w * dot(&x, &x);
@@ -64,9 +62,21 @@ impl<const D: usize> Surroundings<'_, D> {
                 }
             }
         }
-        let usable = crate::tensor::determinant(&self.frame[i].correction) != 0.0;
-        let direction =
-            if usable { apply(&inverse_nonsingular(&second), &carried) } else { [0.0; D] };
+        let usable = determinant(&self.frame[i].correction) != 0.0;
+        if usable { inverse_nonsingular(&second) } else { zero() }
+    }
+
+    /// The neighbours of particle `i` with the parts c_ij they have in its surface point, `lever` being r n.
+    pub(crate) fn parts(
+        &self,
+        i: usize,
+        lever: &Vector<D>,
+        inverse_moment: &Matrix<D>,
+    ) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let carried = apply(&inverse_nonsingular(&self.point[i].deformation), lever);
+        let direction = apply(inverse_moment, &carried);
+        let (index, weight) = self.list.row(i);
+        let here = *self.motion[i].reference();
         index.iter().zip(weight).map(move |(&j, &w)| {
             let j = j as usize;
             let x = minus(self.motion[j].reference(), &here);
@@ -75,10 +85,89 @@ impl<const D: usize> Surroundings<'_, D> {
     }
 
     /// Velocity of the surface point in m/s.
-    pub(crate) fn velocity(&self, i: usize, lever: &Vector<D>) -> Vector<D> {
+    pub(crate) fn velocity(
+        &self,
+        i: usize,
+        lever: &Vector<D>,
+        inverse_moment: &Matrix<D>,
+    ) -> Vector<D> {
         let own = self.motion[i].velocity();
-        self.parts(i, lever).fold(*own, |sum, (j, part)| {
+        self.parts(i, lever, inverse_moment).fold(*own, |sum, (j, part)| {
             plus_scaled(&sum, -part, &minus(self.motion[j].velocity(), own))
+        })
+    }
+}
+
+/// The surface points of all touches: the particles with their parts in each. They hold until strains change or
+/// neighbours are renewed.
+#[derive(Debug)]
+pub(crate) struct SurfacePoints<const D: usize> {
+    /// Touch by touch: the particle itself with 1 + sum_j c_ij, then its neighbours with -c_ij.
+    parts: Vec<(u32, f64)>,
+    /// Where the parts of each touch start.
+    starts: Vec<usize>,
+}
+
+impl<const D: usize> Default for SurfacePoints<D> {
+    fn default() -> Self {
+        Self { parts: Vec::new(), starts: Vec::new() }
+    }
+}
+
+impl<const D: usize> SurfacePoints<D> {
+    /// Room for so many `touches` of particles that have so many `neighbours` at most.
+    pub(crate) fn make_room(&mut self, touches: usize, neighbours: usize) {
+        make_room(&mut self.parts, touches.next_power_of_two() * (neighbours + 1));
+        make_room(&mut self.starts, touches);
+    }
+
+    /// Has none.
+    pub(crate) fn clear(&mut self) {
+        self.parts.clear();
+        self.starts.clear();
+    }
+
+    /// Adds that of `touch`.
+    pub(crate) fn push(
+        &mut self,
+        touch: &Touch<D>,
+        inverse_moment: &Matrix<D>,
+        around: &Surroundings<'_, D>,
+    ) {
+        let start = self.parts.len();
+        self.starts.push(start);
+        self.parts.push((touch.particle, 1.0));
+        for (j, part) in around.parts(touch.particle as usize, &touch.lever, inverse_moment) {
+            self.parts[start].1 += part;
+            self.parts.push((j as u32, -part));
+        }
+    }
+
+    /// Those of `touches`.
+    pub(crate) fn lay(&mut self, touches: &[Touch<D>], around: &Surroundings<'_, D>) {
+        self.clear();
+        for touch in touches {
+            self.push(touch, &around.inverse_moment(touch.particle as usize), around);
+        }
+    }
+
+    /// All parts, touch by touch.
+    pub(crate) fn parts(&self) -> &[(u32, f64)] {
+        &self.parts
+    }
+
+    /// Numbers of the parts of the touch at `place`; the first is that of the particle itself.
+    pub(crate) fn range(&self, place: usize) -> std::ops::Range<usize> {
+        let end = self.starts.get(place + 1).copied().unwrap_or(self.parts.len());
+        self.starts[place]..end
+    }
+
+    /// Velocity of the surface point of the touch at `place` in m/s.
+    pub(crate) fn velocity(&self, place: usize, motion: &[Motion<D>]) -> Vector<D> {
+        let parts = &self.parts[self.range(place)];
+        let own = motion[parts[0].0 as usize].velocity();
+        parts[1..].iter().fold(*own, |sum, &(j, part)| {
+            plus_scaled(&sum, part, &minus(motion[j as usize].velocity(), own))
         })
     }
 }
@@ -129,13 +218,15 @@ impl<const D: usize> Engine<D> {
         i: usize,
         normal: &Vector<D>,
         time_step: f64,
+        inverse_moment: &Matrix<D>,
     ) -> f64 {
         let before = self.point[i].half_thickness;
         if before == 0.0 {
             return self.cells_of_bodies[self.body[i] as usize].half_thickness(normal);
         }
         // L n from the way of a lever of length 1.
-        let apart = minus(self.motion[i].velocity(), &self.surroundings().velocity(i, normal));
+        let moved = self.surroundings().velocity(i, normal, inverse_moment);
+        let apart = minus(self.motion[i].velocity(), &moved);
         let limits = (THINNEST * self.spacing, THICKEST * self.spacing);
         (before * (1.0 + time_step * dot(normal, &apart))).clamp(limits.0, limits.1)
     }
@@ -152,18 +243,20 @@ impl<const D: usize> Engine<D> {
     /// Adds the contact forces of the touches to those on the particles.
     pub(crate) fn add_contact_forces(&mut self) {
         let Some(tool) = &self.tool else { return };
-        let (list, motion, frame, point) = (&self.list, &self.motion, &self.frame, &self.point);
-        let surroundings = Surroundings { list, motion, frame, point };
-        for touch in &tool.touches {
-            let i = touch.particle as usize;
+        for (place, touch) in tool.touches.iter().enumerate() {
             let contact = plus_scaled(&touch.normal_force, 1.0, &touch.friction_force);
-            let mut own = 1.0;
-            for (j, part) in surroundings.parts(i, &touch.lever) {
-                own += part;
-                self.force[j] = plus_scaled(&self.force[j], -part, &contact);
+            for &(j, part) in &tool.points.parts()[tool.points.range(place)] {
+                let force = &mut self.force[j as usize];
+                *force = plus_scaled(force, part, &contact);
             }
-            self.force[i] = plus_scaled(&self.force[i], own, &contact);
         }
+    }
+
+    /// Finds the surface points of the present touches anew.
+    pub(crate) fn lay_surface_points(&mut self) {
+        let Some(mut tool) = self.tool.take() else { return };
+        tool.points.lay(&tool.touches, &self.surroundings());
+        self.tool = Some(tool);
     }
 }
 
@@ -173,7 +266,6 @@ pub(crate) mod tests {
     use crate::setup::{
         Dimension, Discretisation, Lattice, Material, TemperatureTables, VelocityField,
     };
-    use crate::tensor::Matrix;
     use approx::assert_relative_eq;
     use sphcut_physics::Values;
     use sphcut_physics::elasticity::ElasticModuli;
@@ -226,11 +318,12 @@ pub(crate) mod tests {
         }
         let lever: Vector<D> = std::array::from_fn(|k| 0.05 - 0.03 * k as f64);
         let force: Vector<D> = std::array::from_fn(|k| 2.0 - k as f64);
+        let around = engine.surroundings();
         for i in 0..engine.motion.len() {
-            let found = engine.surroundings().velocity(i, &lever);
+            let found = around.velocity(i, &lever, &around.inverse_moment(i));
             let expected = apply(&field, &minus(&place(&engine, i), &lever));
             let (mut sum, mut power) = ([0.0; D], dot(&force, engine.motion[i].velocity()));
-            for (j, part) in engine.surroundings().parts(i, &lever) {
+            for (j, part) in around.parts(i, &lever, &around.inverse_moment(i)) {
                 let there = minus(engine.motion[j].velocity(), engine.motion[i].velocity());
                 power -= part * dot(&force, &there);
                 sum = plus_scaled(&sum, part, &force);
@@ -277,7 +370,9 @@ pub(crate) mod tests {
         let into = [0.0, -lever * height];
         let surface: Vec<usize> = (0..count).filter(|&i| row(&engine, i) == 0).collect();
         for i in surface {
-            let parts: Vec<(usize, f64)> = engine.surroundings().parts(i, &into).collect();
+            let around = engine.surroundings();
+            let parts: Vec<(usize, f64)> =
+                around.parts(i, &into, &around.inverse_moment(i)).collect();
             for (j, part) in parts {
                 engine.force[j][1] += part * whole;
                 engine.force[i][1] -= part * whole;
