@@ -194,11 +194,11 @@ impl ActiveEffect {
 }
 
 /// Sliding speed below which friction is constant, in m/s: below that of the slowest chip of interest.
-pub(crate) const REFERENCE_SPEED: f64 = 0.2;
+pub const REFERENCE_SPEED: f64 = 0.2;
 /// Width of the transition in which the built-up edge disappears, in K.
 pub(crate) const BUILT_UP_WIDTH: f64 = 40.0;
-/// Rise of temperature over which [`Action::SpecificHeat`] and [`Action::Conductivity`] count their change, in K.
-pub(crate) const THERMAL_SPAN: f64 = 1000.0;
+/// Rise of temperature over which a change of specific heat or conductivity is counted, in K.
+pub const THERMAL_SPAN: f64 = 1000.0;
 
 fn friction_table(key: &str) -> &'static [Parameter] {
     friction::find(key).map_or(&[], |law| law.parameters)

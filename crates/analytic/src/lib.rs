@@ -36,7 +36,9 @@ mod solve;
 
 pub use contact::Contact;
 pub use cut::{Channel, Condition, Cut, FlowStress, Linear, Observables, Tool, Workpiece};
-pub use effects::{ActiveEffect, EFFECTS, Effect, Family, Free, Scale, find};
+pub use effects::{
+    ActiveEffect, EFFECTS, Effect, Family, Free, REFERENCE_SPEED, Scale, THERMAL_SPAN, find,
+};
 pub use error::Error;
 pub use physics::{
     Closure, FrictionSpeed, Heat, Physics, Ploughing, RateConstant, SecondaryLayer, ShearAngle,

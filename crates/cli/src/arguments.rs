@@ -111,7 +111,9 @@ What appears in the output folder (out/<scenario> unless --out says otherwise):
 
 Ctrl-C stops after the current step and writes a checkpoint; run the same command with --resume
 to go on. The results are the same, bit for bit, as without the interruption and for any number
-of threads.";
+of threads.
+
+--patch scenario.patch.toml runs the scenario with what `sphcut diagnose` found to be missing.";
 
 const CHECK_HELP: &str = "\
 `check` runs a few dozen steps to measure the speed of this machine; --no-measure skips that.";
@@ -238,12 +240,24 @@ pub struct ScenarioArguments {
     pub allow_outside: bool,
 }
 
+/// A scenario, or the file of a sweep of one, that a patch may change.
+#[derive(Debug, Args)]
+pub struct PatchableArguments {
+    /// The file.
+    #[command(flatten)]
+    pub file: ScenarioArguments,
+    /// Change the scenario by the keys under [scenario] of this file, such as the
+    /// scenario.patch.toml of a diagnosis.
+    #[arg(long, value_name = "FILE")]
+    pub patch: Option<PathBuf>,
+}
+
 /// Arguments of `run`.
 #[derive(Debug, Args)]
 pub struct RunArguments {
     /// The scenario.
     #[command(flatten)]
-    pub scenario: ScenarioArguments,
+    pub scenario: PatchableArguments,
     /// Output folder [default: out/<name of the scenario>].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -269,7 +283,7 @@ pub struct RunArguments {
 pub struct CheckArguments {
     /// The scenario.
     #[command(flatten)]
-    pub scenario: ScenarioArguments,
+    pub scenario: PatchableArguments,
     /// Threads for the measurement [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -370,7 +384,7 @@ pub struct WearArguments {
 pub struct CalibrateArguments {
     /// The scenario.
     #[command(flatten)]
-    pub scenario: ScenarioArguments,
+    pub scenario: PatchableArguments,
     /// Measured forces (CSV with units in the header).
     #[arg(long, value_name = "FILE")]
     pub measured: PathBuf,

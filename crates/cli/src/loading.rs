@@ -1,20 +1,22 @@
 //! From a file name to a scenario, and to the threads that compute it.
 
-use crate::arguments::ScenarioArguments;
+use crate::arguments::{PatchableArguments, ScenarioArguments};
 use crate::failure::{ExitCode, Failure};
 use sphcut_record::{Provenance, Setting};
 use sphcut_scenario::{
     Colours, DiagnosisFile, Identification, LoadOptions, Mistake, OutsideFiles, Problem,
-    Recordings, Scenario, Sweep,
+    Recordings, Scenario, ScenarioPatch, Sweep,
 };
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::sync::Arc;
 
-/// Reads and checks the scenario.
-pub fn scenario(arguments: &ScenarioArguments) -> Result<Scenario, Failure> {
-    sphcut_scenario::load(&arguments.scenario, &options(arguments))
-        .map_err(|problems| refused(arguments, &problems))
+/// Reads, patches and checks the scenario.
+pub fn scenario(arguments: &PatchableArguments) -> Result<Scenario, Failure> {
+    let file = &arguments.file;
+    sphcut_scenario::load(&file.scenario, &patched_options(arguments)?)
+        .map_err(|problems| refused_patched(arguments, &problems))
 }
 
 /// Reads and checks a file of recordings.
@@ -35,10 +37,11 @@ pub fn diagnosis(arguments: &ScenarioArguments) -> Result<DiagnosisFile, Failure
         .map_err(|problems| refused(arguments, &problems))
 }
 
-/// Reads and checks a file of a sweep.
-pub fn sweep(arguments: &ScenarioArguments) -> Result<Sweep, Failure> {
-    sphcut_scenario::load_sweep(&arguments.scenario, &options(arguments))
-        .map_err(|problems| refused(arguments, &problems))
+/// Reads and checks a file of a sweep, its scenario patched.
+pub fn sweep(arguments: &PatchableArguments) -> Result<Sweep, Failure> {
+    let file = &arguments.file;
+    sphcut_scenario::load_sweep(&file.scenario, &patched_options(arguments)?)
+        .map_err(|problems| refused_patched(arguments, &problems))
 }
 
 /// Reads and checks `text` as if it stood in the file of the scenario.
@@ -55,12 +58,27 @@ pub fn varied(arguments: &ScenarioArguments, text: &str) -> Result<Scenario, Fai
 pub fn options(arguments: &ScenarioArguments) -> LoadOptions {
     let outside_files =
         if arguments.allow_outside { OutsideFiles::Allowed } else { OutsideFiles::Refused };
-    LoadOptions { outside_files }
+    LoadOptions { outside_files, patch: None }
+}
+
+/// The same with the patch.
+fn patched_options(arguments: &PatchableArguments) -> Result<LoadOptions, Failure> {
+    let Some(path) = &arguments.patch else { return Ok(options(&arguments.file)) };
+    let patch = ScenarioPatch::read(path).map_err(|problem| {
+        let unreadable = matches!(problem.mistake, Mistake::File { .. });
+        let code = if unreadable { ExitCode::InputOutput } else { ExitCode::BadInput };
+        Failure::rendered(code, problem.render(colours()))
+    })?;
+    Ok(LoadOptions { patch: Some(Arc::new(patch)), ..options(&arguments.file) })
+}
+
+fn colours() -> Colours {
+    if std::io::stderr().is_terminal() { Colours::Terminal } else { Colours::Plain }
 }
 
 /// All mistakes, each with its place, and their number.
 fn refused(arguments: &ScenarioArguments, problems: &[Problem]) -> Failure {
-    let colours = if std::io::stderr().is_terminal() { Colours::Terminal } else { Colours::Plain };
+    let colours = colours();
     let mut pages: Vec<String> = problems.iter().map(|problem| problem.render(colours)).collect();
     if problems.len() > 1 {
         let name = arguments.scenario.display();
@@ -71,6 +89,16 @@ fn refused(arguments: &ScenarioArguments, problems: &[Problem]) -> Failure {
         || problems.iter().all(|problem| is_unreadable(arguments, problem));
     let code = if unreadable { ExitCode::InputOutput } else { ExitCode::BadInput };
     Failure::rendered(code, pages.join("\n\n"))
+}
+
+/// The same of a patched scenario: the lines shown are those after the patch.
+fn refused_patched(arguments: &PatchableArguments, problems: &[Problem]) -> Failure {
+    let failure = refused(&arguments.file, problems);
+    match &arguments.patch {
+        Some(patch) => failure
+            .advise(format!("lines are those of the scenario as `{}` patches it", patch.display())),
+        None => failure,
+    }
 }
 
 /// Whether the scenario file itself could not be read.

@@ -48,9 +48,11 @@ mod next_experiment;
 mod nodes;
 mod noise;
 mod paired;
+mod patch;
 mod predictor;
 mod problem;
 mod rerun;
+mod scenario_keys;
 mod self_test;
 pub mod series;
 mod session;
@@ -77,6 +79,7 @@ pub use locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
 pub use monotone::never_falling;
 pub use next_experiment::{NextExperiment, Rival, next_experiment};
 pub use paired::{Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support};
+pub use patch::{patch, scenario_patch};
 pub use predictor::{
     Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior, ToolShape,
 };

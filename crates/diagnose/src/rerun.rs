@@ -4,6 +4,7 @@ use crate::channel::{CHANNELS, Channel};
 use crate::fit::{Fit, fit};
 use crate::help::ratio_interval;
 use crate::paired::{Change, PairedRun};
+use crate::patch::fitted_change;
 use crate::predictor::{Condition, Predictor};
 use crate::problem::Problem;
 use nalgebra::DVector;
@@ -97,23 +98,11 @@ pub fn rerun_changes(
     (null, repair): (&Fit, &Fit),
     condition: &Condition,
 ) -> Option<[Change; STATES]> {
-    let nuisances = |fit: &Fit| {
-        let own = problem.nuisances(&fit.unknowns, 0);
-        predictor.nuisances().iter().map(|n| n.key).zip(own).collect::<Vec<_>>()
-    };
-    let mut repaired = Change { nuisances: nuisances(repair), ..Change::default() };
-    for active in repair.active(predictor, problem.unknowns()) {
-        let key = predictor.effects()[active.effect].key;
-        if key == "flank_wear" {
-            repaired.wear_land = Some(active.values[0] * condition.cut_length);
-        } else if crate::paired::can_be_run(key) {
-            repaired.effects.push((key, active.values));
-        } else {
-            return None;
-        }
-    }
-    let refitted = Change { nuisances: nuisances(null), ..Change::default() };
-    Some([Change::default(), refitted, repaired])
+    let changed = |fit| fitted_change(problem, predictor, fit, condition.cut_length);
+    let repaired = changed(repair);
+    let can_be_run = |(key, _): &(&str, Vec<f64>)| crate::paired::can_be_run(key);
+    let runs = repaired.effects.iter().all(can_be_run);
+    runs.then(|| [Change::default(), changed(null), repaired])
 }
 
 /// Compares what was run at each condition in the three states with the recordings there. `None` if too little was run.

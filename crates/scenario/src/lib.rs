@@ -72,7 +72,7 @@ pub use force_table::{ForceTableRow, read_force_table};
 pub use measured::{
     MeasuredForces, MeasuredSpringback, read_measured_forces, read_measured_springback,
 };
-pub use patch::{PatchError, with_value};
+pub use patch::{PatchError, ScenarioPatch, with_value};
 pub use series_table::{SeriesRow, read_series_table};
 
 pub use ending::{Output, Steady, Stop};
@@ -94,10 +94,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// How a scenario is loaded.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct LoadOptions {
     /// Whether it may name files outside its own directory.
     pub outside_files: OutsideFiles,
+    /// What is changed in the scenario that is loaded, or that is the base of a sweep.
+    pub patch: Option<Arc<ScenarioPatch>>,
 }
 
 /// Name and text of every shipped material.

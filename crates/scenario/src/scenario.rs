@@ -56,12 +56,16 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scenario, Vec<Problem>
         let mistake = Mistake::File { path: shown.clone(), reason, help: String::new() };
         vec![Problem::without_text(&shown, mistake)]
     })?;
+    let text = match &options.patch {
+        Some(patch) => patch.applied(&text).map_err(|problem| vec![problem])?,
+        None => text,
+    };
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
     let directory = parent.unwrap_or(Path::new("."));
     parse(&text, &shown, Some(directory), options)
 }
 
-/// Reads a scenario from `text`; `name` is shown in messages, `directory` is where the files that
+/// Reads a scenario from `text`, without the patch of `options`; `name` is shown in messages, `directory` is where the files that
 /// it names lie (`None`: it cannot name files).
 ///
 /// # Errors

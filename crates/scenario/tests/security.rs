@@ -8,7 +8,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const OUTSIDE: LoadOptions = LoadOptions { outside_files: OutsideFiles::Allowed };
+const OUTSIDE: LoadOptions = LoadOptions { outside_files: OutsideFiles::Allowed, patch: None };
 
 /// A fresh directory with `stranger/cut.toml` (naming `material`) and `secret.toml` above it.
 struct Scene {

@@ -86,7 +86,7 @@ fn grid(
 ) -> Result<Grid, Failure> {
     let (from, to) = (arguments.from, arguments.to);
     trials::with_coefficient(&scenario.text, from)
-        .map_err(|error| trials::not_varied(&arguments.scenario.scenario, &error))?;
+        .map_err(|error| trials::not_varied(&arguments.scenario.file.scenario, &error))?;
     let range = law.parameters.iter().find(|p| p.key == trials::COEFFICIENT[2]).map(|p| p.range);
     for (name, value) in [("--from", from), ("--to", to)] {
         if !value.is_finite() || range.is_some_and(|range| !range.contains(value)) {
@@ -182,7 +182,7 @@ fn write(
 ) -> Result<(), Failure> {
     let coefficient = calibration.scan.best().coefficient;
     let patched = trials::with_coefficient(&scenario.text, coefficient)
-        .map_err(|error| trials::not_varied(&arguments.scenario.scenario, &error))?;
+        .map_err(|error| trials::not_varied(&arguments.scenario.file.scenario, &error))?;
     let texts = [
         render_calibration(calibration),
         calibration_json(calibration),

@@ -62,8 +62,8 @@ impl Workbench<'_> {
         let speed = format!("\"{} m/min\"", text::number(metres_per_minute(cutting_speed)));
         let varied = with_coefficient(&self.scenario.text, coefficient)
             .and_then(|text| sphcut_scenario::with_value(&text, &SPEED, &speed))
-            .map_err(|error| not_varied(&self.arguments.scenario.scenario, &error))?;
-        loading::varied(&self.arguments.scenario, &varied)
+            .map_err(|error| not_varied(&self.arguments.scenario.file.scenario, &error))?;
+        loading::varied(&self.arguments.scenario.file, &varied)
     }
 
     /// Starts the run or goes on with it; with `--force` over one whose scenario has changed.

@@ -1,6 +1,5 @@
 //! `sphcut diagnose`: which physics a simulation left out.
 
-mod patch;
 mod runs;
 mod series;
 
@@ -11,7 +10,7 @@ use runs::{Ended, Paired};
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{
     ClosedForm, DiagnoseError, Predictor, Provenance, closed_form_cut, compare_rerun,
-    diagnose_case, diagnosis_json, held_out_csv,
+    diagnose_case, diagnosis_json, held_out_csv, patch,
 };
 use sphcut_report::{
     DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
@@ -100,7 +99,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     };
     results::save(&files[1], numbers.as_bytes())?;
     let texts = [
-        patch::patch(&provenance, case, &found, model),
+        patch(&provenance, case, &found, model).map_err(mistaken)?,
         Some(held_out_csv(&found, &recordings)),
         series.as_ref().map(series_csv),
         series.as_ref().map(trends_csv),

@@ -3,11 +3,11 @@
 use crate::arguments::DiagnoseArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
-use crate::{interrupt, loading, sweep, terminal};
+use crate::{interrupt, loading, results, sweep, terminal};
 use sphcut_diagnose::{
     CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, Fit, PairedRun, PairedRuns,
     PairedScenario, Predictor, STATES, ToolShape, changes, condition_of, rerun_changes,
-    rerun_conditions, support, unseen_fits,
+    rerun_conditions, scenario_patch, support, unseen_fits,
 };
 use sphcut_scenario::{DiagnosisCase, Sweep};
 use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Table};
@@ -24,6 +24,8 @@ const MM: f64 = 1e-3;
 pub struct Paired {
     sweep: Sweep,
     runs: Vec<(Condition, Change)>,
+    /// The patch that makes the last of the runs of the scenario; empty for a library.
+    patch: String,
 }
 
 /// How paired runs ended.
@@ -55,7 +57,7 @@ impl Paired {
             (&base.keys(worn), &values),
         )
         .map_err(Failure::input)?;
-        Ok(Self { sweep, runs })
+        Ok(Self { sweep, runs, patch: String::new() })
     }
 
     /// The library of a case: every effect at three speeds and thicknesses.
@@ -115,10 +117,10 @@ impl Paired {
             };
             runs.extend(changes.map(|change| (condition, change)));
         }
-        if runs.is_empty() {
-            return Ok(None);
-        }
-        let paired = Self::new(case, arguments, ("The repaired scenario", "repaired"), runs)?;
+        let Some((_, change)) = runs.last() else { return Ok(None) };
+        let patch = scenario_patch(&case.base, change).map_err(refused)?;
+        let mut paired = Self::new(case, arguments, ("The repaired scenario", "repaired"), runs)?;
+        paired.patch = patch;
         Ok(Some((paired, null, repair)))
     }
 
@@ -142,6 +144,9 @@ impl Paired {
         std::fs::create_dir_all(&folder).map_err(|error| {
             Failure::output(format!("cannot create `{}`", folder.display()), &error)
         })?;
+        if !self.patch.is_empty() {
+            results::save(&folder.join(super::PATCH), self.patch.as_bytes())?;
+        }
         let root =
             arguments.store.clone().unwrap_or_else(|| arguments.out.join(FOLDER).join("store"));
         let store = Store::create(&root).map_err(|error| sweep::broken(&error))?;

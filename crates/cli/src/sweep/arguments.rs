@@ -1,6 +1,6 @@
 //! The arguments of `sphcut sweep`.
 
-use crate::arguments::ScenarioArguments;
+use crate::arguments::PatchableArguments;
 use clap::{ArgMatches, Args, Command, Error, FromArgMatches, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -108,7 +108,7 @@ pub enum Executor {
 pub struct SweepArguments {
     /// The file of the sweep (TOML).
     #[command(flatten)]
-    pub scene: ScenarioArguments,
+    pub scene: PatchableArguments,
     /// Output folder.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,

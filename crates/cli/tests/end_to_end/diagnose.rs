@@ -28,6 +28,13 @@ fn what_the_example_conceals_is_among_what_is_claimed() {
     assert_eq!(numbers["false_alarms"]["trials"], 20);
     let named = numbers["verdict"] == "named";
     assert_eq!(shop.path("missing/scenario.patch.toml").exists(), named);
+    if named {
+        // What is written can be used as it is.
+        let patched =
+            ["check", "cut.toml", "--no-measure", "--patch", "missing/scenario.patch.toml"];
+        let ended = shop.sphcut(&patched).expect_code(0);
+        assert!(ended.out.contains("speed_dependent"), "{}", ended.out);
+    }
     let held_out = shop.read("missing/held_out.csv");
     let head = held_out.lines().next().unwrap();
     assert!(head.starts_with("left_out,line,v_c [m/s],h [m],channel,unit,measured,as_simulated,"));

@@ -65,6 +65,46 @@ fn an_existing_result_is_only_replaced_on_request() {
 }
 
 #[test]
+fn a_patch_changes_the_scenario_and_stands_in_its_result() {
+    let shop = Workshop::new("run_patch");
+    shop.write("tiny.toml", TINY);
+    shop.write("edge.toml", "[scenario]\ntool.edge_radius = \"33 um\"\n");
+    let check = ["check", "tiny.toml", "--no-measure"];
+    let before = shop.sphcut(&check).expect_code(0);
+    let after = shop.sphcut(&[&check[..], &["--patch", "edge.toml"]].concat()).expect_code(0);
+    assert!(!before.out.contains("33 um") && after.out.contains("33 um"), "{}", after.out);
+    shop.sphcut(&["run", "tiny.toml", "--quiet", "--patch", "edge.toml"]).expect_code(0);
+    shop.write("patched.toml", &TINY.replace("[process]", "[process] # the same\n"));
+    shop.sphcut(&["run", "patched.toml", "--quiet", "--out", "plain"]).expect_code(0);
+    let forces = |folder: &str| rows(&shop.read(&format!("{folder}/forces.csv"))).join("\n");
+    assert_ne!(forces("out/tiny"), forces("plain"));
+    assert!(shop.read("out/tiny/report.html").contains("33 um"));
+    // What was patched goes on with the same patch, and with no other.
+    let list = "title = \"a\"\nbase = \"tiny.toml\"\n[design]\nkind = \"list\"\n[[vary]]\n\
+                key = \"process.cutting_speed\"\nvalues = [\"300 m/min\"]\n";
+    shop.write("sweep.toml", list);
+    let sweep = |more: &[&str]| {
+        let command = ["sweep", "sweep.toml", "--out", "s", "--dry-run"];
+        let ended = shop.sphcut(&[&command[..], more].concat()).expect_code(0);
+        let run = ended.out.lines().find(|line| line.starts_with('1')).unwrap().to_owned();
+        run.split_whitespace().last().unwrap().to_owned()
+    };
+    assert_ne!(sweep(&[]), sweep(&["--patch", "edge.toml"]), "the address of the run");
+}
+
+#[test]
+fn a_patch_with_a_mistake_is_told() {
+    let shop = Workshop::new("run_patch_mistake");
+    shop.write("tiny.toml", TINY);
+    shop.write("none.toml", "[provenance]\nseed = 1\n");
+    shop.write("wrong.toml", "[scenario]\ntool.edge_radius = \"-3 um\"\n");
+    let with = |patch: &str| shop.sphcut(&["check", "tiny.toml", "--patch", patch]);
+    with("none.toml").expect_code(2).expect_err("no keys under [scenario]");
+    with("wrong.toml").expect_code(2).expect_err("as `wrong.toml` patches it");
+    with("missing.toml").expect_code(4).expect_err("missing.toml");
+}
+
+#[test]
 fn quiet_says_nothing_but_warnings() {
     let shop = Workshop::new("run_quiet");
     shop.tiny_with("travel = \"0.2 mm\"", "travel = \"0.02 mm\"");

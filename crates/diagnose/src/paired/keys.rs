@@ -4,19 +4,12 @@ use super::change::Change;
 use crate::closed_form_cut::closed_form_cut;
 use crate::error::DiagnoseError;
 use crate::predictor::{Condition, ToolShape};
-use sphcut_analytic::FlowStress;
-use sphcut_physics::effects;
+use crate::scenario_keys::{ScenarioKeys, digits, millimetres, table_of};
 use sphcut_scenario::Scenario;
 use toml::{Table, Value};
 
-/// Digits of changed properties: enough to tell runs apart, few enough to be read.
-const DIGITS: usize = 6;
-/// Digits of speeds and lengths.
-const LENGTH_DIGITS: usize = 11;
-/// Sliding speed below which friction that falls with speed is constant, in m/s: that of the closed form.
-const REFERENCE_SPEED: f64 = 0.2;
-/// Rise of temperature over which a change of the specific heat is counted, in K.
-const THERMAL_SPAN: f64 = 1000.0;
+/// Digits of speeds.
+const SPEED_DIGITS: usize = 11;
 /// Runs without a change go so many times as far: every change is told against them.
 const BASE_LENGTH: f64 = 4.0;
 /// Thicknesses of material between the end of the travel and the end of the workpiece.
@@ -43,20 +36,12 @@ const SPACING_KEY: &str = "resolution.particle_spacing";
 /// A scenario as the base of paired runs.
 #[derive(Debug)]
 pub struct PairedScenario {
-    table: Table,
     /// Height of the workpiece beyond three thicknesses, in m: what a rounded edge and the held bottom need.
     below: f64,
     length: f64,
     /// Particles across h, where the scenario states their spacing.
     across: Option<f64>,
-    edge_radius: f64,
-    friction_coefficient: f64,
-    shear_friction_factor: f64,
-    melting_temperature: f64,
-    taylor_quinney: f64,
-    start: f64,
-    properties: Vec<(&'static str, f64)>,
-    specific_heat: Vec<(f64, f64)>,
+    base: ScenarioKeys,
     travel: f64,
 }
 
@@ -91,7 +76,6 @@ impl PairedScenario {
     /// # Errors
     /// What keeps it from being the base of paired runs, with advice.
     pub fn of(scenario: &Scenario, travel: f64) -> Result<Self, DiagnoseError> {
-        let cut = closed_form_cut(scenario)?;
         let cannot = |what: &str, help: &'static str| DiagnoseError::NoPairedRuns {
             what: what.to_owned(),
             help,
@@ -109,19 +93,16 @@ impl PairedScenario {
                 "use law = \"shear_capped_coulomb\": laws that it is compared with have that limit";
             return Err(cannot(&format!("its friction is `{law}`"), help));
         }
-        let radius = setup.tool.as_ref().and_then(|tool| tool.edge_radius);
-        let edge_radius = radius.ok_or_else(|| {
-            cannot("its tool is an outline", "give rake_angle, clearance_angle and edge_radius")
-        })?;
+        if setup.tool.as_ref().and_then(|tool| tool.edge_radius).is_none() {
+            let help = "give rake_angle, clearance_angle and edge_radius";
+            return Err(cannot("its tool is an outline", help));
+        }
         let number = |section: &str, key: &str| {
             let mut all = scenario.description.iter();
             all.find(|e| e.section == section && e.key == key).and_then(|entry| entry.number)
         };
         let needed = |section: &str, key: &str| {
             number(section, key).ok_or_else(|| cannot(&format!("it has no {section}.{key}"), ""))
-        };
-        let FlowStress::JohnsonCook(flow) = &cut.workpiece.flow_stress else {
-            return Err(cannot("its flow stress is not Johnson and Cook's", ""));
         };
         let thickness = needed("process", "uncut_chip_thickness")?;
         let resolution = table.get("resolution").and_then(Value::as_table);
@@ -134,31 +115,12 @@ impl PairedScenario {
             ));
         }
         let spacing = says("particle_spacing");
-        let material = &setup.materials[0];
-        let heat = match &material.tables.specific_heat {
-            Some(known) => known.pairs().collect(),
-            None => vec![(cut.workpiece.initial_temperature, material.specific_heat)],
-        };
         Ok(Self {
             below: needed("workpiece", "height")? - 3.0 * thickness,
             length: needed("workpiece", "length")?,
             across: spacing.then(|| thickness / setup.particle_spacing),
-            edge_radius,
-            friction_coefficient: cut.friction_coefficient,
-            shear_friction_factor: cut.shear_friction_factor,
-            melting_temperature: cut.workpiece.melting_temperature,
-            taylor_quinney: cut.taylor_quinney,
-            start: cut.workpiece.initial_temperature,
-            properties: vec![
-                ("initial_yield", flow.initial_yield),
-                ("hardening_modulus", flow.hardening_modulus),
-                ("hardening_exponent", flow.hardening_exponent),
-                ("rate_coefficient", flow.rate_coefficient),
-                ("softening_exponent", flow.softening_exponent),
-            ],
-            specific_heat: heat,
+            base: ScenarioKeys::of(scenario)?,
             travel,
-            table,
         })
     }
 
@@ -181,174 +143,33 @@ impl PairedScenario {
         change: &Change,
         worn: bool,
     ) -> Result<Vec<String>, DiagnoseError> {
+        let settings = self.base.settings(change)?;
+        let set = |key: &str| {
+            let own = settings.iter().find(|(name, _)| *name == key);
+            own.map(|(_, value)| value.to_string()).unwrap_or_default()
+        };
         let h = condition.uncut_chip_thickness;
         let far = if change.is_none() { BASE_LENGTH } else { 1.0 } * self.travel * h;
         // One length for all runs of a thickness, and that of the scenario where it is enough.
         let length = self.length.max((BASE_LENGTH * self.travel + REST) * h + 2.0 * self.below);
-        let stop = inline([("travel", Value::from(millimetres(far)))]);
+        let stop = table_of([("travel", millimetres(far).into())]).to_string();
         let mut values = vec![
-            format!("\"{} m/min\"", digits(condition.cutting_speed * 60.0, LENGTH_DIGITS)),
+            format!("\"{} m/min\"", digits(condition.cutting_speed * 60.0, SPEED_DIGITS)),
             format!("{:?}", millimetres(h)),
             format!("{:?}", millimetres(3.0 * h + self.below)),
             format!("{:?}", millimetres(length)),
             // That of the defaults, which follows the height.
             "{}".to_owned(),
             stop,
-            self.friction(change),
-            self.overridden(change)?,
-            self.effects(change)?,
-            format!("{:?}", millimetres(self.edge_radius(change))),
+            set("tool.friction"),
+            set("workpiece.override"),
+            set("effects"),
+            set("tool.edge_radius"),
         ];
         values.extend(self.across.map(|across| format!("{:?}", millimetres(h / across))));
         values.extend(worn.then(|| format!("{:?}", millimetres(change.wear_land.unwrap_or(0.0)))));
         Ok(values)
     }
-
-    fn factor(change: &Change, key: &str) -> f64 {
-        change.nuisances.iter().filter(|(own, _)| *own == key).map(|(_, x)| x).sum::<f64>().exp()
-    }
-
-    fn effect<'c>(change: &'c Change, key: &str) -> Option<&'c [f64]> {
-        let found = change.effects.iter().find(|(own, _)| *own == key)?;
-        Some(&found.1)
-    }
-
-    fn edge_radius(&self, change: &Change) -> f64 {
-        self.edge_radius + Self::effect(change, "edge_radius").map_or(0.0, |values| values[0])
-    }
-
-    fn friction(&self, change: &Change) -> String {
-        let factor = Self::factor(change, "friction_coefficient");
-        let cap = Self::effect(change, "shear_capped_friction").map_or(1.0, |values| values[0]);
-        let mut entries = vec![
-            ("friction_coefficient", changed(self.friction_coefficient, factor).into()),
-            ("shear_friction_factor", changed(self.shear_friction_factor, cap).into()),
-        ];
-        let mut law = "shear_capped_coulomb";
-        if let Some(values) = Self::effect(change, "temperature_dependent_friction") {
-            law = "temperature_dependent";
-            entries.push(("temperature_exponent", values[0].into()));
-            entries.push(("melting_temperature", kelvin(self.melting_temperature).into()));
-        } else if let Some(values) = Self::effect(change, "speed_dependent_friction") {
-            law = "speed_dependent";
-            entries.push(("speed_exponent", values[0].into()));
-            entries.push(("reference_speed", format!("{REFERENCE_SPEED} m/s").into()));
-        }
-        entries.insert(0, ("law", law.into()));
-        inline(entries)
-    }
-
-    /// `[workpiece.override]` of the scenario with the changed properties.
-    fn overridden(&self, change: &Change) -> Result<String, DiagnoseError> {
-        let workpiece = self.table.get("workpiece").and_then(Value::as_table);
-        let own = workpiece.and_then(|own| own.get("override")).and_then(Value::as_table);
-        let mut all = own.cloned().unwrap_or_default();
-        let mut flow =
-            all.get("flow_stress").and_then(Value::as_table).cloned().unwrap_or_default();
-        for &(key, value) in &self.properties {
-            let factor = Self::factor(change, key);
-            if factor != 1.0 {
-                let value = changed(value, factor);
-                let is_stress = matches!(key, "initial_yield" | "hardening_modulus");
-                let written: Value =
-                    if is_stress { format!("{value} Pa").into() } else { value.into() };
-                flow.insert(key.to_owned(), written);
-            }
-        }
-        if !flow.is_empty() {
-            all.insert("flow_stress".to_owned(), flow.into());
-        }
-        if let Some(values) = Self::effect(change, "specific_heat") {
-            all.insert("specific_heat".to_owned(), self.steeper(values[0])?);
-        }
-        Ok(Value::Table(all).to_string())
-    }
-
-    /// cp(T) + s cp(T_0) (T - T_0)/1000 K up to the melting temperature.
-    fn steeper(&self, share: f64) -> Result<Value, DiagnoseError> {
-        let known = |at: f64| {
-            let after = self.specific_heat.iter().position(|(t, _)| *t >= at);
-            match after {
-                None => self.specific_heat.last().map_or(f64::NAN, |pair| pair.1),
-                Some(0) => self.specific_heat[0].1,
-                Some(k) => {
-                    let ((a, x), (b, y)) = (self.specific_heat[k - 1], self.specific_heat[k]);
-                    x + (y - x) * (at - a) / (b - a)
-                }
-            }
-        };
-        let mut places: Vec<f64> = self.specific_heat.iter().map(|pair| pair.0).collect();
-        places.extend([self.start, self.melting_temperature]);
-        places.retain(|t| (self.start..=self.melting_temperature).contains(t));
-        places.sort_by(f64::total_cmp);
-        places.dedup();
-        let at_start = known(self.start);
-        let pairs = places.into_iter().map(|t| {
-            let value = known(t) + share * at_start * (t - self.start) / THERMAL_SPAN;
-            if value <= 0.0 {
-                let what = format!("the specific heat would be {value} J/(kg K) at {t} K");
-                return Err(DiagnoseError::NoPairedRuns { what, help: "" });
-            }
-            let value = digits(value, DIGITS);
-            Ok(Value::Array(vec![kelvin(t).into(), format!("{value} J/(kg K)").into()]))
-        });
-        Ok(Value::Array(pairs.collect::<Result<_, _>>()?))
-    }
-
-    /// The effects of the catalogue.
-    fn effects(&self, change: &Change) -> Result<String, DiagnoseError> {
-        let own = self.table.get("effects").and_then(Value::as_table);
-        let mut all = own.cloned().unwrap_or_default();
-        for (key, values) in &change.effects {
-            let Some(entry) = effects::find(key) else { continue };
-            let registered = sphcut_analytic::EFFECTS.iter().find(|effect| effect.key == *key);
-            let registered = registered.ok_or_else(|| DiagnoseError::NoPairedRuns {
-                what: format!("there is no effect `{key}`"),
-                help: "",
-            })?;
-            let known = [
-                ("melting_temperature", self.melting_temperature),
-                ("saturated_share", self.taylor_quinney),
-            ];
-            let free = registered.free.iter().map(|free| free.key).zip(values.iter().copied());
-            let mut table = Table::new();
-            for parameter in entry.parameters {
-                let mut given = known.into_iter().chain(free.clone());
-                let Some((_, value)) = given.rfind(|(name, _)| *name == parameter.key) else {
-                    continue;
-                };
-                let value = digits(value, LENGTH_DIGITS);
-                let unit = parameter.quantity.si_unit();
-                let written: Value =
-                    if unit.is_empty() { value.into() } else { format!("{value} {unit}").into() };
-                table.insert(parameter.key.to_owned(), written);
-            }
-            all.insert((*key).to_owned(), table.into());
-        }
-        Ok(Value::Table(all).to_string())
-    }
-}
-
-fn inline<'k>(entries: impl IntoIterator<Item = (&'k str, Value)>) -> String {
-    Value::Table(entries.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()).to_string()
-}
-
-fn kelvin(value: f64) -> String {
-    format!("{} K", digits(value, LENGTH_DIGITS))
-}
-
-fn millimetres(metres: f64) -> String {
-    format!("{} mm", digits(metres * 1e3, LENGTH_DIGITS))
-}
-
-/// The value itself, or the changed one to six digits.
-fn changed(value: f64, factor: f64) -> f64 {
-    if factor == 1.0 { value } else { digits(value * factor, DIGITS) }
-}
-
-fn digits(value: f64, digits: usize) -> f64 {
-    let decimals = digits - 1;
-    format!("{value:.decimals$e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

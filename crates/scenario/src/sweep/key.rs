@@ -19,7 +19,7 @@ struct Part {
 
 impl KeyPath {
     /// Reads `text`; the reason in words if it is no path.
-    pub(super) fn parse(text: &str) -> Result<Self, String> {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let parts = text.split('.').map(part).collect::<Option<Vec<Part>>>();
         parts.map(|parts| Self { parts }).ok_or_else(|| {
             "a path of names with dots, such as process.cutting_speed or body[2].temperature"
@@ -41,7 +41,7 @@ impl KeyPath {
 
     /// `text` with `literal` as the value of this key; what else is there stays, comments included. The
     /// reason in words if the text has no place for it.
-    pub(super) fn written(&self, text: &str, literal: &str) -> Result<String, String> {
+    pub(crate) fn written(&self, text: &str, literal: &str) -> Result<String, String> {
         let mut document: DocumentMut = text.parse().map_err(|_| "not TOML".to_owned())?;
         let value: Value = literal.parse().map_err(|_| format!("`{literal}` is not TOML"))?;
         let (last, path) = self.parts.split_last().ok_or("no key")?;

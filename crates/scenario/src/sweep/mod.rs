@@ -102,7 +102,7 @@ impl Sweep {
             axes,
             constraints: Vec::new(),
             base_path: base_path.to_owned(),
-            options: *options,
+            options: options.clone(),
         })
     }
 
@@ -210,7 +210,7 @@ fn read_document(
         axes,
         constraints,
         base_path,
-        options: *options,
+        options: options.clone(),
     };
     axis::check_followers(findings, &sweep.axes, &places);
     try_values(findings, &sweep, &places);

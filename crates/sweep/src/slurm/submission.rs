@@ -31,6 +31,8 @@ pub struct Submission {
     pub sweep: PathBuf,
     /// Whether its scenario may read files elsewhere.
     pub allow_outside: bool,
+    /// Patch of its scenario.
+    pub patch: Option<PathBuf>,
     /// Title of the sweep.
     pub title: String,
     /// Output folder of the sweep.
@@ -125,6 +127,7 @@ impl Submission {
             folder: folder.to_owned(),
             sweep: path("sweep")?,
             allow_outside: value["allow_outside"].as_bool()?,
+            patch: path("patch"),
             title: value["title"].as_str()?.to_owned(),
             out: path("out")?,
             store: path("store")?,
@@ -153,6 +156,7 @@ impl Submission {
             "version": env!("CARGO_PKG_VERSION"),
             "sweep": self.sweep,
             "allow_outside": self.allow_outside,
+            "patch": self.patch,
             "title": self.title,
             "out": self.out,
             "store": self.store,
@@ -250,6 +254,7 @@ mod tests {
             folder: Submission::prepare(&out).unwrap(),
             sweep: "/a/sweep.toml".into(),
             measured: Some("/a/forces.csv".into()),
+            patch: Some("/a/edge.toml".into()),
             runs: 7,
             array: Some(12),
             ended: BTreeMap::from([("COMPLETED".to_owned(), 3)]),

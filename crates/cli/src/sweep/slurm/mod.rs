@@ -9,7 +9,7 @@ pub use submit::{announced, check_options, submit};
 
 use super::arguments::JobCommand;
 use super::broken;
-use crate::arguments::ScenarioArguments;
+use crate::arguments::{PatchableArguments, ScenarioArguments};
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, terminal};
 use sphcut_scenario::Sweep;
@@ -53,7 +53,8 @@ fn refused(error: &SlurmError) -> Failure {
 /// The sweep as it was submitted.
 fn sweep(submission: &Submission) -> Result<Sweep, Failure> {
     let scenario = submission.sweep.clone();
-    loading::sweep(&ScenarioArguments { scenario, allow_outside: submission.allow_outside })
+    let file = ScenarioArguments { scenario, allow_outside: submission.allow_outside };
+    loading::sweep(&PatchableArguments { file, patch: submission.patch.clone() })
 }
 
 fn store(submission: &Submission) -> Result<Store, Failure> {

@@ -164,8 +164,9 @@ fn recorded(
 ) -> Result<Submission, Failure> {
     let measured = arguments.measured.as_deref().map(absolute).transpose()?;
     Ok(Submission {
-        sweep: absolute(&arguments.scene.scenario)?,
-        allow_outside: arguments.scene.allow_outside,
+        sweep: absolute(&arguments.scene.file.scenario)?,
+        allow_outside: arguments.scene.file.allow_outside,
+        patch: arguments.scene.patch.as_deref().map(absolute).transpose()?,
         title: sweep.title.clone(),
         out: absolute(&arguments.out)?,
         store: store.root().to_owned(),

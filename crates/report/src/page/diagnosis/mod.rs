@@ -213,8 +213,8 @@ fn repair(page: &DiagnosisPage<'_>) -> Markup {
             h2 { "Repair" }
             @match &found.finding.verdict {
                 sphcut_diagnose::Verdict::Named(_) => p { "The file scenario.patch.toml beside this page has the effect, its parameters with intervals, and the keys of the \
-                    scenario where the particle solver knows the effect. "
-                    @if found.rerun.is_some() { "What the patched scenario gives in the particle solver stands below." }
+                    scenario that have it, with the properties fitted together with it: \"sphcut run SCENARIO --patch scenario.patch.toml\" runs them. "
+                    @if found.rerun.is_some() { "What a patch from fits without the recordings compared gives in the particle solver (runs/repaired/scenario.patch.toml) stands below." }
                     @else { "The patched scenario has not been run in the particle solver." } },
                 sphcut_diagnose::Verdict::OneOf => p { "No patch is written: which effect is missing cannot be told. The sizes of all candidates stand above; what would tell them apart stands below." },
                 sphcut_diagnose::Verdict::NoneOfThese => p { "No patch is written: no effect explains the data." },
