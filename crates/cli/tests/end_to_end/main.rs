@@ -10,6 +10,7 @@ mod identify;
 mod measuring;
 mod recordings;
 mod run;
+mod same_bits;
 mod series;
 mod springback;
 mod sweep;
