@@ -1,70 +1,15 @@
-//! The registry: every effect with its family, its parameters, where they are looked for and where they vanish.
+//! The registry: every effect that may explain forces, with how the closed form acts on it. Effects of the flow stress and of
+//! plastic heat are those of the physics catalogue that are candidates; here stand the others.
 
 use crate::Error;
+use sphcut_physics::candidate::{Candidate, Family, Free, Runs, first};
 use sphcut_physics::{
     Parameter, ParameterError, Quantity, Range, effects as catalogue, friction, process,
 };
+use std::sync::LazyLock;
 
 /// Largest number of free parameters of one effect.
 const MOST_FREE: usize = 2;
-
-/// What kind of physics an effect belongs to: what is still known where effects cannot be told apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Family {
-    /// Friction on the rake face.
-    Friction,
-    /// Where heat comes from and where it goes.
-    Heat,
-    /// Strength by rate, temperature, strain and size.
-    RateSize,
-    /// The shape of the edge.
-    Edge,
-    /// What grows with time in cut.
-    Time,
-    /// Machine and dynamometer.
-    Instrument,
-}
-
-impl Family {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Friction, Self::Heat, Self::RateSize, Self::Edge, Self::Time, Self::Instrument];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Friction => "friction",
-            Self::Heat => "heat",
-            Self::RateSize => "rate_size",
-            Self::Edge => "edge",
-            Self::Time => "time",
-            Self::Instrument => "instrument",
-        }
-    }
-}
-
-/// How values of a parameter are spread over its prior.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// Evenly.
-    Linear,
-    /// Evenly in the logarithm.
-    Logarithmic,
-}
-
-/// A parameter that an inference may move.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Free {
-    /// Key in the effect's table.
-    pub key: &'static str,
-    /// Where it is looked for, in SI.
-    pub prior: (f64, f64),
-    /// The value with which the effect changes nothing, whatever the other parameters.
-    pub vanishing: Option<f64>,
-    /// How it is spread.
-    pub scale: Scale,
-}
 
 /// How an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,16 +37,10 @@ pub(crate) enum Action {
 pub struct Effect {
     /// Its name; that of the scenario's `[effects.NAME]` where there is one.
     pub key: &'static str,
-    /// Name for people.
-    pub title: &'static str,
-    /// Its kind.
-    pub family: Family,
-    /// The equation in one line of text.
-    pub equation: &'static str,
+    /// What it is as an explanation.
+    pub candidate: Candidate,
     /// The table that holds its parameters: the solver's own where the solver has the effect.
-    pub table: fn() -> &'static [Parameter],
-    /// The parameters to be found; all others keep their defaults or are those of the cut.
-    pub free: &'static [Free],
+    pub table: &'static [Parameter],
     pub(crate) action: Action,
 }
 
@@ -112,7 +51,7 @@ impl Effect {
     /// If the table has no such key: a mistake in the registry, which its tests find.
     #[must_use]
     pub fn parameter(&self, free: &Free) -> &'static Parameter {
-        let mut table = (self.table)().iter();
+        let mut table = self.table.iter();
         table.find(|entry| entry.key == free.key).expect("the table has every free parameter")
     }
 }
@@ -140,11 +79,11 @@ impl ActiveEffect {
         let effect = find(key).ok_or_else(|| Error::UnknownEffect { key: key.to_owned() })?;
         let mut mistakes: Vec<ParameterError> = given
             .iter()
-            .filter(|(name, _)| !effect.free.iter().any(|free| free.key == *name))
+            .filter(|(name, _)| !effect.candidate.free.iter().any(|free| free.key == *name))
             .map(|(name, _)| ParameterError::Unknown { key: (*name).to_owned() })
             .collect();
         let mut values = Vec::new();
-        for free in effect.free {
+        for free in effect.candidate.free {
             match given.iter().rev().find(|(name, _)| *name == free.key) {
                 Some((_, value)) => values.push(*value),
                 None => mistakes.push(ParameterError::Missing { key: free.key }),
@@ -156,14 +95,14 @@ impl ActiveEffect {
         Err(Error::Effect { key: effect.key, mistakes })
     }
 
-    /// An effect with values in the order of [`Effect::free`], in SI.
+    /// An effect with values in the order of [`Candidate::free`], in SI.
     ///
     /// # Errors
     /// Too few or too many values; a value out of the range of its table.
     pub fn of(effect: &'static Effect, given: &[f64]) -> Result<Self, Error> {
         let mut mistakes = Vec::new();
         let mut values = [0.0; MOST_FREE];
-        for (index, free) in effect.free.iter().enumerate() {
+        for (index, free) in effect.candidate.free.iter().enumerate() {
             let range = effect.parameter(free).range;
             match given.get(index) {
                 None => mistakes.push(ParameterError::Missing { key: free.key }),
@@ -177,7 +116,7 @@ impl ActiveEffect {
                 Some(value) => values[index] = *value,
             }
         }
-        for extra in given.iter().skip(effect.free.len()) {
+        for extra in given.iter().skip(effect.candidate.free.len()) {
             mistakes.push(ParameterError::Unknown { key: extra.to_string() });
         }
         if mistakes.is_empty() {
@@ -186,10 +125,10 @@ impl ActiveEffect {
         Err(Error::Effect { key: effect.key, mistakes })
     }
 
-    /// The values in the order of [`Effect::free`].
+    /// The values in the order of [`Candidate::free`].
     #[must_use]
     pub fn values(&self) -> &[f64] {
-        &self.values[..self.effect.free.len()]
+        &self.values[..self.effect.candidate.free.len()]
     }
 }
 
@@ -204,10 +143,6 @@ fn friction_table(key: &str) -> &'static [Parameter] {
     friction::find(key).map_or(&[], |law| law.parameters)
 }
 
-fn effect_table(key: &str) -> &'static [Parameter] {
-    catalogue::find(key).map_or(&[], |effect| effect.parameters)
-}
-
 const fn own(
     key: &'static str,
     symbol: &'static str,
@@ -217,19 +152,6 @@ const fn own(
 ) -> Parameter {
     let source = "to be found";
     Parameter { key, symbol, quantity, range, default: None, meaning, source }
-}
-
-const fn linear(key: &'static str, prior: (f64, f64), vanishing: f64) -> Free {
-    Free { key, prior, vanishing: Some(vanishing), scale: Scale::Linear }
-}
-
-const fn logarithmic(key: &'static str, prior: (f64, f64), vanishing: f64) -> Free {
-    Free { key, prior, vanishing: Some(vanishing), scale: Scale::Logarithmic }
-}
-
-/// A parameter that says where or how an effect acts, and not how much.
-const fn shape(key: &'static str, prior: (f64, f64)) -> Free {
-    Free { key, prior, vanishing: None, scale: Scale::Linear }
 }
 
 const EDGE_RADIUS: &[Parameter] = &[own(
@@ -339,186 +261,236 @@ const DRIFT: &[Parameter] = &[
     ),
 ];
 
-/// All effects.
+/// T/T_m of a tool-chip contact at which the temperature exponent is turned into a share of friction that is lost.
+const WARM_CONTACT: f64 = 0.45;
+
+/// All effects, family by family; in each those of the physics catalogue stand last.
 ///
 /// Not among them, because mean forces, temperatures and the chip of a steady cut do not show them: E(T), kinematic
 /// hardening (springback, residual stress), damage (serration), run-out, dynamometer dynamics.
-pub static EFFECTS: &[Effect] = &[
-    Effect {
-        key: "speed_dependent_friction",
-        title: "friction falls with the sliding speed",
-        family: Family::Friction,
-        equation: "mu = mu_0 max(1, v_ch/v_0)^-q, v_0 = 0.2 m/s",
-        table: || friction_table("speed_dependent"),
-        free: &[linear("speed_exponent", (0.02, 0.4), 0.0)],
-        action: Action::FrictionSpeed,
-    },
-    Effect {
-        key: "temperature_dependent_friction",
-        title: "friction falls with the temperature of the contact",
-        family: Family::Friction,
-        equation: "mu = mu_0 [1 - (T_int/T_m)^q]",
-        table: || friction_table("temperature_dependent"),
-        free: &[logarithmic("temperature_exponent", (1.5, 15.0), 100.0)],
-        action: Action::FrictionTemperature,
-    },
-    Effect {
-        key: "shear_capped_friction",
-        title: "sticking contact transmits less than the shear strength",
-        family: Family::Friction,
-        equation: "tau = min(mu p, m_s k)",
-        table: || friction_table("shear_capped_coulomb"),
-        free: &[linear("shear_friction_factor", (0.15, 0.8), 1.0)],
-        action: Action::ShearCap,
-    },
-    Effect {
-        key: "specific_heat",
-        title: "specific heat changes with temperature",
-        family: Family::Heat,
-        equation: "c_p = c_0(T) + s c_0(T_0) (T - T_0)/1000 K",
-        table: || SPECIFIC_HEAT,
-        free: &[linear("specific_heat_change", (-0.4, 1.0), 0.0)],
-        action: Action::SpecificHeat,
-    },
-    Effect {
-        key: "conductivity",
-        title: "conductivity changes with temperature",
-        family: Family::Heat,
-        equation: "k = k_0(T) + s k_0(T_0) (T - T_0)/1000 K",
-        table: || CONDUCTIVITY,
-        free: &[linear("conductivity_change", (-0.5, 0.5), 0.0)],
-        action: Action::Conductivity,
-    },
-    Effect {
-        key: "tool_heat",
-        title: "heat flows into the tool",
-        family: Family::Heat,
-        equation: "q = h_c (T_chip - T_tool), the tool a steady corner",
-        table: || TOOL_HEAT,
-        free: &[logarithmic("contact_conductance", (1e4, 1e7), 0.0)],
-        action: Action::ToolHeat,
-    },
-    Effect {
-        key: "plastic_heat",
-        title: "less plastic work becomes heat at small strain",
-        family: Family::Heat,
-        equation: "beta = beta_s - (beta_s - beta_0) exp(-eps_p/eps_c)",
-        table: || effect_table("plastic_heat"),
-        free: &[linear("initial_share", (0.1, 0.85), 0.9)],
-        action: Action::Catalogue,
-    },
-    Effect {
-        key: "viscous_drag",
-        title: "the flow stress turns up at high strain rates",
-        family: Family::RateSize,
-        equation: "sigma_base(eps_p, r, T) + D (r/r_d)^k sigma_base(eps_p, 0, T)",
-        table: || effect_table("viscous_drag"),
-        free: &[linear("drag_coefficient", (0.02, 0.5), 0.0)],
-        action: Action::Catalogue,
-    },
-    Effect {
-        key: "strain_ageing",
-        title: "dynamic strain ageing raises the flow stress in a band of temperature",
-        family: Family::RateSize,
-        equation: "x [1 + a exp(-((T - T_b)/w)^2)], T_b = T_0 + s log10(r/r_0)",
-        table: || effect_table("strain_ageing"),
-        free: &[linear("bump_height", (0.03, 0.6), 0.0), shape("bump_temperature", (300.0, 650.0))],
-        action: Action::Catalogue,
-    },
-    Effect {
-        key: "tanh_softening",
-        title: "hot material softens at large strain",
-        family: Family::RateSize,
-        equation: "x [D + (1 - D) tanh((eps_p + p)^-r)^s]",
-        table: || effect_table("tanh_softening"),
-        free: &[logarithmic("tanh_exponent", (0.02, 1.0), 0.0)],
-        action: Action::Catalogue,
-    },
-    Effect {
-        key: "size_effect",
-        title: "strain gradients raise the flow stress of thin chips",
-        family: Family::RateSize,
-        equation: "x sqrt(1 + l/L), L = h/sin(phi)",
-        table: || effect_table("size_effect"),
-        free: &[linear("intrinsic_length", (1e-6, 50e-6), 0.0)],
-        action: Action::Catalogue,
-    },
-    Effect {
-        key: "edge_radius",
-        title: "the edge is blunter than assumed",
-        family: Family::Edge,
-        equation: "ploughing force proportional to r_n + dr",
-        table: || EDGE_RADIUS,
-        free: &[linear("added_edge_radius", (1e-6, 40e-6), 0.0)],
-        action: Action::EdgeRadius,
-    },
-    Effect {
-        key: "built_up_edge",
-        title: "a built-up edge sharpens the rake at low interface temperature",
-        family: Family::Edge,
-        equation: "rake + dg/(1 + exp((T_int - T_b)/40 K)), T_int without it",
-        table: || BUILT_UP_EDGE,
-        free: &[
-            linear("rake_gain", (0.02, 0.4), 0.0),
-            shape("vanishing_temperature", (550.0, 850.0)),
-        ],
-        action: Action::BuiltUpEdge,
-    },
-    Effect {
-        key: "flank_wear",
-        title: "a wear land grows on the flank",
-        family: Family::Time,
-        equation: "VB = w L; F_f + b VB p_0/3, F_c + mu of it",
-        table: || FLANK_WEAR,
-        free: &[logarithmic("wear_per_length", (1e-8, 1e-6), 0.0)],
-        action: Action::FlankWear,
-    },
-    Effect {
-        key: "compliance",
-        title: "machine and holder give way",
-        family: Family::Instrument,
-        equation: "h = h_cmd - F_f/K",
-        table: || process::COMPLIANCE.parameters,
-        free: &[logarithmic("stiffness", (5e6, 2e8), 1e12)],
-        action: Action::Compliance,
-    },
-    Effect {
-        key: "cross_talk",
-        title: "the cutting force shows in the feed channel",
-        family: Family::Instrument,
-        equation: "F_f + c F_c",
-        table: || CROSS_TALK,
-        free: &[linear("cross_talk", (-0.08, 0.08), 0.0)],
-        action: Action::CrossTalk,
-    },
-    Effect {
-        key: "gain",
-        title: "the channels' sensitivities are wrong",
-        family: Family::Instrument,
-        equation: "(1 + g_c) F_c, (1 + g_f) F_f",
-        table: || GAIN,
-        free: &[linear("cutting_gain", (-0.1, 0.1), 0.0), linear("feed_gain", (-0.1, 0.1), 0.0)],
-        action: Action::Gain,
-    },
-    Effect {
-        key: "offset",
-        title: "the channels' zeros are wrong",
-        family: Family::Instrument,
-        equation: "F_c + o_c, F_f + o_f",
-        table: || OFFSET,
-        free: &[
-            linear("cutting_offset", (-30.0, 30.0), 0.0),
-            linear("feed_offset", (-30.0, 30.0), 0.0),
-        ],
-        action: Action::Offset,
-    },
-    Effect {
-        key: "drift",
-        title: "the channels' zeros drift from run to run",
-        family: Family::Instrument,
-        equation: "F_c + d_c i, F_f + d_f i, i the place in the order of runs",
-        table: || DRIFT,
-        free: &[linear("cutting_drift", (-1.0, 1.0), 0.0), linear("feed_drift", (-1.0, 1.0), 0.0)],
-        action: Action::Drift,
-    },
-];
+pub static EFFECTS: LazyLock<Vec<Effect>> = LazyLock::new(|| {
+    let catalogued = catalogue::EFFECTS.iter().filter_map(|entry| {
+        let candidate = entry.candidate?;
+        let table = entry.parameters;
+        Some(Effect { key: entry.key, candidate, table, action: Action::Catalogue })
+    });
+    let mut all: Vec<Effect> = own_effects().into_iter().chain(catalogued).collect();
+    let place = |family| Family::ALL.iter().position(|other| *other == family);
+    all.sort_by_key(|effect| place(effect.candidate.family));
+    all
+});
+
+/// Those that act on friction, heat, edge, machine and instrument.
+fn own_effects() -> [Effect; 14] {
+    [
+        // mu = mu_0 max(1, v_ch/v_0)^-q, v_0 = 0.2 m/s
+        Effect {
+            key: "speed_dependent_friction",
+            candidate: Candidate {
+                title: "friction falls with the sliding speed",
+                family: Family::Friction,
+                free: const { &[Free::linear("speed_exponent", (0.02, 0.4), 0.0)] },
+                runs: Runs::At(&[&[0.3]]),
+                strength: first,
+            },
+            table: friction_table("speed_dependent"),
+            action: Action::FrictionSpeed,
+        },
+        // mu = mu_0 [1 - (T_int/T_m)^q]
+        Effect {
+            key: "temperature_dependent_friction",
+            candidate: Candidate {
+                title: "friction falls with the temperature of the contact",
+                family: Family::Friction,
+                free: const { &[Free::logarithmic("temperature_exponent", (1.5, 15.0), 100.0)] },
+                runs: Runs::At(&[&[6.0], &[2.0]]),
+                strength: |values| WARM_CONTACT.powf(values[0]),
+            },
+            table: friction_table("temperature_dependent"),
+            action: Action::FrictionTemperature,
+        },
+        // tau = min(mu p, m_s k)
+        Effect {
+            key: "shear_capped_friction",
+            candidate: Candidate {
+                title: "sticking contact transmits less than the shear strength",
+                family: Family::Friction,
+                free: const { &[Free::linear("shear_friction_factor", (0.15, 0.8), 1.0)] },
+                runs: Runs::At(&[&[0.6], &[0.3]]),
+                strength: |values| 1.0 - values[0],
+            },
+            table: friction_table("shear_capped_coulomb"),
+            action: Action::ShearCap,
+        },
+        // c_p = c_0(T) + s c_0(T_0) (T - T_0)/1000 K
+        Effect {
+            key: "specific_heat",
+            candidate: Candidate {
+                title: "specific heat changes with temperature",
+                family: Family::Heat,
+                free: const { &[Free::linear("specific_heat_change", (-0.4, 1.0), 0.0)] },
+                runs: Runs::At(&[&[0.6]]),
+                strength: first,
+            },
+            table: SPECIFIC_HEAT,
+            action: Action::SpecificHeat,
+        },
+        // k = k_0(T) + s k_0(T_0) (T - T_0)/1000 K
+        Effect {
+            key: "conductivity",
+            candidate: Candidate {
+                title: "conductivity changes with temperature",
+                family: Family::Heat,
+                free: const { &[Free::linear("conductivity_change", (-0.5, 0.5), 0.0)] },
+                // Forces hardly feel it.
+                runs: Runs::None,
+                strength: first,
+            },
+            table: CONDUCTIVITY,
+            action: Action::Conductivity,
+        },
+        // q = h_c (T_chip - T_tool), the tool a steady corner
+        Effect {
+            key: "tool_heat",
+            candidate: Candidate {
+                title: "heat flows into the tool",
+                family: Family::Heat,
+                free: const { &[Free::logarithmic("contact_conductance", (1e4, 1e7), 0.0)] },
+                // Forces hardly feel it.
+                runs: Runs::None,
+                strength: first,
+            },
+            table: TOOL_HEAT,
+            action: Action::ToolHeat,
+        },
+        // ploughing force proportional to r_n + dr
+        Effect {
+            key: "edge_radius",
+            candidate: Candidate {
+                title: "the edge is blunter than assumed",
+                family: Family::Edge,
+                free: const { &[Free::linear("added_edge_radius", (1e-6, 40e-6), 0.0)] },
+                runs: Runs::At(&[&[15e-6], &[35e-6]]),
+                strength: first,
+            },
+            table: EDGE_RADIUS,
+            action: Action::EdgeRadius,
+        },
+        // rake + dg/(1 + exp((T_int - T_b)/40 K)), T_int without it
+        Effect {
+            key: "built_up_edge",
+            candidate: Candidate {
+                title: "a built-up edge sharpens the rake at low interface temperature",
+                family: Family::Edge,
+                free: const {
+                    &[
+                        Free::linear("rake_gain", (0.02, 0.4), 0.0),
+                        Free::shape("vanishing_temperature", (550.0, 850.0)),
+                    ]
+                },
+                // In the solver its shape does not follow the temperature.
+                runs: Runs::None,
+                strength: first,
+            },
+            table: BUILT_UP_EDGE,
+            action: Action::BuiltUpEdge,
+        },
+        // VB = w L; F_f + b VB p_0/3, F_c + mu of it
+        Effect {
+            key: "flank_wear",
+            candidate: Candidate {
+                title: "a wear land grows on the flank",
+                family: Family::Time,
+                free: const { &[Free::logarithmic("wear_per_length", (1e-8, 1e-6), 0.0)] },
+                // The land in m, which no effect of constant strength has.
+                runs: Runs::At(&[&[100e-6], &[300e-6]]),
+                strength: first,
+            },
+            table: FLANK_WEAR,
+            action: Action::FlankWear,
+        },
+        // h = h_cmd - F_f/K
+        Effect {
+            key: "compliance",
+            candidate: Candidate {
+                title: "machine and holder give way",
+                family: Family::Instrument,
+                free: const { &[Free::logarithmic("stiffness", (5e6, 2e8), 1e12)] },
+                runs: Runs::Derived,
+                strength: first,
+            },
+            table: process::COMPLIANCE.parameters,
+            action: Action::Compliance,
+        },
+        // F_f + c F_c
+        Effect {
+            key: "cross_talk",
+            candidate: Candidate {
+                title: "the cutting force shows in the feed channel",
+                family: Family::Instrument,
+                free: const { &[Free::linear("cross_talk", (-0.08, 0.08), 0.0)] },
+                runs: Runs::Derived,
+                strength: first,
+            },
+            table: CROSS_TALK,
+            action: Action::CrossTalk,
+        },
+        // (1 + g_c) F_c, (1 + g_f) F_f
+        Effect {
+            key: "gain",
+            candidate: Candidate {
+                title: "the channels' sensitivities are wrong",
+                family: Family::Instrument,
+                free: const {
+                    &[
+                        Free::linear("cutting_gain", (-0.1, 0.1), 0.0),
+                        Free::linear("feed_gain", (-0.1, 0.1), 0.0),
+                    ]
+                },
+                // Nuisances of every diagnosis.
+                runs: Runs::None,
+                strength: first,
+            },
+            table: GAIN,
+            action: Action::Gain,
+        },
+        // F_c + o_c, F_f + o_f
+        Effect {
+            key: "offset",
+            candidate: Candidate {
+                title: "the channels' zeros are wrong",
+                family: Family::Instrument,
+                free: const {
+                    &[
+                        Free::linear("cutting_offset", (-30.0, 30.0), 0.0),
+                        Free::linear("feed_offset", (-30.0, 30.0), 0.0),
+                    ]
+                },
+                // Nuisances of every diagnosis.
+                runs: Runs::None,
+                strength: first,
+            },
+            table: OFFSET,
+            action: Action::Offset,
+        },
+        // F_c + d_c i, F_f + d_f i, i the place in the order of runs
+        Effect {
+            key: "drift",
+            candidate: Candidate {
+                title: "the channels' zeros drift from run to run",
+                family: Family::Instrument,
+                free: const {
+                    &[
+                        Free::linear("cutting_drift", (-1.0, 1.0), 0.0),
+                        Free::linear("feed_drift", (-1.0, 1.0), 0.0),
+                    ]
+                },
+                // Nuisances of every diagnosis.
+                runs: Runs::None,
+                strength: first,
+            },
+            table: DRIFT,
+            action: Action::Drift,
+        },
+    ]
+}

@@ -36,9 +36,7 @@ mod solve;
 
 pub use contact::Contact;
 pub use cut::{Channel, Condition, Cut, FlowStress, Linear, Observables, Tool, Workpiece};
-pub use effects::{
-    ActiveEffect, EFFECTS, Effect, Family, Free, REFERENCE_SPEED, Scale, THERMAL_SPAN, find,
-};
+pub use effects::{ActiveEffect, EFFECTS, Effect, REFERENCE_SPEED, THERMAL_SPAN, find};
 pub use error::Error;
 pub use physics::{
     Closure, FrictionSpeed, Heat, Physics, Ploughing, RateConstant, SecondaryLayer, ShearAngle,
@@ -46,3 +44,4 @@ pub use physics::{
 pub use predict::{predict, solution};
 pub use shear_zone::ShearZone;
 pub use solve::Solution;
+pub use sphcut_physics::candidate::{Candidate, Family, Free, Runs, Scale};

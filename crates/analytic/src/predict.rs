@@ -86,7 +86,7 @@ impl Changed {
             stiffness: None,
             instrument: Instrument::default(),
         };
-        for effect in EFFECTS {
+        for effect in EFFECTS.iter() {
             let same = |active: &&ActiveEffect| active.effect.key == effect.key;
             if let Some(active) = effects.iter().rev().find(same) {
                 changed.apply(active)?;
@@ -120,7 +120,7 @@ impl Changed {
             Action::BuiltUpEdge => self.built_up_edge = Some((first, values[1])),
             Action::FlankWear => self.wear_per_length = first,
             Action::Compliance => {
-                let rigid = active.effect.free[0].vanishing.unwrap_or(f64::INFINITY);
+                let rigid = active.effect.candidate.free[0].vanishing.unwrap_or(f64::INFINITY);
                 self.stiffness = (first < rigid).then_some(first);
             }
             Action::CrossTalk => self.instrument.cross_talk = first,
@@ -258,7 +258,7 @@ fn chosen(cut: &Cut, active: &ActiveEffect) -> Result<ChosenEffect, Error> {
         ("saturated_share", cut.taylor_quinney),
     ];
     given.retain(|(key, _)| entry.parameters.iter().any(|parameter| parameter.key == *key));
-    let free = active.effect.free.iter().map(|free| free.key);
+    let free = active.effect.candidate.free.iter().map(|free| free.key);
     given.extend(free.zip(active.values().iter().copied()));
     let values = Values::resolve(entry.parameters, &given)
         .map_err(|mistakes| Error::Effect { key, mistakes })?;

@@ -29,6 +29,7 @@ fn cut(physics: Physics) -> Cut {
 /// Values in the middle of the prior.
 fn middle(effect: &'static Effect) -> ActiveEffect {
     let values: Vec<f64> = effect
+        .candidate
         .free
         .iter()
         .map(|free| match free.scale {
@@ -42,7 +43,7 @@ fn middle(effect: &'static Effect) -> ActiveEffect {
 
 fn vanishing(effect: &'static Effect) -> ActiveEffect {
     let values: Vec<f64> =
-        effect.free.iter().map(|free| free.vanishing.unwrap_or(free.prior.0)).collect();
+        effect.candidate.free.iter().map(|free| free.vanishing.unwrap_or(free.prior.0)).collect();
     ActiveEffect::of(effect, &values).unwrap()
 }
 
@@ -68,9 +69,13 @@ fn largest_change(changed: &[Observables], plain: &[Observables]) -> f64 {
 fn the_registry_is_in_order() {
     for (index, effect) in EFFECTS.iter().enumerate() {
         assert!(!EFFECTS[..index].iter().any(|other| other.key == effect.key), "{}", effect.key);
-        assert!(effect.free.iter().any(|free| free.vanishing.is_some()), "{}", effect.key);
+        assert!(
+            effect.candidate.free.iter().any(|free| free.vanishing.is_some()),
+            "{}",
+            effect.key
+        );
         assert!(std::ptr::eq(find(effect.key).unwrap(), effect));
-        for free in effect.free {
+        for free in effect.candidate.free {
             let range = effect.parameter(free).range;
             let (low, high) = free.prior;
             assert!(low < high && range.contains(low) && range.contains(high), "{}", effect.key);
@@ -81,7 +86,7 @@ fn the_registry_is_in_order() {
         }
     }
     for family in Family::ALL {
-        assert!(EFFECTS.iter().any(|effect| effect.family == family), "{family:?}");
+        assert!(EFFECTS.iter().any(|effect| effect.candidate.family == family), "{family:?}");
     }
 }
 
@@ -91,7 +96,7 @@ fn an_effect_vanishes_where_it_says_so() {
     for physics in [Physics::LIBRARY, Physics::OPPONENT_HEAT, Physics::OPPONENT_ALL] {
         let cut = cut(physics);
         let plain = all(&cut, &[]);
-        for effect in EFFECTS {
+        for effect in EFFECTS.iter() {
             let change = largest_change(&all(&cut, &[vanishing(effect)]), &plain);
             let tolerance = if effect.key == "temperature_dependent_friction" { 1e-8 } else { 0.0 };
             assert!(change <= tolerance, "{} {change}", effect.key);
@@ -104,7 +109,7 @@ fn an_effect_acts_within_its_prior() {
     for physics in [Physics::LIBRARY, Physics::OPPONENT_HEAT, Physics::OPPONENT_ALL] {
         let cut = cut(physics);
         let plain = all(&cut, &[]);
-        for effect in EFFECTS {
+        for effect in EFFECTS.iter() {
             let changed = all(&cut, &[middle(effect)]);
             let change = largest_change(&changed, &plain);
             assert!(change > 0.003, "{} {physics:?}: {change}", effect.key);

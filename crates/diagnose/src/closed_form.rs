@@ -79,7 +79,7 @@ impl ClosedForm {
 
 /// An effect of the registry with the priors it states.
 pub(crate) fn candidate(effect: &sphcut_analytic::Effect) -> Effect {
-    let parameters = effect.free.iter().map(|free| {
+    let parameters = effect.candidate.free.iter().map(|free| {
         let entry = effect.parameter(free);
         let (low, high) = free.prior;
         let prior = match free.scale {
@@ -95,8 +95,8 @@ pub(crate) fn candidate(effect: &sphcut_analytic::Effect) -> Effect {
     });
     Effect {
         key: effect.key,
-        title: effect.title,
-        family: effect.family.key(),
+        title: effect.candidate.title,
+        family: effect.candidate.family.key(),
         parameters: parameters.collect(),
     }
 }

@@ -190,9 +190,9 @@ mod tests {
     fn every_effect_has_keys_or_a_reason() {
         let scenario = load(&shipped(), &LoadOptions::default()).unwrap();
         let before = settings(&scenario);
-        for effect in sphcut_analytic::EFFECTS {
+        for effect in sphcut_analytic::EFFECTS.iter() {
             let middle = |free: &sphcut_analytic::Free| 0.6 * free.prior.0 + 0.4 * free.prior.1;
-            let values: Vec<f64> = effect.free.iter().map(middle).collect();
+            let values: Vec<f64> = effect.candidate.free.iter().map(middle).collect();
             let change = match effect.key {
                 "flank_wear" => Change { wear_land: Some(1e-4), ..Change::default() },
                 key => Change { effects: vec![(key, values)], ..Change::default() },

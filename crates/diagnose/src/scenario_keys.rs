@@ -259,7 +259,7 @@ impl ScenarioKeys {
         let mut all = own.cloned().unwrap_or_default();
         for (key, values) in &change.effects {
             let Some(entry) = effects::find(key) else { continue };
-            let registered = sphcut_analytic::EFFECTS.iter().find(|effect| effect.key == *key);
+            let registered = sphcut_analytic::find(key);
             let registered = registered.ok_or_else(|| DiagnoseError::NoPairedRuns {
                 what: format!("there is no effect `{key}`"),
                 help: "",
@@ -268,7 +268,8 @@ impl ScenarioKeys {
                 ("melting_temperature", self.melting_temperature),
                 ("saturated_share", self.taylor_quinney),
             ];
-            let free = registered.free.iter().map(|free| free.key).zip(values.iter().copied());
+            let free =
+                registered.candidate.free.iter().map(|free| free.key).zip(values.iter().copied());
             let mut table = Table::new();
             for parameter in entry.parameters {
                 let mut given = known.into_iter().chain(free.clone());

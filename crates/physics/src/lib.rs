@@ -7,6 +7,7 @@
 //!
 //! This crate does no I/O and knows no file format, clock or environment.
 
+pub mod candidate;
 pub mod catalogue;
 pub mod effects;
 pub mod elasticity;

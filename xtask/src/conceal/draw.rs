@@ -288,9 +288,10 @@ impl Gauge<'_> {
             EFFECTS.iter().filter(|effect| !excluded(effect.key)).collect();
         let effect = candidates[random.below(candidates.len())];
         let ahead = random.uniform() < 0.5;
-        let shapes: Vec<f64> = effect.free.iter().map(|_| random.uniform()).collect();
+        let shapes: Vec<f64> = effect.candidate.free.iter().map(|_| random.uniform()).collect();
         let with = |t: f64| {
             let values: Vec<f64> = effect
+                .candidate
                 .free
                 .iter()
                 .zip(&shapes)

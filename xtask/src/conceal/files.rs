@@ -110,9 +110,9 @@ pub fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
 pub fn answers(cases: &[Case]) -> String {
     let answer = |case: &Case| {
         let effects = case.hidden.effects.iter().map(|active| {
-            let free = active.effect.free.iter().map(|free| free.key);
+            let free = active.effect.candidate.free.iter().map(|free| free.key);
             let values: BTreeMap<&str, f64> = free.zip(active.values().iter().copied()).collect();
-            json!({ "key": active.effect.key, "family": active.effect.family.key(),
+            json!({ "key": active.effect.key, "family": active.effect.candidate.family.key(),
                     "first": active.values()[0], "values": values })
         });
         let nuisances: BTreeMap<&str, f64> =

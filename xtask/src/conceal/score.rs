@@ -281,8 +281,8 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn answer(case: &str, kind: &str, key: Option<&str>) -> Answer {
-        let effects =
-            key.map(|key| (key.to_owned(), find(key).unwrap().family.key().to_owned(), 0.2));
+        let effects = key
+            .map(|key| (key.to_owned(), find(key).unwrap().candidate.family.key().to_owned(), 0.2));
         Answer {
             case: case.to_owned(),
             kind: kind.to_owned(),

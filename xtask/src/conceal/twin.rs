@@ -105,6 +105,7 @@ fn effect(key: &str, random: &mut Random) -> ActiveEffect {
     let effect = find(key).expect("paired runs are of effects of the registry");
     let ahead = random.uniform() < 0.5;
     let values: Vec<f64> = effect
+        .candidate
         .free
         .iter()
         .map(|free| {

@@ -28,69 +28,21 @@ impl Change {
     }
 }
 
-/// Levels at which an effect is run, in the order of its free parameters, and what its strength is there.
-pub(crate) struct Level {
-    /// Values of the parameters; for wear the land in m.
-    pub values: &'static [f64],
+/// The effects of which the particle solver knows all, with the values of their runs; for wear the land in m.
+pub(crate) fn run_levels() -> impl Iterator<Item = (&'static Effect, &'static [&'static [f64]])> {
+    let all = EFFECTS.iter().map(|effect| (effect, effect.candidate.levels()));
+    all.filter(|(_, levels)| !levels.is_empty())
 }
-
-/// The effects of which the particle solver knows all: each with one or two strengths of its range, where it is far from linear
-/// two. What is not here is no explanation that paired runs can offer: built-up edge (its shape does not follow the temperature), heat
-/// into the tool and conductivity (forces hardly feel them), channels' gain, offset and drift (nuisances of every diagnosis).
-pub(crate) const RUN_EFFECTS: &[(&str, &[Level])] = &[
-    ("speed_dependent_friction", &[Level { values: &[0.3] }]),
-    ("temperature_dependent_friction", &[Level { values: &[6.0] }, Level { values: &[2.0] }]),
-    ("shear_capped_friction", &[Level { values: &[0.6] }, Level { values: &[0.3] }]),
-    ("specific_heat", &[Level { values: &[0.6] }]),
-    ("plastic_heat", &[Level { values: &[0.2] }]),
-    ("viscous_drag", &[Level { values: &[0.3] }]),
-    (
-        "strain_ageing",
-        &[
-            Level { values: &[0.4, 350.0] },
-            Level { values: &[0.4, 500.0] },
-            Level { values: &[0.4, 640.0] },
-        ],
-    ),
-    ("tanh_softening", &[Level { values: &[0.1] }, Level { values: &[0.5] }]),
-    ("size_effect", &[Level { values: &[30e-6] }]),
-    ("edge_radius", &[Level { values: &[15e-6] }, Level { values: &[35e-6] }]),
-    ("flank_wear", &[Level { values: &[100e-6] }, Level { values: &[300e-6] }]),
-];
 
 /// The effects that a run can have in constant strength, by their keys.
 #[must_use]
 pub fn run_effects() -> Vec<&'static str> {
-    RUN_EFFECTS.iter().map(|(key, _)| *key).filter(|key| *key != "flank_wear").collect()
+    run_levels().map(|(effect, _)| effect.key).filter(|key| *key != "flank_wear").collect()
 }
 
-/// Effects that follow from the runs without effect: the machine gives way, the channels talk to each other.
-pub(crate) const DERIVED_EFFECTS: &[&str] = &["compliance", "cross_talk"];
-
-/// Whether the scenario has keys for an effect.
+/// Whether paired runs know an effect.
 pub(crate) fn can_be_run(key: &str) -> bool {
-    RUN_EFFECTS.iter().any(|(own, _)| *own == key)
-}
-
-/// The entry of the registry.
-pub(crate) fn registered(key: &str) -> &'static Effect {
-    EFFECTS.iter().find(|effect| effect.key == key).expect("a test compares the names")
-}
-
-/// T/T_m of a tool-chip contact at which the temperature exponent is turned into a share of friction that is lost.
-const WARM_CONTACT: f64 = 0.45;
-/// A taylor-Quinney factor that is nothing new.
-const USUAL_HEAT: f64 = 0.9;
-
-/// How strong an effect is in a coordinate in which it is nearly linear, and 0 without it.
-pub(crate) fn strength(key: &str, values: &[f64]) -> f64 {
-    let first = values[0];
-    match key {
-        "temperature_dependent_friction" => WARM_CONTACT.powf(first),
-        "shear_capped_friction" => 1.0 - first,
-        "plastic_heat" => USUAL_HEAT - first,
-        _ => first,
-    }
+    run_levels().any(|(effect, _)| effect.key == key)
 }
 
 /// Every change of a library: none, each nuisance, each effect at each of its levels; wear only where the edge has cut before.
@@ -101,13 +53,13 @@ pub fn changes(scatter: &[(&'static str, f64)], wears: bool) -> Vec<Change> {
         let nuisances = vec![(key, NUISANCE_STEP * deviation)];
         all.push(Change { nuisances, ..Change::default() });
     }
-    for (key, levels) in RUN_EFFECTS {
-        for level in *levels {
-            if *key == "flank_wear" {
-                let land = wears.then_some(level.values[0]);
+    for (effect, levels) in run_levels() {
+        for values in levels {
+            if effect.key == "flank_wear" {
+                let land = wears.then_some(values[0]);
                 all.extend(land.map(|land| Change { wear_land: Some(land), ..Change::default() }));
             } else {
-                let effects = vec![(*key, level.values.to_vec())];
+                let effects = vec![(effect.key, values.to_vec())];
                 all.push(Change { effects, ..Change::default() });
             }
         }
@@ -150,28 +102,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_effect_is_of_the_registry_with_all_its_parameters() {
-        for (key, levels) in RUN_EFFECTS {
-            let free = registered(key).free;
-            for level in *levels {
-                assert_eq!(level.values.len(), free.len(), "{key}");
-                for (value, free) in level.values.iter().zip(free) {
+    fn every_effect_is_run_within_its_prior_with_all_its_parameters() {
+        for (effect, levels) in run_levels() {
+            let free = effect.candidate.free;
+            for values in levels {
+                assert_eq!(values.len(), free.len(), "{}", effect.key);
+                for (value, free) in values.iter().zip(free) {
                     let (low, high) = free.prior;
-                    assert!(*key == "flank_wear" || (low..=high).contains(value), "{key} {value}");
+                    let is_land = effect.key == "flank_wear";
+                    assert!(is_land || (low..=high).contains(value), "{} {value}", effect.key);
                 }
             }
         }
-        assert!(DERIVED_EFFECTS.iter().all(|key| registered(key).key == *key));
     }
 
     #[test]
     fn an_effect_at_its_vanishing_value_has_no_strength() {
-        for (key, _) in RUN_EFFECTS {
-            let free = &registered(key).free[0];
-            let off = strength(key, &[free.vanishing.unwrap()]);
-            assert!(off.abs() < 1e-12, "{key}: {off}");
+        for (effect, _) in run_levels() {
+            let (free, strength) = (&effect.candidate.free[0], effect.candidate.strength);
+            let off = strength(&[free.vanishing.unwrap()]);
+            assert!(off.abs() < 1e-12, "{}: {off}", effect.key);
             let (low, high) = free.prior;
-            assert!(strength(key, &[low]) != strength(key, &[high]), "{key}");
+            assert!(strength(&[low]) != strength(&[high]), "{}", effect.key);
         }
     }
 

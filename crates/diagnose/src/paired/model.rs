@@ -1,11 +1,12 @@
 //! Paired runs of the particle solver as a model of the cut.
 
-use super::change::{Change, DERIVED_EFFECTS, NUISANCE_STEP, RUN_EFFECTS, registered, strength};
+use super::change::{Change, NUISANCE_STEP, run_levels};
 use super::field::{Field, Law, Support};
 use crate::channel::{CHANNELS, Channel};
 use crate::closed_form::{CHANGE_ERRORS, POWER, candidate};
 use crate::predictor::{Active, Condition, Effect, Nuisance, Predictor};
 use nalgebra::DMatrix;
+use sphcut_analytic::{EFFECTS, Runs};
 
 /// Fewest conditions with a result from which a field over speed and thickness is made.
 const FEWEST: usize = 4;
@@ -92,29 +93,29 @@ impl PairedRuns {
             })
             .collect();
         let (mut effects, mut nodes) = (Vec::new(), Vec::new());
-        for (key, levels) in RUN_EFFECTS {
+        for (effect, levels) in run_levels() {
             let run = |values: &[f64]| {
-                if *key == "flank_wear" {
+                if effect.key == "flank_wear" {
                     Change { wear_land: Some(values[0]), ..Change::default() }
                 } else {
-                    Change { effects: vec![(*key, values.to_vec())], ..Change::default() }
+                    Change { effects: vec![(effect.key, values.to_vec())], ..Change::default() }
                 }
             };
             let known: Option<Vec<Node>> = levels
                 .iter()
-                .map(|level| {
-                    let values = level.values.to_vec();
-                    let strength = strength(key, &values);
+                .map(|values| {
+                    let values = values.to_vec();
+                    let strength = (effect.candidate.strength)(&values);
                     Some(Node { strength, fields: changed(&run(&values))?, values })
                 })
                 .collect();
             if let Some(known) = known {
-                effects.push(candidate(registered(key)));
+                effects.push(candidate(effect));
                 nodes.push(known);
             }
         }
-        for key in DERIVED_EFFECTS {
-            effects.push(candidate(registered(key)));
+        for effect in EFFECTS.iter().filter(|effect| effect.candidate.runs == Runs::Derived) {
+            effects.push(candidate(effect));
             nodes.push(Vec::new());
         }
         Some(Self { support, channels, base, nuisances, slopes, effects, nodes })
@@ -124,7 +125,7 @@ impl PairedRuns {
     #[must_use]
     pub fn unknown_effects(&self) -> Vec<&'static str> {
         let known = |key: &str| self.effects.iter().any(|effect| effect.key == key);
-        RUN_EFFECTS.iter().map(|(key, _)| *key).filter(|key| !known(key)).collect()
+        run_levels().map(|(effect, _)| effect.key).filter(|key| !known(key)).collect()
     }
 
     fn of(&self, fields: &Fields, channel: Channel, condition: &Condition) -> f64 {
@@ -160,20 +161,23 @@ impl PairedRuns {
     /// The weight of each run strength of an effect.
     fn weights(&self, active: &Active, condition: &Condition) -> Vec<f64> {
         let nodes = &self.nodes[active.effect];
-        let key = self.effects[active.effect].key;
-        match (key, nodes.as_slice()) {
-            (_, []) => Vec::new(),
-            ("strain_ageing", nodes) => {
-                // The height makes it larger, the temperature lies between those of the runs.
+        let Some(effect) = sphcut_analytic::find(self.effects[active.effect].key) else {
+            return Vec::new();
+        };
+        if nodes.is_empty() {
+            return Vec::new();
+        }
+        if effect.key == "flank_wear" {
+            return through_zero(nodes, active.values[0] * condition.cut_length);
+        }
+        match effect.candidate.free {
+            // The strength makes it larger, the shape lies between those of the runs.
+            [_, shape] if shape.vanishing.is_none() => {
                 let place: Vec<f64> = nodes.iter().map(|node| node.values[1]).collect();
-                let tall = active.values[0] / nodes[0].values[0];
-                hats(&place, active.values[1]).into_iter().map(|w| tall * w).collect()
+                let larger = active.values[0] / nodes[0].values[0];
+                hats(&place, active.values[1]).into_iter().map(|w| larger * w).collect()
             }
-            ("flank_wear", nodes) => {
-                let land = active.values[0] * condition.cut_length;
-                through_zero(nodes, land)
-            }
-            (key, nodes) => through_zero(nodes, strength(key, &active.values)),
+            _ => through_zero(nodes, (effect.candidate.strength)(&active.values)),
         }
     }
 

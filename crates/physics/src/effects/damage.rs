@@ -181,6 +181,7 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
     vanishing: &[("residual_strength", 1.0)],
     demands: &[],
     action: Action::Damage(Damage::from_values),
+    candidate: None,
 };
 
 #[cfg(test)]

@@ -69,6 +69,7 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
     vanishing: &[("kinematic_modulus", 0.0)],
     demands: &[],
     action: Action::KinematicHardening(KinematicHardening::from_values),
+    candidate: None,
 };
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ pub use strain_ageing::StrainAgeing;
 pub use strain_gradient::StrainGradient;
 pub use viscous_drag::ViscousDrag;
 
+use crate::candidate::Candidate;
 use crate::flow_stress::{FlowState, FlowStressLaw, FlowStressModel};
 use crate::{Parameter, Values};
 use std::fmt::Debug;
@@ -51,6 +52,9 @@ pub struct EffectEntry {
     pub demands: &'static [Demand],
     /// How it acts.
     pub action: Action,
+    /// What it is as an explanation of measured forces; `None` where mean forces, temperatures and the chip of a steady cut do
+    /// not show it.
+    pub candidate: Option<Candidate>,
 }
 
 /// What an effect asks of the scenario.
@@ -102,8 +106,8 @@ pub struct ChosenEffect {
 pub const EFFECTS: &[&EffectEntry] = &[
     &viscous_drag::ENTRY,
     &strain_ageing::ENTRY,
-    &size_effect::ENTRY,
     &tanh_softening::ENTRY,
+    &size_effect::ENTRY,
     &plastic_heat::ENTRY,
     &kinematic_hardening::ENTRY,
     &strain_gradient::ENTRY,

@@ -1,6 +1,7 @@
 //! The share of the plastic work that becomes heat, growing with strain and rate.
 
 use super::{Action, Demand, EffectEntry, HeatShare};
+use crate::candidate::{Candidate, Family, Free, Runs};
 use crate::{Parameter, Quantity, Range, Values};
 
 /// ```text
@@ -65,6 +66,9 @@ const fn share(
     Parameter { key, symbol, quantity, range, default, meaning, source }
 }
 
+/// A Taylor-Quinney factor that is nothing new.
+const USUAL_SHARE: f64 = 0.9;
+
 pub(super) const ENTRY: EffectEntry = EffectEntry {
     key: "plastic_heat",
     title: "Share of plastic work that heats, by strain and rate",
@@ -110,6 +114,13 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
     vanishing: &[("initial_share", 0.9)],
     demands: &[Demand::PlasticHeating],
     action: Action::PlasticHeat(|values| Box::new(PlasticHeat::from_values(values))),
+    candidate: Some(Candidate {
+        title: "less plastic work becomes heat at small strain",
+        family: Family::Heat,
+        free: &[Free::linear("initial_share", (0.1, 0.85), USUAL_SHARE)],
+        runs: Runs::At(&[&[0.2]]),
+        strength: |values| USUAL_SHARE - values[0],
+    }),
 };
 
 #[cfg(test)]

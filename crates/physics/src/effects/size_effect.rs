@@ -1,6 +1,7 @@
 //! The size effect: strain gradients in the primary shear zone raise the flow stress.
 
 use super::{Action, Demand, EffectEntry, FlowStressFactor, scaled};
+use crate::candidate::{self, Candidate, Family, Free, Runs};
 use crate::flow_stress::FlowState;
 use crate::{Parameter, Quantity, Range};
 
@@ -84,6 +85,13 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
         let thickness = context.uncut_chip_thickness.unwrap_or(f64::INFINITY);
         let (length, angle) = (values.get("intrinsic_length"), values.get("gradient_shear_angle"));
         scaled(base, SizeEffect::new(length, angle, thickness))
+    }),
+    candidate: Some(Candidate {
+        title: "strain gradients raise the flow stress of thin chips",
+        family: Family::RateSize,
+        free: &[Free::linear("intrinsic_length", (1e-6, 50e-6), 0.0)],
+        runs: Runs::At(&[&[30e-6]]),
+        strength: candidate::first,
     }),
 };
 

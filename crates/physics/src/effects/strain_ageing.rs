@@ -1,6 +1,7 @@
 //! Dynamic strain ageing: a bump of the flow stress over temperature (blue brittleness of steel).
 
 use super::{Action, EffectEntry, FlowStressFactor, scaled};
+use crate::candidate::{self, Candidate, Family, Free, Runs};
 use crate::flow_stress::FlowState;
 use crate::{Parameter, Quantity, Range};
 use std::f64::consts::LN_10;
@@ -138,6 +139,16 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
                 ageing_rate: values.get("ageing_rate"),
             },
         )
+    }),
+    candidate: Some(Candidate {
+        title: "dynamic strain ageing raises the flow stress in a band of temperature",
+        family: Family::RateSize,
+        free: &[
+            Free::linear("bump_height", (0.03, 0.6), 0.0),
+            Free::shape("bump_temperature", (300.0, 650.0)),
+        ],
+        runs: Runs::At(&[&[0.4, 350.0], &[0.4, 500.0], &[0.4, 640.0]]),
+        strength: candidate::first,
     }),
 };
 

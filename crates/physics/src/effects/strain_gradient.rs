@@ -86,6 +86,7 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
     vanishing: &[("taylor_coefficient", 0.0)],
     demands: &[],
     action: Action::StrainGradient(StrainGradient::from_values),
+    candidate: None,
 };
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Strain softening of hot material: the tanh factor of Sima and Ozel on any flow-stress law.
 
 use super::{Action, Demand, EffectEntry, FlowStressFactor, scaled};
+use crate::candidate::{self, Candidate, Family, Free, Runs};
 use crate::flow_stress::tanh_johnson_cook::SOFTENING;
 use crate::flow_stress::{FlowState, TanhSoftening, johnson_cook};
 
@@ -37,6 +38,13 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
     vanishing: &[("tanh_exponent", 0.0)],
     demands: &[Demand::OtherLawThan("tanh_johnson_cook"), Demand::OtherLawThan("tanh_calamaz")],
     action: Action::FlowStress(|values, _, base| scaled(base, TanhSoftening::from_values(values))),
+    candidate: Some(Candidate {
+        title: "hot material softens at large strain",
+        family: Family::RateSize,
+        free: &[Free::logarithmic("tanh_exponent", (0.02, 1.0), 0.0)],
+        runs: Runs::At(&[&[0.1], &[0.5]]),
+        strength: candidate::first,
+    }),
 };
 
 #[cfg(test)]

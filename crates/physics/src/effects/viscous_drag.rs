@@ -1,6 +1,7 @@
 //! The upturn of the flow stress at high strain rates: viscous drag.
 
 use super::{Action, EffectEntry};
+use crate::candidate::{self, Candidate, Family, Free, Runs};
 use crate::flow_stress::{FlowState, FlowStressLaw, FlowStressModel};
 use crate::{Parameter, Quantity, Range};
 
@@ -113,6 +114,13 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
             drag_rate: values.get("drag_rate"),
             drag_exponent: values.get("drag_exponent"),
         })
+    }),
+    candidate: Some(Candidate {
+        title: "the flow stress turns up at high strain rates",
+        family: Family::RateSize,
+        free: &[Free::linear("drag_coefficient", (0.02, 0.5), 0.0)],
+        runs: Runs::At(&[&[0.3]]),
+        strength: candidate::first,
     }),
 };
 
