@@ -64,10 +64,11 @@ pub fn options(arguments: &ScenarioArguments) -> LoadOptions {
 /// The same with the patch.
 fn patched_options(arguments: &PatchableArguments) -> Result<LoadOptions, Failure> {
     let Some(path) = &arguments.patch else { return Ok(options(&arguments.file)) };
-    let patch = ScenarioPatch::read(path).map_err(|problem| {
-        let unreadable = matches!(problem.mistake, Mistake::File { .. });
+    let patch = ScenarioPatch::read(path).map_err(|problems| {
+        let unreadable = problems.iter().any(|p| matches!(p.mistake, Mistake::File { .. }));
         let code = if unreadable { ExitCode::InputOutput } else { ExitCode::BadInput };
-        Failure::rendered(code, problem.render(colours()))
+        let pages: Vec<String> = problems.iter().map(|p| p.render(colours())).collect();
+        Failure::rendered(code, pages.join("\n\n"))
     })?;
     Ok(LoadOptions { patch: Some(Arc::new(patch)), ..options(&arguments.file) })
 }

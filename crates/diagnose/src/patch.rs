@@ -133,8 +133,8 @@ mod tests {
 
     fn patched(scenario: &Scenario, change: &Change) -> Result<Scenario, String> {
         let patch = scenario_patch(scenario, change).unwrap();
-        let patch = ScenarioPatch::parse(&patch, "patch").map_err(|p| p.mistake.message())?;
-        let text = patch.applied(&scenario.text).map_err(|p| p.mistake.message())?;
+        let patch = ScenarioPatch::parse(&patch, "patch").map_err(|p| p[0].mistake.message())?;
+        let text = patch.applied(&scenario.text).map_err(|p| p[0].mistake.message())?;
         let path = shipped();
         parse(&text, "cut.toml", path.parent(), &LoadOptions::default())
             .map_err(|all| all.iter().map(|p| p.mistake.message()).collect())

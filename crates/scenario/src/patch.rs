@@ -70,11 +70,11 @@ impl ScenarioPatch {
     ///
     /// # Errors
     /// A file that cannot be read, is no TOML or has no keys.
-    pub fn read(path: &Path) -> Result<Self, Problem> {
+    pub fn read(path: &Path) -> Result<Self, Vec<Problem>> {
         let name = path.display().to_string();
         let text = files::read_text(path, LARGEST_TEXT).map_err(|reason| {
             let mistake = Mistake::File { path: name.clone(), reason, help: String::new() };
-            Problem::without_text(&name, mistake)
+            vec![Problem::without_text(&name, mistake)]
         })?;
         Self::parse(&text, &name)
     }
@@ -83,10 +83,10 @@ impl ScenarioPatch {
     ///
     /// # Errors
     /// Text that is no TOML or has no keys.
-    pub fn parse(text: &str, name: &str) -> Result<Self, Problem> {
+    pub fn parse(text: &str, name: &str) -> Result<Self, Vec<Problem>> {
         let refuse = |message: String, help: &str| {
             let mistake = Mistake::Contradiction { message, help: help.to_owned() };
-            Problem::without_text(name, mistake)
+            vec![Problem::without_text(name, mistake)]
         };
         let document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
             refuse(format!("this is not TOML: {}", error.message()), "")
@@ -113,13 +113,13 @@ impl ScenarioPatch {
     ///
     /// # Errors
     /// A key for which the text has no place, and why.
-    pub fn applied(&self, text: &str) -> Result<String, Problem> {
+    pub fn applied(&self, text: &str) -> Result<String, Vec<Problem>> {
         let mut patched = text.to_owned();
         for (key, value) in &self.settings {
             patched = key.written(&patched, value).map_err(|reason| {
                 let message = format!("`{key}` cannot be set: {reason}");
                 let mistake = Mistake::Contradiction { message, help: String::new() };
-                Problem::without_text(&self.name, mistake)
+                vec![Problem::without_text(&self.name, mistake)]
             })?;
         }
         Ok(patched)
@@ -170,11 +170,11 @@ mod tests {
             ("[scenario\n", "not TOML"),
             ("[[scenario.body]]\nt = 1\n", "`body` is no key"),
         ] {
-            let problem = ScenarioPatch::parse(text, "p.toml").unwrap_err();
+            let problem = &ScenarioPatch::parse(text, "p.toml").unwrap_err()[0];
             assert!(problem.mistake.message().contains(expected), "{:?}", problem.mistake);
         }
         let patch = ScenarioPatch::parse("[scenario]\ntool.friction.mu = 1\n", "p").unwrap();
-        let problem = patch.applied("tool = 3\n").unwrap_err();
+        let problem = &patch.applied("tool = 3\n").unwrap_err()[0];
         assert!(problem.mistake.message().contains("`tool.friction.mu` cannot be set"));
     }
 

@@ -57,7 +57,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scenario, Vec<Problem>
         vec![Problem::without_text(&shown, mistake)]
     })?;
     let text = match &options.patch {
-        Some(patch) => patch.applied(&text).map_err(|problem| vec![problem])?,
+        Some(patch) => patch.applied(&text)?,
         None => text,
     };
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
