@@ -225,14 +225,20 @@ impl Surface {
         (0..3).all(|k| x[k] >= self.low[k] - reach && x[k] <= self.high[k] + reach)
     }
 
-    /// Facets whose boxes lie within `reach` of `x`, in the order of their index.
+    /// Facets within `reach` of `x`, in the order of their index.
     pub(crate) fn facets_near(&self, x: &Vector3, reach: f64, found: &mut Vec<u32>) {
         let range = AABB::from_corners(
             [x[0] - reach, x[1] - reach, x[2] - reach],
             [x[0] + reach, x[1] + reach, x[2] + reach],
         );
         let first = found.len();
-        found.extend(self.tree.locate_in_envelope_intersecting(&range).map(|f| f.index));
+        // Boxes of large slanted facets reach far beyond them: one that is far away must not decide on which side x lies.
+        let near = |f: &&IndexedFacet| {
+            let d = sub(x, &self.facets[f.index as usize].closest(x));
+            dot3(&d, &d) <= reach * reach
+        };
+        let in_box = self.tree.locate_in_envelope_intersecting(&range);
+        found.extend(in_box.filter(near).map(|f| f.index));
         found[first..].sort_unstable();
     }
 
@@ -373,4 +379,29 @@ fn triangle_facets(
         return Err(unusable("its normals point into the tool".to_owned()));
     }
     Ok(facets)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A facet of which the box alone is near must not be listed: behind its plane a particle beside the tool would lie deep
+    /// inside.
+    #[test]
+    fn a_facet_is_near_by_its_distance_and_not_by_its_box() {
+        let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let surface = Surface::new(&ToolSurface::Triangles { vertices, triangles }).unwrap();
+        let near = |x: Vector3, reach: f64| {
+            let mut found = Vec::new();
+            surface.facets_near(&x, reach, &mut found);
+            found
+        };
+        // In the box of the slanted facet, 1.07 before its plane.
+        assert_eq!(near([0.95; 3], 0.1), Vec::<u32>::new());
+        assert_eq!(near([0.95; 3], 1.08), vec![3]);
+        assert_eq!(near([0.4; 3], 0.12), vec![3]);
+        assert_eq!(near([-0.05, 0.2, 0.2], 0.1), vec![2]);
+        assert!(surface.foot(&[-0.05, 0.2, 0.2]).nearest.distance > 0.0);
+    }
 }

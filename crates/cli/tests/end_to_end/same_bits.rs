@@ -120,7 +120,7 @@ fn results_have_the_bits_that_were_written_down() {
             ("feed = \"0.1 mm\"", "feed = \"0.2 mm\""),
             ("snapshots = 80", "snapshots = 2"),
             ("travel = \"0.75 mm\"", "travel = \"0.12 mm\""),
-            ("shortening = \"0.25 mm\"", "shortening = \"0.1 mm\""),
+            ("shortening = \"0.25 mm\"", "shortening = \"0.06 mm\""),
         ],
     );
     let taylor = shortened(
