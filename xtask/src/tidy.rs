@@ -5,6 +5,7 @@
 //! the documents that lead nowhere.
 
 mod dependencies;
+mod glossary;
 mod rules;
 
 use crate::source::Source;
@@ -71,6 +72,7 @@ pub fn run(root: &Path) -> Result<(), String> {
     let mut findings: Vec<Finding> =
         files.iter().flat_map(|file| rules::ALL.iter().flat_map(|rule| rule(file))).collect();
     findings.extend(rules::dead_links(&files));
+    findings.extend(glossary::check(&files));
     findings.extend(dependencies::check(root, &files)?);
     if findings.is_empty() {
         println!("tidy: {} files, nothing to complain about", files.len());

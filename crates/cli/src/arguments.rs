@@ -196,9 +196,9 @@ Examples:
   sphcut diagnose CASE.toml --out missing --store kept    the runs are kept for the next diagnosis
 
 What appears in the output folder:
-  diagnosis.html        one page: where, what, repair, does it help, can it be trusted, what next
+  diagnosis.html        one page: residual pattern, candidates, correction, validation, limits, next experiment
   diagnosis.json        the same as numbers
-  held_out.csv          every value that a fit had not seen, with what it predicted
+  held_out.csv          every held-out value with its predictions
   lines.csv             with [series]: lines in the spectra of the forces, and what they follow
   trends.csv            with [series]: trend, run-in and zero of every force in every cut
   scenario.patch.toml   the missing effect with its parameters, where one is named
@@ -218,9 +218,9 @@ same conditions.
 
 What appears in the output folder:
   wear.json   the causes with their probabilities, each tool left out in turn
-  wear.csv    the normal force of wear on every segment, with its interval, as the other tools say, and its nearest course
-              that never falls
-  wear.html   both as curves, tool by tool, and what cannot be told
+  wear.csv    the normal force of wear on every segment, with its interval, as the other tools predict,
+              and its isotonic fit
+  wear.html   both as curves, tool by tool, and the limits
 
 See docs/diagnosis.md.";
 

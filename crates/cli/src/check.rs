@@ -122,8 +122,8 @@ fn resolution(scenario: &Scenario) -> String {
 }
 
 /// Particles, steps, time and memory.
-/// `crowding`: most by which steps shorten later.
-fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, crowding: f64) -> String {
+/// `more_steps`: most by which steps shorten later.
+fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, more_steps: f64) -> String {
     let mut page = String::from("\ncost\n");
     let _ = writeln!(
         page,
@@ -136,8 +136,8 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, crowding: f6
         "  {} steps of {:.3e} s at the start{}",
         text::grouped(estimate.steps),
         estimate.time_step,
-        if crowding > 1.0 {
-            format!("; up to {crowding} times as many as particles crowd in a chip")
+        if more_steps > 1.0 {
+            format!("; up to {more_steps} times as many as particles crowd in a chip")
         } else {
             String::new()
         }
@@ -152,8 +152,8 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, crowding: f6
             page,
             "  about {}{} on {threads} thread{} ({}, measured now)",
             text::duration(seconds_to_duration(updates / speed)),
-            if crowding > 1.0 {
-                format!(" to {}", text::duration(seconds_to_duration(crowding * updates / speed)))
+            if more_steps > 1.0 {
+                format!(" to {}", text::duration(seconds_to_duration(more_steps * updates / speed)))
             } else {
                 String::new()
             },

@@ -53,8 +53,8 @@ pub const NUMERICS: &[Parameter] = &[
         "eps_r",
         Range::closed(0.0, 0.5),
         0.1,
-        "strain since the last renewal of neighbours and kernel gradients that triggers the next; \
-         0 renews every step",
+        "strain since the last reference update (neighbours and kernel gradients) that triggers the \
+         next; 0 updates every step",
         "docs/numerics.md",
     ),
     number(
@@ -87,7 +87,7 @@ pub const NUMERICS: &[Parameter] = &[
         "delta",
         Range::closed(0.0, 10.0),
         1.0,
-        "diffusion of the volume ratio's zig-zag in flowing material, in terms of h_s^2 eps_p_dot",
+        "diffusion of the checkerboard of the volume ratio in flowing material, in terms of h_s^2 eps_p_dot",
         "docs/numerics.md",
     ),
     number(
@@ -95,7 +95,7 @@ pub const NUMERICS: &[Parameter] = &[
         "delta_r",
         Range::closed(0.0, 10.0),
         1.2,
-        "diffusion of the zig-zag that plastic flow leaves behind, in terms of h_s and the way of \
+        "diffusion of the checkerboard that plastic flow leaves behind, in terms of h_s and the way of \
          the tool past the particle",
         "docs/numerics.md",
     ),

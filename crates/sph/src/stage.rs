@@ -38,7 +38,7 @@ impl Stage {
             Self::Forces => "forces",
             Self::Contact => "contact",
             Self::Diffusion => "diffusion",
-            Self::Renewal => "renewal",
+            Self::Renewal => "reference update",
         }
     }
 }

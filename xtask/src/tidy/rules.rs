@@ -48,7 +48,7 @@ fn words(file: &File, forbidden: &[&str], message: &str) -> Vec<Finding> {
 }
 
 /// Whether `line` contains `word` and not only as the end of a longer one.
-fn contains_word(line: &str, word: &str) -> bool {
+pub fn contains_word(line: &str, word: &str) -> bool {
     line.match_indices(word).any(|(start, _)| {
         let before = line[..start].chars().next_back();
         let after = line[start + word.len()..].chars().next();

@@ -119,7 +119,7 @@ impl Paired {
         }
         let Some((_, change)) = runs.last() else { return Ok(None) };
         let patch = scenario_patch(&case.base, change).map_err(refused)?;
-        let mut paired = Self::new(case, arguments, ("The repaired scenario", "repaired"), runs)?;
+        let mut paired = Self::new(case, arguments, ("The corrected scenario", "repaired"), runs)?;
         paired.patch = patch;
         Ok(Some((paired, null, repair)))
     }

@@ -99,7 +99,13 @@ fn means_and_series_stand_on_one_page() {
         serde_json::from_str(&shop.read("found/diagnosis.json")).unwrap();
     assert!(numbers["set"].is_array() && numbers["series"].is_object());
     let page = shop.read("found/diagnosis.html");
-    for heading in ["Where", "What", "Repair", "Where in frequency", "Where in time"] {
+    for heading in [
+        "Residual pattern",
+        "Candidate effects",
+        "Correction",
+        "Where in frequency",
+        "Where in time",
+    ] {
         assert!(page.contains(&format!("<h2>{heading}</h2>")), "{heading}");
     }
     let stands = |file: &str| shop.path(&format!("found/{file}")).exists();

@@ -68,7 +68,7 @@ pub fn calibration_words(calibration: &Calibration) -> Vec<String> {
             format!("{least}; its neighbours in the scan are worse by more than the intervals.")
         }
         Standing::Enclosed => format!(
-            "{least}. Coefficients from {low} to {high} cannot be told from it: the differences of \
+            "{least}. Coefficients from {low} to {high} are not distinguishable from it: the differences of \
              their errors lie within the intervals of the runs."
         ),
         Standing::AtBorder => format!(
@@ -76,7 +76,7 @@ pub fn calibration_words(calibration: &Calibration) -> Vec<String> {
              the range is too narrow, or something else than friction is missing."
         ),
         Standing::ReachesBorder => format!(
-            "{least}. Coefficients from {low} to {high}, an end of the range scanned, cannot be told \
+            "{least}. Coefficients from {low} to {high}, an end of the range scanned, are not distinguishable \
              from it: the coefficient is bounded on one side only."
         ),
         Standing::Saturated => format!(
@@ -86,7 +86,7 @@ pub fn calibration_words(calibration: &Calibration) -> Vec<String> {
             scan.saturated_from().map(coefficient).unwrap_or_default()
         ),
         Standing::Undetermined => format!(
-            "{least}, but no coefficient of the range can be told from it: the runs do not \
+            "{least}, but no coefficient of the range is distinguishable from it: the runs do not \
              determine the coefficient. Longer cuts have smaller intervals."
         ),
     }];
@@ -95,7 +95,7 @@ pub fn calibration_words(calibration: &Calibration) -> Vec<String> {
         let [cutting, feed] = best.deviations().map(signed_percent);
         words.push(format!(
             "Even the best run misses the measurement: cutting force {cutting}, feed force {feed}. No \
-             coefficient of friction repairs that."
+             coefficient of friction corrects that."
         ));
     }
     words.extend(calibration.predictions.iter().map(|trial| {
@@ -153,7 +153,7 @@ fn scan(calibration: &Calibration) -> Markup {
         section {
             h2 { "The scan at " (speed(scan.best())) " m/min" }
             (figure(&errors(calibration), "Error of the two forces against the coefficient: each bar is a run (line) \
-                with the 95 % interval of its error (box). Shaded: what cannot be told from the best run."))
+                with the 95 % interval of its error (box). Shaded: what is not distinguishable from the best run."))
             (figure(&forces(calibration), "Simulated forces against the coefficient with their 95 % intervals; the \
                 level lines are the measured ones."))
             (table("Scan", scan.trials(), Some(calibration)))
@@ -305,7 +305,7 @@ fn remark(trial: &Trial, scanned: Option<&Calibration>) -> String {
         if scan.best() == trial {
             parts.push("least error");
         } else if scan.is_indistinct(trial) {
-            parts.push("cannot be told from the best");
+            parts.push("not distinguishable from the best");
         }
     }
     if !trial.steady {
@@ -397,7 +397,7 @@ mod tests {
             };
             calibration_words(&calibration).join(" ")
         };
-        assert!(words(2.0).contains("No coefficient of friction repairs that"));
-        assert!(!words(25.0).contains("No coefficient of friction repairs that"));
+        assert!(words(2.0).contains("No coefficient of friction corrects that"));
+        assert!(!words(25.0).contains("No coefficient of friction corrects that"));
     }
 }

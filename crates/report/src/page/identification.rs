@@ -80,8 +80,7 @@ pub fn identification_words(page: &IdentificationPage<'_>) -> Vec<String> {
     let fit = page.johnson_cook;
     let laws = &page.comparison.laws;
     let mut words = vec![format!(
-        "Johnson-Cook follows the curves to {} (root mean square), and curves of conditions it has not seen \
-         to {}.",
+        "Johnson-Cook follows the curves to {} (root mean square), and held-out curves to {}.",
         percent(fit.deviation),
         percent(laws[0].unseen)
     )];
@@ -116,19 +115,19 @@ pub fn identification_words(page: &IdentificationPage<'_>) -> Vec<String> {
         let name = title(rival.law);
         words.push(if rival.advantage > CLEAR {
             format!(
-                "{name} is better on unseen conditions: {} against {} ({:.1} standard errors).",
+                "{name} is better on held-out conditions: {} against {} ({:.1} standard errors).",
                 percent(rival.unseen),
                 percent(laws[0].unseen),
                 rival.advantage
             )
         } else if rival.unseen > laws[0].unseen {
             format!(
-                "{name} gains nothing on unseen conditions ({}): it is not worth its parameters here.",
+                "{name} gains nothing on held-out conditions ({}): it is not worth its parameters here.",
                 percent(rival.unseen)
             )
         } else {
             format!(
-                "{name} is not clearly better on unseen conditions ({}, {:.1} standard errors).",
+                "{name} is not significantly better on held-out conditions ({}, {:.1} standard errors).",
                 percent(rival.unseen),
                 rival.advantage
             )
@@ -232,10 +231,10 @@ fn laws(comparison: &Comparison) -> Markup {
         section {
             h2 { "Laws side by side" }
             div.scroll { table {
-                caption { "Root mean square of ln(model / measured). Unseen: each of " (comparison.conditions) " rates and \
+                caption { "Root mean square of ln(model / measured). Held out: each of " (comparison.conditions) " rates and \
                     temperatures left out once, in ten groups." }
                 thead { tr {
-                    th scope="col" { "Law" } th.n scope="col" { "fitted" } th.n scope="col" { "unseen" }
+                    th scope="col" { "Law" } th.n scope="col" { "fitted" } th.n scope="col" { "held out" }
                     th.n scope="col" { "better than Johnson-Cook by standard errors" }
                 } }
                 tbody { @for law in &comparison.laws { tr {

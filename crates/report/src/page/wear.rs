@@ -71,7 +71,7 @@ fn causes(found: &Growth) -> Markup {
                     td.n { (three_digits(tool.fall)) @if tool.is_unsteady() { " (beyond noise)" } }
                 } } }
             } }
-            p { "Fall against the noise: how far the force of wear departs from its nearest course that never falls, root mean square over the standard \
+            p { "Fall against the noise: how far the force of wear departs from its isotonic fit, root mean square over the standard \
                 deviation of a segment. Around 1 and below it is noise." }
         }
     }
@@ -82,7 +82,7 @@ fn tools(found: &Growth) -> Markup {
         section {
             h2 { "How far, tool by tool" }
             p { "The normal force between worn edge and work, by the direction that the other tools taught. Thin lines: its 95 % interval from noise and the scatter \
-                of the direction. The red line is the nearest course that never falls: a land does not shrink." }
+                of the direction. The red line is the isotonic fit: a land does not shrink." }
             @for tool in &found.left_out {
                 h3 { "Tool " (tool.tool) }
                 (figure(force(tool).svg(), "Normal force of wear."))
@@ -115,7 +115,7 @@ fn force(tool: &LeftOut) -> Chart<'static> {
             line(tool, ("95 % interval", PALE, 1.0), |a| a.interval[0]),
             line(tool, ("", PALE, 1.0), |a| a.interval[1]),
             line(tool, ("as the forces say", BLUE, 2.0), |a| a.force),
-            line(tool, ("never falling", RED, 2.0), |a| a.never_falling),
+            line(tool, ("isotonic fit", RED, 2.0), |a| a.never_falling),
         ],
         y_includes: vec![0.0],
         ..Chart::default()
@@ -142,7 +142,7 @@ fn limits(found: &Growth) -> Markup {
     let [cutting, feed, passive] = found.noise.map(three_digits);
     html! {
         section {
-            h2 { "What cannot be told" }
+            h2 { "Limits" }
             ul {
                 li { "The length of the land: neither width of cut nor strength of the material are asked for. The force grows with the land, tool by tool in the same proportion \
                     only if conditions and work are the same." }
@@ -150,7 +150,7 @@ fn limits(found: &Growth) -> Markup {
                     material softer, and an insert that was ground again or swapped within a series takes the land back. Both courses are given for that reason, and where the force falls \
                     by more than its noise the table marks it." }
                 li { "The intervals follow from the noise (" (cutting) ", " (feed) " and " (passive) " N of a segment's F" sub { "c" } ", F" sub { "f" } " and F" sub { "p" } ") and from how far changes point \
-                    beside the direction (" (minus(&percent(found.direction.beside))) "), not from what the direction itself is uncertain by. The course that never falls has no interval." }
+                    beside the direction (" (minus(&percent(found.direction.beside))) "), not from what the direction itself is uncertain by. The isotonic fit has no interval." }
                 li { "Whether it is wear that is irreversible is only seen from tool to tool: all tools must have been cut in the order of the table, under the same conditions." }
             }
             p { "docs/diagnosis.md has sources; wear.json and wear.csv have every number." }
@@ -183,7 +183,7 @@ mod tests {
     fn the_page_says_what_grows_and_which_tool_falls() {
         let growth = found();
         let text = render_wear(&WearPage { table: "tools.csv", growth: &growth, version: "1" });
-        for part in ["Tool left out", "never falling", "wear land", "What cannot be told", "<svg"] {
+        for part in ["Tool left out", "isotonic fit", "wear land", "Limits", "<svg"] {
             assert!(text.contains(part), "{part}");
         }
         assert_eq!(text.matches("(beyond noise)").count(), 1);

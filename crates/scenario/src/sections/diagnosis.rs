@@ -58,7 +58,7 @@ pub(crate) fn diagnosis_root() -> Section {
             table("measured", Presence::Derived("[series] alone is diagnosed"), "the cuts that are to be explained")
                 .example("[measured] with file"),
             table("series", Presence::Optional, "recordings of the force over time: where a mismatch lives in time and in frequency"),
-            table("reference", Presence::Optional, "cuts in which nothing is missing: a fresh edge of known radius, an uncoated tool"),
+            table("reference", Presence::Optional, "cuts without a missing effect: a fresh edge of known radius, an uncoated tool"),
             table("priors", Presence::Derived("scatter between batches"), "what may differ without being a discovery"),
             table("checks", Presence::Derived("200 and 50 recordings"), "how the diagnosis tests itself"),
             table("runs", Presence::Derived("the range of the table, 30 thicknesses of travel"), "runs of the particle solver that tell what each effect changes"),
@@ -88,7 +88,7 @@ pub(crate) fn diagnosis_measured() -> Section {
 pub(crate) fn diagnosis_reference() -> Section {
     Section::new(
         "reference",
-        "Cuts in which nothing is missing. They teach what the simulation gets wrong by itself, which would else be taken for \
+        "Cuts without a missing effect. They teach what the simulation gets wrong by itself, which would else be taken for \
          missing physics.",
         vec![
             file(),
@@ -171,7 +171,7 @@ pub(crate) fn diagnosis_priors() -> Section {
     };
     Section::new(
         "priors",
-        "Standard deviations of what is fitted again under every explanation.",
+        "Standard deviations of the nuisance parameters, which are fitted under every explanation.",
         vec![
             share(SCATTER[0], "8 %", "A from batch to batch"),
             share(SCATTER[1], "8 %", "B from batch to batch"),
@@ -212,7 +212,7 @@ pub(crate) fn diagnosis_checks() -> Section {
                 "self_test",
                 10_000,
                 "200",
-                "simulated recordings with nothing missing, for the rate of false alarms",
+                "simulated recordings without a missing effect, for the rate of false alarms",
             ),
             count(
                 "control",
@@ -285,7 +285,7 @@ pub(crate) fn diagnosis_runs() -> Section {
                 "repaired",
                 Kind::Count { min: 0, max: 1000 },
                 default("6"),
-                "conditions of the table at which the repaired scenario is run, beside the one as it is and one with nuisances fitted again",
+                "conditions of the table at which the corrected scenario is run, beside the one as it is and one with recalibrated nuisance parameters",
             ),
             Field::new(
                 "most",

@@ -73,17 +73,17 @@ impl DiagnosisMeasure {
 
     fn words(self) -> &'static str {
         match self {
-            Self::NothingMissing => "probability that nothing is missing",
+            Self::NothingMissing => "posterior probability of the null hypothesis",
             Self::Named => "named, and nothing else",
             Self::InSet => "in the 95 % set",
             Self::Probability => "probability to be among what is missing",
-            Self::NoneOfThese => "verdict: none of these",
+            Self::NoneOfThese => "verdict: unmodelled effect",
             Self::Estimate => "most probable size",
-            Self::HeldOutRatio => "error on quarters left out, repaired over fitted again",
-            Self::HighestSpeedRatio => "error on the highest speeds, repaired over fitted again",
-            Self::ThinnestChipRatio => "error on the thinnest chips, repaired over fitted again",
+            Self::HeldOutRatio => "error on quarters left out, corrected over recalibrated",
+            Self::HighestSpeedRatio => "error on the highest speeds, corrected over recalibrated",
+            Self::ThinnestChipRatio => "error on the thinnest chips, corrected over recalibrated",
             Self::HeldOutUpperEnd => "upper end of the ratio on quarters left out",
-            Self::FalseAlarms => "alarms in simulated recordings with nothing missing",
+            Self::FalseAlarms => "alarms in simulated recordings without a missing effect",
             Self::Wear => "probability that the edge wears",
             Self::WearLand => "probability that a wear land grows",
             Self::WearByTheOthers => "least probability of wear, each tool left out in turn",

@@ -157,7 +157,7 @@ fn comparisons(text: &mut String, case: &GreyBoxCase, figures: &[FitFigures]) {
         return;
     }
     text.push_str(
-        "\n**Against measurements that a fit has not seen:** within the hull of its conditions. Own error: that of the fit, \
+        "\n**Against held-out measurements:** within the hull of its conditions. Own error: that of the fit, \
          conditions left out.\n\n\
          | fit | compared with | force | rows, of them inside | own MAE in N | MAE there | measured minus corrected in N | inside \
          the 95 % intervals (all rows) |\n|---|---|---|---|---|---|---|---|\n",

@@ -81,9 +81,9 @@ fn where_it_is(page: &DiagnosisPage<'_>) -> Markup {
     let tools_differ = sites.iter().any(|site| site.condition.tool != sites[0].condition.tool);
     html! {
         section {
-            h2 { "Where" }
-            p { "The residual after material, friction and instruments have been fitted, in standard deviations: what is left that chance does not \
-                explain. Beyond \u{b1}3 is rare by chance at a single place. A place is evidence, not an explanation: the fit moves an effect to where it \
+            h2 { "Residual pattern" }
+            p { "The residual after material, friction and instruments have been fitted, in standard deviations: what noise does not \
+                explain. Beyond \u{b1}3 is rare under the null hypothesis at a single place. A place is evidence, not an explanation: the fit moves an effect to where it \
                 cannot follow it."
                 @if tools_differ { " A place on the maps is the mean over the tools that cut there; what differs between them is among the patterns." } }
             div.pair { @for (channel, points) in &location.maps {
@@ -149,8 +149,10 @@ fn interpolated(points: &[MapPoint], [columns, rows]: [usize; 2], [v, h]: Input)
 
 fn titles(page: &DiagnosisPage<'_>, scored: &Scored) -> String {
     match &scored.hypothesis {
-        Hypothesis::Nothing => "nothing is missing".to_owned(),
-        Hypothesis::NoneOfThese => "something smooth that is none of the effects".to_owned(),
+        Hypothesis::Nothing => "null hypothesis: no effect is missing".to_owned(),
+        Hypothesis::NoneOfThese => {
+            "unmodelled effect: smooth, and not among the candidates".to_owned()
+        }
         Hypothesis::Effects(list) => {
             let names: Vec<String> =
                 list.iter().map(|&k| page.predictor.effects()[k].title.to_owned()).collect();
@@ -165,12 +167,12 @@ fn what_it_is(page: &DiagnosisPage<'_>) -> Markup {
     let effects = page.predictor.effects();
     html! {
         section {
-            h2 { "What" }
+            h2 { "Candidate effects" }
             div.scroll { table {
                 caption { "The most probable explanations. Under each of them material, friction and instruments are fitted anew. An alarm needs \
-                    less than 5 % for \u{201c}nothing is missing\u{201d}; a name needs more than 90 %." }
+                    a posterior probability of the null hypothesis below 5 %; a named effect one above 90 %." }
                 thead { tr {
-                    th scope="col" { "Explanation" } th.n scope="col" { "Probability" } th scope="col" { "Most probable size (95 % interval)" }
+                    th scope="col" { "Explanation" } th.n scope="col" { "Posterior probability" } th scope="col" { "Most probable size (95 % interval)" }
                 } }
                 tbody { @for scored in found.attribution.scored.iter().take(MOST_EXPLANATIONS) { tr {
                     th scope="row" { (titles(page, scored)) }
@@ -184,11 +186,11 @@ fn what_it_is(page: &DiagnosisPage<'_>) -> Markup {
                 p { "By family: " (listed(&finding.families.iter().map(|(name, p)| format!("{} {}", family(name), percent(*p))).collect::<Vec<_>>())) "." }
             }
             div.scroll { table {
-                caption { "Every effect: the probability that it is among what is missing, and by how much \u{3c7}\u{b2} would fall on average if it were missing \
-                    at a typical strength and were put in. Below 6 these data cannot test it." }
+                caption { "Every candidate: the posterior probability that it is missing in the simulation, and by how much \u{3c7}\u{b2} would fall on average if it were missing \
+                    at a typical strength and were put in. Below 6 it is not identifiable with these data." }
                 thead { tr {
                     th scope="col" { "Effect" } th scope="col" { "Family" } th.n scope="col" { "Probability" }
-                    th.n scope="col" { "Expected fall of \u{3c7}\u{b2}" } th scope="col" { "Testable" }
+                    th.n scope="col" { "Expected fall of \u{3c7}\u{b2}" } th scope="col" { "Identifiable" }
                 } }
                 tbody { @for (k, effect) in effects.iter().enumerate() { tr {
                     th scope="row" { (effect.title) } td { (family(effect.family)) }
@@ -210,21 +212,21 @@ fn repair(page: &DiagnosisPage<'_>) -> Markup {
     let factor = |log: f64| minus(&format!("{:+.1} %", log.exp_m1() * 100.0));
     html! {
         section {
-            h2 { "Repair" }
+            h2 { "Correction" }
             @match &found.finding.verdict {
                 sphcut_diagnose::Verdict::Named(_) => p { "The file scenario.patch.toml beside this page has the effect, its parameters with intervals, and the keys of the \
                     scenario that have it, with the properties fitted together with it: \"sphcut run SCENARIO --patch scenario.patch.toml\" runs them. "
-                    @if found.rerun.is_some() { "What a patch from fits without the recordings compared gives in the particle solver (runs/repaired/scenario.patch.toml) stands below." }
+                    @if found.rerun.is_some() { "What a patch from fits without the recordings compared gives in the particle solver stands below; it is in the folder of these runs." }
                     @else { "The patched scenario has not been run in the particle solver." } },
-                sphcut_diagnose::Verdict::OneOf => p { "No patch is written: which effect is missing cannot be told. The sizes of all candidates stand above; what would tell them apart stands below." },
-                sphcut_diagnose::Verdict::NoneOfThese => p { "No patch is written: no effect explains the data." },
-                sphcut_diagnose::Verdict::NoAlarm => p { "There is nothing to repair." },
+                sphcut_diagnose::Verdict::OneOf => p { "No patch is written: the effects of the set are not distinguishable with these data. Their sizes stand above; the cuts that would distinguish them stand below." },
+                sphcut_diagnose::Verdict::NoneOfThese => p { "No patch is written: no candidate explains the data." },
+                sphcut_diagnose::Verdict::NoAlarm => p { "No correction is needed." },
             }
             div.scroll { table {
-                caption { "What the fit changes of material and friction. A value far beyond its scatter says that the fit bends something to make up for what is missing." }
+                caption { "What the fit changes of material and friction. A value far beyond its scatter compensates for an effect that is missing." }
                 thead { tr {
-                    th scope="col" { "Quantity" } th.n scope="col" { "Scatter assumed" } th.n scope="col" { "Nothing missing" }
-                    @if after.is_some() { th.n scope="col" { "With the repair" } }
+                    th scope="col" { "Quantity" } th.n scope="col" { "Scatter assumed" } th.n scope="col" { "Recalibrated baseline" }
+                    @if after.is_some() { th.n scope="col" { "With the correction" } }
                 } }
                 tbody { @for (k, nuisance) in page.predictor.nuisances().iter().enumerate() { tr {
                     th scope="row" { code { (nuisance.key) } }
@@ -241,15 +243,15 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
     let help = &page.diagnosis.help;
     html! {
         section {
-            h2 { "Does it help" }
+            h2 { "Held-out validation" }
             @if let [first, ..] = help.as_slice() {
                 div.scroll { table {
-                    caption { "Mean error (of the logarithm: a share, or a factor where it is large) on recordings that the fit has not seen. Grey box: the scenario \
+                    caption { "Mean error (of the logarithm: a share, or a factor where it is large) on held-out recordings. Grey box: the scenario \
                         as it is, corrected by regression of its error over speed and thickness; its settings were searched with the left-out recordings in view, which favours it." }
                     thead { tr {
                         th scope="col" { "Left out" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
-                        th.n scope="col" { "Nuisances fitted again" } th.n scope="col" { "Repaired" }
-                        th.n scope="col" { "Repaired / fitted again" }
+                        th.n scope="col" { "Recalibrated baseline" } th.n scope="col" { "Corrected" }
+                        th.n scope="col" { "Corrected / recalibrated" }
                         @for (method, _) in &first.grey_box { th.n scope="col" { "Grey box: " (method.name()) } }
                     } }
                     tbody { @for held in help { tr {
@@ -260,12 +262,12 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                         @for _ in held.grey_box.len()..first.grey_box.len() { td.n { "\u{2013}" } }
                     } } }
                 } }
-                p { "The repair helps beyond doubt where the whole interval of the ratio lies below 1." }
+                p { "The correction improves the prediction where the whole 95 % interval of the ratio lies below 1." }
                 div.scroll { table {
-                    caption { "The same by channel. A channel that nothing was fitted to is foretold only if the others show what is missing, too." }
+                    caption { "The same by channel. A channel to which nothing was fitted is predicted only if the others show the missing effect, too." }
                     thead { tr {
-                        th scope="col" { "Left out" } th scope="col" { "Channel" } th.n scope="col" { "Nuisances fitted again" }
-                        th.n scope="col" { "Repaired" } th.n scope="col" { "Repaired / fitted again" }
+                        th scope="col" { "Left out" } th scope="col" { "Channel" } th.n scope="col" { "Recalibrated baseline" }
+                        th.n scope="col" { "Corrected" } th.n scope="col" { "Corrected / recalibrated" }
                     } }
                     tbody { @for held in help { @for (channel, [refitted, repaired]) in &held.channels { tr {
                         th scope="row" { (part(held.part)) } td { (channel.title()) }
@@ -273,7 +275,7 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                     } } } }
                 } }
             } @else {
-                p { "There is no repair to test." }
+                p { "There is no correction to validate." }
             }
             @if let Some(rerun) = &page.diagnosis.rerun { (in_the_solver(rerun)) }
         }
@@ -284,11 +286,11 @@ fn in_the_solver(rerun: &Rerun) -> Markup {
     html! {
         div.scroll { table {
             caption { "The scenario itself, run again in the particle solver at " (rerun.conditions) " of the recorded conditions: as it is, with material and friction \
-                fitted again, and with the repair. Mean error over the recordings there. The fits have not seen them, and the corners of speed and thickness are \
+                recalibrated, and with the correction. Mean error over the recordings there, which were held out of both fits; the corners of speed and thickness are \
                 among them: for those the fits look beyond the rest." }
             thead { tr {
                 th scope="col" { "Channel" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
-                th.n scope="col" { "Nuisances fitted again" } th.n scope="col" { "Repaired" } th.n scope="col" { "Repaired / fitted again" }
+                th.n scope="col" { "Recalibrated baseline" } th.n scope="col" { "Corrected" } th.n scope="col" { "Corrected / recalibrated" }
             } }
             tbody { @for one in &rerun.channels { tr {
                 th scope="row" { (one.channel.title()) } td.n { (one.values) }
@@ -308,13 +310,13 @@ fn trust(page: &DiagnosisPage<'_>) -> Markup {
     };
     html! {
         section {
-            h2 { "Can this be trusted" }
+            h2 { "Limits" }
             table { tbody {
                 @if let Some(alarms) = found.false_alarms { tr {
-                    th scope="row" { "Alarms in simulated recordings with nothing missing" } td { (rate(alarms)) (unanswered(found.asked[0], alarms)) }
+                    th scope="row" { "False alarms in simulated recordings without a missing effect" } td { (rate(alarms)) (unanswered(found.asked[0], alarms)) }
                 } }
                 @if let Some(control) = &found.control {
-                    tr { th scope="row" { "Alarms where \u{201c}" (names(&control.effects)) "\u{201d} was concealed at the size found" } td { (rate(control.alarms)) (unanswered(found.asked[1], control.alarms)) } }
+                    tr { th scope="row" { "Alarms where \u{201c}" (names(&control.effects)) "\u{201d} was put in at the size found" } td { (rate(control.alarms)) (unanswered(found.asked[1], control.alarms)) } }
                     tr { th scope="row" { "\u{2026} named, and nothing else" } td { (rate(control.named)) } }
                     tr { th scope="row" { "\u{2026} in the 95 % set" } td { (rate(control.in_set)) } }
                 }
@@ -328,7 +330,7 @@ fn trust(page: &DiagnosisPage<'_>) -> Markup {
                 } }
                 @for gate in &found.finding.gates { tr.over[!gate.passed] {
                     th scope="row" { "Best explanation and " (gate.channel.title()) }
-                    td { "\u{3c7}\u{b2} = " (three_digits(gate.chi_square)) " for " (format!("{:.0}", gate.freedom)) " values (chance " (percent(gate.chance)) ")"
+                    td { "\u{3c7}\u{b2} = " (three_digits(gate.chi_square)) " for " (format!("{:.0}", gate.freedom)) " values (p-value " (percent(gate.chance)) ")"
                         @if !gate.passed { ": not followed" } }
                 } }
                 @if let Some(bias) = found.bias { tr {
@@ -379,7 +381,7 @@ fn next(page: &DiagnosisPage<'_>) -> Markup {
     let has_edge = cuts.clone().any(|cut| cut.tool.edge_radius.is_some());
     html! {
         section {
-            h2 { "What to measure next" }
+            h2 { "Next experiment" }
             @if let Some(next) = proposal {
                 p { "The cuts on which the explanations that are left differ most. The probability of the right one among them is "
                     (percent(next.expected[0])) " now and is expected to be " (percent(next.expected[1])) " after these cuts." }
@@ -410,9 +412,9 @@ fn next(page: &DiagnosisPage<'_>) -> Markup {
 fn method(page: &DiagnosisPage<'_>) -> Markup {
     html! {
         section {
-            h2 { "How this was found" }
+            h2 { "Method" }
             p { "Every explanation is fitted together with the scatter of material, friction and instruments, and weighed by its evidence; \
-                a pair of effects has to earn its second one. \u{201c}None of these\u{201d} is a smooth difference of 1 to 8 % without a name. \
+                a pair of effects has to earn its second one. \u{201c}Unmodelled effect\u{201d} is a smooth difference of 1 to 8 % without a candidate. \
                 docs/diagnosis.md has formulas, sources and limits; diagnosis.json has every number. Seed " (page.provenance.seed) "." }
         }
     }

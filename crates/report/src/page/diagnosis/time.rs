@@ -76,7 +76,7 @@ const fn title(law: RunInLaw) -> &'static str {
         RunInLaw::Time => "the same time: instrument or machine",
         RunInLaw::Length => "the same length of cut: edge or heat",
         RunInLaw::Thicknesses => "the same number of uncut chip thicknesses: chip and contact",
-        RunInLaw::Other => "none of these",
+        RunInLaw::Other => "another law",
     }
 }
 

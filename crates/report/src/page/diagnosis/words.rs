@@ -9,9 +9,9 @@ pub(super) fn pattern(pattern: &str) -> &str {
     match pattern {
         "v" => "a slope over the cutting speed",
         "h" => "a slope over the uncut chip thickness",
-        "v^2" => "a bend over the cutting speed",
-        "h^2" => "a bend over the uncut chip thickness",
-        "v h" => "a twist over speed and thickness",
+        "v^2" => "a curvature over the cutting speed",
+        "h^2" => "a curvature over the uncut chip thickness",
+        "v h" => "an interaction of speed and thickness",
         "low v, low h" => "slow cuts of thin chips",
         "high v, low h" => "fast cuts of thin chips",
         "low v, high h" => "slow cuts of thick chips",
@@ -19,18 +19,18 @@ pub(super) fn pattern(pattern: &str) -> &str {
         "order" => "a slope over the order of the cuts",
         "cut length" => "a slope over the length that the edge has cut",
         "rake" => "a slope over the rake",
-        "v rake" => "a twist over speed and rake",
-        "h rake" => "a twist over thickness and rake",
+        "v rake" => "an interaction of speed and rake",
+        "h rake" => "an interaction of thickness and rake",
         "edge radius" => "a slope over the edge radius",
-        "v edge radius" => "a twist over speed and edge radius",
-        "h edge radius" => "a twist over thickness and edge radius",
+        "v edge radius" => "an interaction of speed and edge radius",
+        "h edge radius" => "an interaction of thickness and edge radius",
         other => other,
     }
 }
 
 pub(super) fn part(part: Part) -> &'static str {
     match part {
-        Part::Blocks => "quarters of the range of speed and thickness, one after the other",
+        Part::Blocks => "quarters of the range of speed and thickness, in turn",
         Part::HighestSpeed => "the highest speeds (beyond the rest)",
         Part::ThinnestChip => "the thinnest chips (beyond the rest)",
         Part::UnfittedChannel => "each channel in turn, which then nothing is fitted to",
@@ -118,9 +118,9 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
     words.extend(whereabouts(page));
     words.extend(page.diagnosis.help.first().map(|held| help(page, held)));
     if let Some(found) = page.diagnosis.false_alarms {
-        let alarm = if page.diagnosis.finding.is_alarm() { "this alarm" } else { "an alarm" };
+        let alarm = if page.diagnosis.finding.is_alarm() { "this design" } else { "an alarm" };
         words.push(format!(
-            "Of simulated recordings with this design and this noise, in which nothing is missing, {} raised an alarm: that is how much {alarm} may be chance{}.",
+            "Of simulated recordings with this design and this noise, without a missing effect, {} raised an alarm: the false-alarm rate of {alarm}{}.",
             rate(found),
             unanswered(page.diagnosis.asked[0], found)
         ));
@@ -152,15 +152,15 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
     }
     if page.diagnosis.bias.is_none() && page.diagnosis.finding.is_alarm() {
         words.push(
-            "There are no reference cuts: what the model itself gets wrong looks like missing physics too. Cuts in which nothing is missing (fresh edge, \
-             known radius) would tell the two apart."
+            "There are no reference cuts: what the model itself gets wrong looks like missing physics too. Cuts without a missing effect (fresh edge, \
+             known radius) would distinguish the two."
                 .to_owned(),
         );
     }
     let untestable = page.diagnosis.finding.untestable.len();
     if untestable > 0 {
         words.push(format!(
-            "{untestable} of {} effects cannot be tested with these data; that none of them was found says nothing.",
+            "{untestable} of {} effects are not identifiable with these data: that none of them was found says nothing.",
             page.predictor.effects().len()
         ));
     }
@@ -174,7 +174,7 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
     };
     match &finding.verdict {
         Verdict::NoAlarm => format!(
-            "These data do not show that anything is missing: the scatter of material, friction and instruments explains them (probability that nothing is missing: {}).",
+            "No effect is shown to be missing: the scatter of material, friction and instruments explains these data (posterior probability of the null hypothesis: {}).",
             percent(finding.nothing)
         ),
         Verdict::Named(named) => {
@@ -182,7 +182,7 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
             let values = fit.map_or_else(Vec::new, |fit| parameters(page, fit));
             let probable = named.iter().map(|&k| finding.inclusion[k]).fold(1.0, f64::min);
             format!(
-                "Something is missing, and it has a name: {} (probability {}). Its size: {}.",
+                "An effect is missing in the simulation: {} (posterior probability {}). Its size: {}.",
                 listed(&titles(named)),
                 percent(probable),
                 listed(&values)
@@ -191,13 +191,13 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
         Verdict::OneOf => {
             let mut set = titles(&finding.set);
             if finding.set_has_none {
-                set.push("something that is none of the effects".to_owned());
+                set.push("an unmodelled effect".to_owned());
             }
             let family = finding.family().map_or_else(String::new, |name| {
                 format!(" Its family is known: {}.", family(name))
             });
             format!(
-                "Something is missing, but these data cannot tell which: with 95 % probability at least one of {}.{family}",
+                "An effect is missing, but these data do not distinguish which: with 95 % probability at least one of {}.{family}",
                 listed(&set)
             )
         }
@@ -210,14 +210,14 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
                 .collect();
             let why = if failed.is_empty() {
                 format!(
-                    "a smooth difference that has no name explains them better (probability {})",
+                    "a smooth difference without a candidate explains the data better (posterior probability {})",
                     percent(finding.none_of_these)
                 )
             } else {
                 format!("the best of them does not follow the {}", listed(&failed))
             };
             format!(
-                "Something is missing that none of the effects explains: {why}. No patch is written; the maps show where it is."
+                "An unmodelled effect: none of the candidates explains the data: {why}. No patch is written; the maps show where it acts."
             )
         }
     }
@@ -231,7 +231,7 @@ fn whereabouts(page: &DiagnosisPage<'_>) -> Option<String> {
     let touched = channels.iter().filter(|c| found.iter().any(|f| f.channel == **c));
     let names: Vec<String> = touched.map(|c| c.title().to_owned()).collect();
     Some(format!(
-        "Where: {} patterns beyond chance, in the {}. The strongest is {} of the {} ({} standard deviations {direction} the model).",
+        "Residual pattern: {} significant, in the {}. The strongest is {} of the {} ({} standard deviations {direction} the model).",
         found.len(),
         listed(&names),
         pattern(first.pattern),
@@ -242,18 +242,18 @@ fn whereabouts(page: &DiagnosisPage<'_>) -> Option<String> {
 
 fn help(page: &DiagnosisPage<'_>, held: &Held) -> String {
     let how = if held.improves() {
-        "the repair helps beyond doubt"
+        "the correction improves the prediction"
     } else if held.ratio[1] > 1.0 {
-        "the repair makes it worse"
+        "the correction makes it worse"
     } else {
-        "whether the repair helps is not certain"
+        "the improvement is not significant"
     };
-    let repair = match page.diagnosis.finding.verdict {
+    let state = match page.diagnosis.finding.verdict {
         Verdict::OneOf => "with the most probable of the set",
-        _ => "with the repair",
+        _ => "with the correction",
     };
     format!(
-        "On conditions left out, the mean error is {} as simulated, {} with material and friction fitted again, {} {repair}: {how} (ratio to fitting again {}, 95 % interval {} to {}).",
+        "On held-out conditions the mean error is {} as simulated, {} with material and friction recalibrated, {} {state}: {how} (ratio to the recalibrated baseline {}, 95 % interval {} to {}).",
         error(held.before),
         error(held.refitted),
         error(held.repaired),

@@ -46,8 +46,8 @@ fn force_words(force: &ForceFit) -> Vec<String> {
     let (before, after) = (&force.white_box.mae, &force.procedure.mae);
     let name = force.force.name();
     let mut headline = format!(
-        "{}: use {}. The simulation alone misses the measured {name} by {} N on average; corrected, conditions it has \
-         not seen are missed by {} N, {} less{}.",
+        "{}: use {}. The simulation alone misses the measured {name} by {} N on average; corrected, held-out conditions \
+         are missed by {} N, {} less{}.",
         force.force.symbol(),
         article(chosen.method),
         three_digits(before.value),
@@ -132,7 +132,7 @@ fn why(force: &ForceFit) -> String {
     }
     let rest = tied.join(", ");
     format!(
-        "Why: the least error is that of {best}, but with these measurements it cannot be told from {rest}. Of all these, {method} \
+        "Why: the least error is that of {best}, but with these measurements it is not distinguishable from {rest}. Of all these, {method} \
          came closest where whole levels of v_c or h were left out."
     )
 }

@@ -107,7 +107,7 @@ fn over_all(points: &[Point], symbol: &str, what: &str) -> Option<String> {
         0.5 * (change(speed.value + speed.half_width) - change(speed.value - speed.half_width));
     let says = if speed.value.abs() <= speed.half_width {
         format!(
-            "{range} no change can be told from none (within {})",
+            "{range} no change is distinguishable from none (within {})",
             percent(change(speed.value).abs() + half)
         )
     } else {
@@ -187,7 +187,7 @@ mod tests {
             point.value *= 1.0 + 0.01 * (k as f64 * 2.3).sin();
         }
         let said = over_all(&scattered, "F_c", "simulated").unwrap();
-        assert!(said.contains("no change can be told from none"), "{said}");
+        assert!(said.contains("no change is distinguishable from none"), "{said}");
     }
 
     #[test]
