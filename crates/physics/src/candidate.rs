@@ -1,6 +1,6 @@
 //! What an effect is as an explanation of forces that a simulation misses: what is sought, where, and by which runs.
 
-/// What kind of physics an effect belongs to: what is still known where effects cannot be told apart.
+/// What kind of physics an effect belongs to: what is still known where effects are not distinguishable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Family {
     /// Friction on the rake face.
