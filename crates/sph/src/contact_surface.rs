@@ -118,6 +118,8 @@ pub(crate) struct ContactSurface {
     angles: Vec<f64>,
     /// In space: the layer around one.
     around: Vec<Neighbour>,
+    /// In space: place in the tangent plane in m and volume over the spacing in m^2 of the particles around one.
+    filling: Vec<[f64; 3]>,
     shares: Vec<Share>,
 }
 
@@ -165,6 +167,7 @@ impl ContactSurface {
         if self.dimension == 3 {
             make_room(&mut self.angles, 2 * most);
             make_room(&mut self.around, most);
+            make_room(&mut self.filling, most);
         }
         make_room(&mut self.shares, most);
     }
@@ -330,31 +333,36 @@ impl ContactSurface {
         self.fills(filled, gap)
     }
 
-    /// The same of the way from place `k` of the order along `unit` of `basis` to a neighbour `gap` off.
-    fn is_covered_in_space(
-        &self,
-        footings: &[Footing],
-        k: usize,
-        basis: &[Vector3; 2],
-        unit: [f64; 2],
-        gap: f64,
-    ) -> bool {
+    /// The same in space of the way along `unit` of the tangent plane to a neighbour `gap` off.
+    fn is_covered_in_space(&self, unit: [f64; 2], gap: f64) -> bool {
         if gap <= CLOSED_GAP * self.spacing {
             return true;
         }
-        let foot = &footings[self.order[k].1 as usize].foot;
         let end = END * self.spacing;
-        let counted = |entry: &(f64, u32)| {
-            let other = &footings[entry.1 as usize];
-            let apart = minus(&other.foot, foot);
-            let [x, y] = [dot(&apart, &basis[0]), dot(&apart, &basis[1])];
+        let counted = |[x, y, filled]: &[f64; 3]| {
             let (along, across) = (x * unit[0] + y * unit[1], y * unit[0] - x * unit[1]);
             let lies = along >= -end && along <= gap + end;
             let share = if lies { (1.0 - across.abs() / self.spacing).max(0.0) } else { 0.0 };
-            other.volume / self.spacing * share
+            filled * share
         };
-        let filled = self.order[self.near(k, REACH + END)].iter().map(counted).sum();
-        self.fills(filled, gap)
+        self.fills(self.filling.iter().map(counted).sum(), gap)
+    }
+
+    /// Notes the material that may lie behind gaps around place `k` of the order.
+    fn note_filling(&mut self, footings: &[Footing], k: usize, basis: &[Vector3; 2]) {
+        let foot = &footings[self.order[k].1 as usize].foot;
+        let most = (REACH + END).hypot(1.0) * self.spacing;
+        let mut filling = std::mem::take(&mut self.filling);
+        filling.clear();
+        for &(_, other) in &self.order[self.near(k, REACH + END)] {
+            let other = &footings[other as usize];
+            let apart = minus(&other.foot, foot);
+            let [x, y] = [dot(&apart, &basis[0]), dot(&apart, &basis[1])];
+            if x * x + y * y <= most * most {
+                filling.push([x, y, other.volume / self.spacing]);
+            }
+        }
+        self.filling = filling;
     }
 
     /// Whether `filled` of a band in m^2 is enough material behind a gap.
@@ -395,9 +403,9 @@ impl ContactSurface {
                 }
             }
             around.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let is_covered = |&(distance, _, unit): &Neighbour| {
-                self.is_covered_in_space(footings, k, &basis, unit, distance)
-            };
+            self.note_filling(footings, k, &basis);
+            let is_covered =
+                |&(distance, _, unit): &Neighbour| self.is_covered_in_space(unit, distance);
             let mut cell = Cell::square(0.5 * REACH * self.spacing);
             angles.clear();
             for neighbour in &around {
@@ -432,6 +440,9 @@ impl ContactSurface {
             }
             for place in 0..seen {
                 let (start, width) = gap(&angles[..seen], place);
+                if width <= FREE {
+                    continue;
+                }
                 let out = start + 0.5 * width;
                 let through = unit[0] * out.cos() + unit[1] * out.sin();
                 let mirrored = if width > CORNER {
@@ -439,7 +450,7 @@ impl ContactSurface {
                 } else {
                     [unit[0] - 2.0 * through * out.cos(), unit[1] - 2.0 * through * out.sin()]
                 };
-                if width > FREE && is_within(angle(mirrored), (start, width)) {
+                if is_within(angle(mirrored), (start, width)) {
                     cell.cut(mirrored, 0.5 * distance);
                     angles.push(angle(mirrored));
                 }
