@@ -57,6 +57,8 @@ const WIDEST: f64 = std::f64::consts::PI * 10.0 / 9.0;
 const CORNER: f64 = std::f64::consts::PI * 1.25;
 /// A sector in radians wider than this and without a neighbour is beside the contact.
 const FREE: f64 = std::f64::consts::TAU / 3.0;
+/// So many particles are counted before it is seen whether they are enough.
+const CHUNK: usize = 16;
 /// Least room, in values.
 const LEAST_ROOM: usize = 256;
 
@@ -345,7 +347,11 @@ impl ContactSurface {
             let share = if lies { (1.0 - across.abs() / self.spacing).max(0.0) } else { 0.0 };
             filled * share
         };
-        self.fills(self.filling.iter().map(counted).sum(), gap)
+        let mut filled = 0.0;
+        self.filling.chunks(CHUNK).any(|some| {
+            filled = some.iter().map(counted).fold(filled, |sum, part| sum + part);
+            self.fills(filled, gap)
+        })
     }
 
     /// Notes the material that may lie behind gaps around place `k` of the order.
