@@ -1,13 +1,17 @@
 //! Materials: from the library, from a file beside the scenario, or inline,
 //! with single values overridden.
 
+use crate::equation_of_state;
 use crate::files::{LARGEST_TEXT, Surroundings};
 use crate::findings::Findings;
+use crate::flow_stress_table;
+use crate::library;
 use crate::problem::{Mistake, Source};
 use crate::reader::{self, Defaults};
 use crate::record::Record;
 use crate::section::Presence;
-use crate::{equation_of_state, flow_stress_table, library, sections, spelling};
+use crate::sections;
+use crate::spelling;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::equation_of_state::Reference;
 use sphcut_physics::flow_stress::{self, FlowStressEntry, FlowStressTable};

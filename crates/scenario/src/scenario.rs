@@ -1,19 +1,28 @@
 //! A scenario from its text.
 
+use crate::LoadOptions;
+use crate::bodies;
 use crate::cut::{self, Cut, CutEnd};
+use crate::effects;
 use crate::ending::{Kind, Output, Stop, read_output, read_stop};
+use crate::equation_of_state;
 use crate::files::{self, LARGEST_TEXT, Surroundings};
 use crate::findings::{Findings, ResolvedEntry};
+use crate::friction_heat;
+use crate::heat_source;
+use crate::inertia;
 use crate::material::Shelf;
+use crate::passes;
 use crate::problem::{Mistake, Problem, Source};
 use crate::reader;
 use crate::record::Record;
+use crate::sections;
 use crate::shared::{self, Resolution};
+use crate::tool;
 use crate::tool::Space;
-use crate::{
-    LoadOptions, bodies, effects, equation_of_state, friction_heat, heat_source, inertia, passes,
-    sections, tool, wall, warnings, window,
-};
+use crate::wall;
+use crate::warnings;
+use crate::window;
 use sphcut_physics::Quantity;
 use sphcut_physics::effects::ChosenEffect;
 use sphcut_sph::Setup;

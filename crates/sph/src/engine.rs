@@ -15,23 +15,23 @@
 //! least-squares fit with the same weights, its force needs no second sweep and
 //! keeps both momenta. `docs/theory.md` derives all of it.
 
-use crate::account::{Account, Tally};
+use crate::contact::surface_point::LatticeCell;
+use crate::contact::tool_holder::ToolHolder;
 use crate::contact::{ToolContact, reduced};
-use crate::equation_of_state::Elasticity;
 use crate::error::{Diverged, SetupError};
-use crate::history::{History, Memory};
-use crate::material_point::MaterialPoint;
-use crate::motion::Motion;
-use crate::neighbours::{CHUNK, Cells, NeighbourList, Smoothing};
+use crate::material::equation_of_state::Elasticity;
+use crate::material::history::{History, Memory};
+use crate::material::point::MaterialPoint;
+use crate::material::thermoelasticity;
+use crate::operators::neighbours::{CHUNK, Cells, NeighbourList, Smoothing};
+use crate::output::account::{Account, Tally};
+use crate::particles::motion::Motion;
+use crate::particles::supports::{FREE, Hold};
+use crate::particles::window::{self, Rest, Window};
 use crate::setup::{CuttingFrame, HeatSource, Setup};
 use crate::stage::Stage;
-use crate::supports::{FREE, Hold};
-use crate::surface_point::LatticeCell;
 use crate::tensor::{Matrix, Vector, dot, identity, plus_scaled, zero};
-use crate::thermoelasticity;
 use crate::tool_heat::{ToolHeat, in_tool};
-use crate::tool_holder::ToolHolder;
-use crate::window::{self, Rest, Window};
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
@@ -118,7 +118,7 @@ pub(crate) struct Engine<const D: usize> {
     /// Total force except the reaction of supports.
     pub(crate) force: Vec<Vector<D>>,
     pub(crate) frame: Vec<Frame<D>>,
-    /// What a neighbour needs to know of a particle in the force sweep ([`crate::sweeps`]).
+    /// What a neighbour needs to know of a particle in the force sweep ([`crate::operators::sweeps`]).
     pub(crate) exchange: Vec<f64>,
     pub(crate) reference_volume: Vec<f64>,
     pub(crate) list: NeighbourList,
@@ -158,7 +158,7 @@ pub(crate) struct Engine<const D: usize> {
     pub(crate) since_refresh: Tally,
     /// Time since the last conduction step in s.
     pub(crate) conduction_pending: f64,
-    /// S of the particles ([`crate::laplacian`]); empty until a conduction step needs it.
+    /// S of the particles ([`crate::operators::laplacian`]); empty until a conduction step needs it.
     pub(crate) conduction_tensor: Vec<Matrix<D>>,
     /// Length of a conduction step in s.
     pub(crate) conduction_interval: f64,
@@ -212,7 +212,7 @@ impl<const D: usize> Engine<D> {
     /// Fills the bodies and prepares the first step.
     pub(crate) fn new(setup: &Setup) -> Result<Self, SetupError> {
         let mut engine = Self::without_particles(setup)?;
-        let seeds = crate::lattice::fill(setup)?.into_iter().enumerate();
+        let seeds = crate::particles::lattice::fill(setup)?.into_iter().enumerate();
         let all: Vec<Rest<D>> = seeds.map(|(id, seed)| engine.rest(setup, id, &seed)).collect();
         if setup.window.is_some() {
             engine.holds = window::with_resting(engine.holds);
@@ -344,7 +344,7 @@ impl<const D: usize> Engine<D> {
         }
         self.force.resize(count, [0.0; D]);
         self.frame.resize(count, frame);
-        self.exchange.resize(count * crate::sweeps::exchange_width::<D>(), 0.0);
+        self.exchange.resize(count * crate::operators::sweeps::exchange_width::<D>(), 0.0);
         self.reference_volume.resize(count, 0.0);
         self.tallies.resize(count.div_ceil(CHUNK), Tally::default());
     }
@@ -410,7 +410,7 @@ impl<const D: usize> Engine<D> {
             + 2 * size_of::<f64>()
             + size_of::<MaterialPoint<D>>()
             + size_of::<Frame<D>>()
-            + size_of::<f64>() * crate::sweeps::exchange_width::<D>();
+            + size_of::<f64>() * crate::operators::sweeps::exchange_width::<D>();
         let tool = self.tool_heat.as_ref().map_or(0, ToolHeat::memory);
         tool + self.id.len() * each
             + self.shape.len() * size_of::<Matrix<D>>()

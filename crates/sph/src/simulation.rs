@@ -2,7 +2,7 @@
 
 use crate::engine::Engine;
 use crate::error::{Diverged, SetupError};
-use crate::observation::{CheckpointState, Sample, Snapshot};
+use crate::output::observation::{CheckpointState, Sample, Snapshot};
 use crate::setup::{Dimension, Setup};
 use crate::stage::Stage;
 use crate::tool_heat::{ToolHeat, ToolMeshFacts};

@@ -1,6 +1,6 @@
 //! Heat in the tool: conduction by finite elements, coupled to the particles that touch it.
 //!
-//! A particle covers its share A of the tool's surface ([`crate::contact_surface`]: a length in the plane; in space
+//! A particle covers its share A of the tool's surface ([`crate::contact::surface`]: a length in the plane; in space
 //! taken as a square) about its foot, and exchanges
 //! ```text
 //! q = h (T_particle - T_tool),   1/h = 1/h_c + dx / (2 k)
@@ -41,9 +41,9 @@ mod tests;
 
 pub(crate) use coupling::in_tool;
 
+use crate::contact::tool_motion::speed;
 use crate::error::SetupError;
 use crate::setup::{OuterBoundary, Tool, ToolHeat as Description, Vector};
-use crate::tool_motion::speed;
 use body::{Body, Made};
 use conduction::{Conduction, Flow, Load};
 

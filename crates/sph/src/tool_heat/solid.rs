@@ -16,9 +16,9 @@ use super::octree::{Cube, Octree};
 use super::outline::{COARSEST, GROWTH};
 use super::skin::Skin;
 use super::stuffing::{Background, Solid, cross, dot, minus, stuff, volume};
+use crate::contact::tool_surface::Surface;
 use crate::error::SetupError;
 use crate::setup::{ToolHeat, ToolSurface, Vector};
-use crate::tool_surface::Surface;
 use rayon::prelude::*;
 
 /// A cell is divided while it is wider than this many of the wanted sizes: halves are then as far from

@@ -1,11 +1,11 @@
 //! Renewal of the reference configuration: storage order, neighbours, corrections, time step.
 
 use crate::contact::reduced;
+use crate::contact::self_contact::Kinship;
 use crate::engine::{Engine, Frame, MaterialData};
-use crate::laplacian;
-use crate::motion::Motion;
-use crate::neighbours::{CHUNK, Cells, Cloud, NeighbourList, TURN, build_list};
-use crate::strangers::Kinship;
+use crate::operators::laplacian;
+use crate::operators::neighbours::{CHUNK, Cells, Cloud, NeighbourList, TURN, build_list};
+use crate::particles::motion::Motion;
 use crate::tensor::{
     Matrix, Vector, apply, clamped_spectrum, determinant, dot, identity, inverse_nonsingular,
     minus, plus_scaled, trace, zero,
@@ -106,7 +106,7 @@ impl<const D: usize> Engine<D> {
             tool.refresh(reference, &self.list, self.refresh_time, margin);
             self.tool = Some(tool);
         }
-        self.since_refresh = crate::account::Tally::default();
+        self.since_refresh = crate::output::account::Tally::default();
         self.conduction_tensor.clear();
     }
 

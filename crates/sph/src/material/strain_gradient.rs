@@ -7,7 +7,7 @@
 //! few steps: the strain then changes by some 1e-3 at most.
 
 use crate::engine::Engine;
-use crate::neighbours::{CHUNK, TURN};
+use crate::operators::neighbours::{CHUNK, TURN};
 use crate::tensor::{apply, dot, inverse_nonsingular, minus, plus_scaled, transpose};
 use rayon::prelude::*;
 

@@ -1,24 +1,31 @@
 //! Contact of particles with a rigid tool: node to surface, by penalty, with friction.
 //!
-//! The point of a particle's material that faces the tool ([`crate::surface_point`]) overlaps it by `g`, which
+//! The point of a particle's material that faces the tool ([`crate::contact::surface_point`]) overlaps it by `g`, which
 //! gives the normal force `f_n = kappa M dx^(D-2) g` (M: p-wave modulus; per width in 2D). Friction
-//! ([`crate::contact_friction`]) sticks below the law's limit and slides at it, whatever the time step or stiffness. The
+//! ([`crate::contact::friction`]) sticks below the law's limit and slides at it, whatever the time step or stiffness. The
 //! limit is that at the particle's own strength and the pressure of the contact surface, times its area there
-//! ([`crate::contact_surface`]). Particles between those that press rub although they do not press themselves.
+//! ([`crate::contact::surface`]). Particles between those that press rub although they do not press themselves.
 //! The strength is not averaged: one that melts must not be rubbed by the strength of its neighbours.
 //! The slip is the true projection `v - (v.n) n`. Neglected: damping normal to the tool, finite curvature of the particle.
 
-use crate::contact_friction::ContactFriction;
-use crate::contact_surface::{ContactSurface, Footing, Share, make_room};
+pub(crate) mod friction;
+pub(crate) mod self_contact;
+pub(crate) mod surface;
+pub(crate) mod surface_point;
+pub(crate) mod tool_holder;
+pub(crate) mod tool_motion;
+pub(crate) mod tool_surface;
+use crate::contact::friction::ContactFriction;
+use crate::contact::surface::{ContactSurface, Footing, Share, make_room};
+use crate::contact::surface_point::SurfacePoints;
+use crate::contact::tool_holder::ToolHolder;
+use crate::contact::tool_motion::ToolMotion;
+use crate::contact::tool_surface::{Nearest, Surface, sub, sum};
 use crate::engine::Engine;
 use crate::error::SetupError;
-use crate::neighbours::NeighbourList;
+use crate::operators::neighbours::NeighbourList;
 use crate::setup::{Tool, Vector as Vector3};
-use crate::surface_point::SurfacePoints;
 use crate::tensor::{Matrix, Vector, dot, minus};
-use crate::tool_holder::ToolHolder;
-use crate::tool_motion::ToolMotion;
-use crate::tool_surface::{Nearest, Surface, sub, sum};
 use sphcut_physics::friction::{ContactState, FrictionLaw};
 
 /// Overlap at the start, in radii of a particle, that rounding may make.

@@ -1,13 +1,13 @@
 //! The two sweeps over neighbours: velocity gradients with the stress update, and forces.
 
-use crate::account::{Failure, Tally};
 use crate::contact::extended;
 use crate::engine::{Engine, MaterialData};
 use crate::error::Diverged;
 use crate::lanes::{Lanes, order, with_lanes};
-use crate::material_point::{MaterialPoint, UpdateContext};
-use crate::motion::Motion;
-use crate::neighbours::{CHUNK, NeighbourList, TURN};
+use crate::material::point::{MaterialPoint, UpdateContext};
+use crate::operators::neighbours::{CHUNK, NeighbourList, TURN};
+use crate::output::account::{Failure, Tally};
+use crate::particles::motion::Motion;
 use crate::tensor::{
     Matrix, Vector, apply, contract, minus, plus_scaled, product, sum_scaled, transpose,
 };
@@ -433,7 +433,7 @@ mod tests {
 
     /// A disordered block of rubber.
     fn block(dimension: Dimension) -> Setup {
-        crate::surface_point::tests::block(dimension, Lattice::Disordered, 1.0)
+        crate::contact::surface_point::tests::block(dimension, Lattice::Disordered, 1.0)
     }
 
     fn gradient_is_exact<const D: usize>(dimension: Dimension) {

@@ -27,8 +27,8 @@
 
 use crate::contact::reduced;
 use crate::engine::Engine;
-use crate::neighbours::{CHUNK, TURN};
-use crate::sweeps::exchange_width;
+use crate::operators::neighbours::{CHUNK, TURN};
+use crate::operators::sweeps::exchange_width;
 use crate::tensor::{Vector, apply, dot, minus, plus_scaled};
 use rayon::prelude::*;
 

@@ -21,10 +21,10 @@
 //! the undeformed state.
 
 use crate::engine::{Engine, MaterialData};
-use crate::material_point::{MaterialPoint, UpdateContext};
-use crate::neighbours::CHUNK;
+use crate::material::point::{MaterialPoint, UpdateContext};
+use crate::material::thermoelasticity::varying;
+use crate::operators::neighbours::CHUNK;
 use crate::setup::Material;
-use crate::thermoelasticity::varying;
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::elasticity::ElasticModuli;

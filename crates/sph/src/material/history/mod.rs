@@ -15,7 +15,7 @@
 //! comes back multiplied by at most `g |X|/(3 G + C) <= C/(3 G + C)`, so the search converges, and
 //! with steps of 1e-4 of strain and less it takes three or four rounds.
 
-use crate::material_point::{MaterialPoint, UpdateContext};
+use crate::material::point::{MaterialPoint, UpdateContext};
 use crate::setup::Setup;
 use crate::tensor::{Matrix, rotated, sum_scaled, zero};
 use sphcut_physics::effects::{

@@ -4,7 +4,7 @@
 //! rho_0 cp V_0 dT_i/dt = V_i sum_j w_ij k_ij e.(S_i + S_j).e (T_j - T_i),   e = X_ij/|X_ij|
 //! ```
 //! with the harmonic mean conductivity `k_ij` (Cleary and Monaghan 1999) and the tensors S of
-//! [`crate::laplacian`]. With S = I this is the usual SPH Laplacian.
+//! [`crate::operators::laplacian`]. With S = I this is the usual SPH Laplacian.
 //! - Heat is conserved to rounding: the flux of a pair changes its sign with its sides.
 //! - No factor of a pair is negative, so heat flows from hot to cold, and with the step taken a
 //!   temperature stays between those of its neighbours.
@@ -13,10 +13,10 @@
 //! - First order at a surface where a temperature is held.
 
 use crate::engine::Engine;
-use crate::laplacian;
-use crate::neighbours::{CHUNK, TURN};
-use crate::supports::FREE;
-use crate::sweeps::exchange_width;
+use crate::operators::laplacian;
+use crate::operators::neighbours::{CHUNK, TURN};
+use crate::operators::sweeps::exchange_width;
+use crate::particles::supports::FREE;
 use crate::tensor::minus;
 use rayon::prelude::*;
 

@@ -2,7 +2,7 @@
 //! triaxiality.
 
 use super::*;
-use crate::equation_of_state::Elasticity;
+use crate::material::equation_of_state::Elasticity;
 use approx::assert_relative_eq;
 use sphcut_physics::Values;
 use sphcut_physics::elasticity::ElasticModuli;

@@ -22,11 +22,11 @@
 use crate::contact::reduced;
 use crate::engine::Engine;
 use crate::error::SetupError;
-use crate::lattice::Seed;
-use crate::material_point::MaterialPoint;
-use crate::motion::Motion;
+use crate::material::point::MaterialPoint;
+use crate::particles::lattice::Seed;
+use crate::particles::motion::Motion;
+use crate::particles::supports::{FREE, Hold};
 use crate::setup::Setup;
-use crate::supports::{FREE, Hold};
 use crate::tensor::{Vector, dot};
 
 /// Share of `behind` that retired material is away from the edge at least: a chip is shorter than what was

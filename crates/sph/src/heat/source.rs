@@ -12,7 +12,7 @@
 //! counts. Neglected: absorption, shadow, the dependence of the power on the surface it meets.
 
 use crate::engine::Engine;
-use crate::neighbours::CHUNK;
+use crate::operators::neighbours::CHUNK;
 use crate::setup::{HeatSource, HeatSourceForm, Vector as Vector3};
 use crate::tensor::Vector;
 use rayon::prelude::*;

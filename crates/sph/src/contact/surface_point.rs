@@ -21,13 +21,13 @@
 //! **Limits.** L is that of the particle, linear over half a row. r stays within [`THINNEST`] and [`THICKEST`]
 //! spacings; at these limits the penalty's energy is not exact. n turns without turning what r was before.
 
+use crate::contact::surface::make_room;
 use crate::contact::{Touch, reduced};
-use crate::contact_surface::make_room;
 use crate::engine::{Engine, Frame};
-use crate::lattice;
-use crate::material_point::MaterialPoint;
-use crate::motion::Motion;
-use crate::neighbours::NeighbourList;
+use crate::material::point::MaterialPoint;
+use crate::operators::neighbours::NeighbourList;
+use crate::particles::lattice;
+use crate::particles::motion::Motion;
 use crate::setup::{Body, Setup, Shape};
 use crate::tensor::{
     Matrix, Vector, apply, determinant, dot, inverse_nonsingular, minus, plus_scaled, zero,

@@ -15,8 +15,8 @@ use sphcut_physics::TemperatureTable;
 use sphcut_physics::flow_stress::FlowStressModel;
 use sphcut_physics::radial_return::{Returned, TrialState};
 
-use crate::equation_of_state::Elasticity;
-use crate::history::{History, Memory};
+use crate::material::equation_of_state::Elasticity;
+use crate::material::history::{History, Memory};
 
 /// Time constant of the smoothed plastic strain rate in steps.
 const RATE_SMOOTHING_STEPS: f64 = 100.0;
@@ -43,9 +43,9 @@ pub(crate) struct MaterialPoint<const D: usize> {
     /// Non-affine displacement n against the neighbours that hourglass stiffness remembers, in m.
     pub(crate) offset: Vector<D>,
     /// Young's modulus that the stress is expressed with, over that at room temperature: 1 where
-    /// it does not depend on temperature ([`crate::thermoelasticity`]).
+    /// it does not depend on temperature ([`crate::material::thermoelasticity`]).
     pub(crate) stiffness: f64,
-    /// Half thickness towards the tool in m ([`crate::surface_point`]); 0 before the tool is near.
+    /// Half thickness towards the tool in m ([`crate::contact::surface_point`]); 0 before the tool is near.
     pub(crate) half_thickness: f64,
     /// Temperature at which `flow_stress` is the limit of elastic steps, which spares evaluating the law; not a
     /// number while the point flows, and where an effect remembers more than the point.

@@ -4,8 +4,8 @@
 //! Every particle lists all its neighbours (no half lists): each gathers over
 //! its own ordered list, so that results do not depend on the thread count.
 
+use crate::contact::self_contact::Kinship;
 use crate::kernel::KernelChoice;
-use crate::strangers::Kinship;
 use crate::tensor::{Matrix, Vector, apply, dot, minus, sum_scaled};
 use rayon::prelude::*;
 

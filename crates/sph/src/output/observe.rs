@@ -1,18 +1,18 @@
 //! What the engine tells: channels, snapshots, and its complete state.
 
-use crate::account::Account;
 use crate::contact::{Touch, extended, reduced};
 use crate::engine::Engine;
 use crate::error::SetupError;
-use crate::history::History;
-use crate::material_point::MaterialPoint;
-use crate::motion::Motion;
-use crate::neighbours::Cells;
-use crate::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};
+use crate::material::history::History;
+use crate::material::point::MaterialPoint;
+use crate::operators::neighbours::Cells;
+use crate::output::account::Account;
+use crate::output::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};
+use crate::particles::motion::Motion;
+use crate::particles::window::{Rest, Retired};
 use crate::setup::{Setup, ToolSurface, Vector as Vector3};
 use crate::tensor::{Matrix, Vector, dot};
 use crate::tool_heat::ToolHeat;
-use crate::window::{Rest, Retired};
 
 impl<const D: usize> Engine<D> {
     /// Kinetic energy with the inertia as scaled.

@@ -2,7 +2,7 @@
 //!
 //! A touch sticks where the friction that stops the slip of its surface point over the coming step is below the law's
 //! limit, and slides at the limit against the slip elsewhere. Surface points move with common particles
-//! ([`crate::surface_point`]), so the friction of one moves the others:
+//! ([`crate::contact::surface_point`]), so the friction of one moves the others:
 //! ```text
 //! v_a = v_a0 + dt sum_b W_ab f_b,   W_ab = sum_j p_aj p_bj / m_j,   |f_a| <= limit_a,   v_a = 0 where |f_a| < limit_a
 //! ```
@@ -15,9 +15,9 @@
 //! particles that a support holds is their own.
 
 use crate::contact::Touch;
-use crate::contact_surface::make_room;
+use crate::contact::surface::make_room;
+use crate::contact::surface_point::SurfacePoints;
 use crate::engine::Engine;
-use crate::surface_point::SurfacePoints;
 use crate::tensor::{Vector, dot, minus, plus_scaled};
 
 /// Ends the search: largest change of a friction force in terms of the largest one.
@@ -142,8 +142,8 @@ fn size<const D: usize>(x: &Vector<D>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::surface_point::tests::block;
     use crate::setup::{Dimension, Lattice};
-    use crate::surface_point::tests::block;
 
     const TIME_STEP: f64 = 1e-6;
 

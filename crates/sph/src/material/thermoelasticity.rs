@@ -33,7 +33,7 @@
 //! from the exact mean `int k dT/(T_j - T_i)` by `(dk/2k)^2` of a pair: second order in the spacing.
 
 use crate::engine::MaterialData;
-use crate::material_point::MaterialPoint;
+use crate::material::point::MaterialPoint;
 use crate::setup::{Material, ROOM_TEMPERATURE};
 use sphcut_physics::TemperatureTable;
 
@@ -120,7 +120,7 @@ impl<const D: usize> MaterialPoint<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::equation_of_state::Elasticity;
+    use crate::material::equation_of_state::Elasticity;
     use approx::assert_relative_eq;
     use sphcut_physics::elasticity::ElasticModuli;
     use sphcut_physics::flow_stress;
@@ -139,7 +139,7 @@ mod tests {
             )),
             constant_heating: 0.0,
             heat_share: None,
-            memory: crate::history::Memory::default(),
+            memory: crate::material::history::Memory::default(),
             hourglass: 0.0,
             hourglass_stiffness: 0.0,
             linear_viscosity: 0.0,

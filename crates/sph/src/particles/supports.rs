@@ -1,6 +1,6 @@
 //! Particles whose motion or temperature is prescribed.
 
-use crate::lattice;
+use crate::particles::lattice;
 use crate::setup::{Setup, Shape, Vector as Vector3};
 use crate::tensor::{Matrix, Vector, apply, identity, transpose};
 

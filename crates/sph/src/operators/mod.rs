@@ -1,0 +1,8 @@
+//! The discrete operators: kernel, neighbours, gradients and forces, Laplacian, support shapes, density diffusion.
+
+pub(crate) mod density_diffusion;
+pub(crate) mod laplacian;
+pub(crate) mod neighbours;
+pub(crate) mod pairing;
+pub(crate) mod support_shape;
+pub(crate) mod sweeps;
