@@ -1,11 +1,11 @@
 //! The file of a diagnosis, carried out.
 
-use crate::channel::Channel;
-use crate::commissioning::{Batch, Comparison};
-use crate::data::{Recording, Recordings};
+use crate::data::channel::Channel;
+use crate::data::recordings::{Recording, Recordings};
 use crate::error::DiagnoseError;
-use crate::predictor::{Condition, Predictor, ToolShape};
-use crate::problem::InstrumentPriors;
+use crate::inference::commissioning::{Batch, Comparison};
+use crate::inference::problem::InstrumentPriors;
+use crate::model::predictor::{Condition, Predictor, ToolShape};
 use crate::session::{Diagnosis, Request, diagnose};
 use sphcut_scenario::{CutTableRow, DiagnosisCase, MEASURED};
 

@@ -1,6 +1,6 @@
 //! What keeps a diagnosis from being made.
 
-use crate::channel::Channel;
+use crate::data::channel::Channel;
 use std::fmt;
 
 /// Why recordings cannot be diagnosed.

@@ -1,14 +1,14 @@
 //! `diagnosis.json`.
 
-use crate::attribute::Hypothesis;
-use crate::commissioning::BiasOrigin;
-use crate::data::{NoiseSource, Recordings};
-use crate::fit::Fit;
-use crate::help::{Held, Part};
-use crate::predictor::{Condition, Predictor, ToolShape};
-use crate::self_test::Rate;
+use crate::check::held_out::{Held, Part};
+use crate::check::self_test::Rate;
+use crate::data::recordings::{NoiseSource, Recordings};
+use crate::inference::attribute::Hypothesis;
+use crate::inference::commissioning::BiasOrigin;
+use crate::inference::fit::Fit;
+use crate::inference::verdict::Verdict;
+use crate::model::predictor::{Condition, Predictor, ToolShape};
 use crate::session::Diagnosis;
-use crate::verdict::Verdict;
 use serde_json::{Value, json};
 
 /// Version of the schema of `diagnosis.json`.

@@ -26,69 +26,48 @@
 //! nothing. Method: Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464, for nuisances beside a discrepancy;
 //! MacKay, Neural Computation 4 (1992) 415-447, for the evidence; `docs/diagnosis.md` for what was measured with it.
 
-mod attribute;
 mod case;
-mod change_error;
-mod channel;
-mod closed_form;
-mod closed_form_cut;
-mod commissioning;
+mod check;
 mod data;
 mod error;
 mod files;
-mod fit;
-mod gaussian;
-mod growth;
-mod growth_files;
-mod help;
-mod law;
-mod locate;
-mod monotone;
-mod next_experiment;
-mod nodes;
-mod noise;
-mod paired;
+mod inference;
+mod model;
 mod patch;
-mod predictor;
-mod problem;
-mod rerun;
-mod scenario_keys;
-mod self_test;
+mod plan;
 pub mod series;
 mod session;
-mod setups;
-mod templates;
-#[cfg(test)]
-mod twin;
-mod verdict;
+mod wear;
 
-pub use attribute::{Attribution, Hypothesis, Scored, attribute};
 pub use case::{condition_of, diagnose_case, diagnose_case_as};
-pub use channel::{CHANNELS, Channel};
-pub use closed_form::ClosedForm;
-pub use closed_form_cut::closed_form_cut;
-pub use commissioning::{Batch, Bias, BiasOrigin, Comparison};
-pub use data::{Noise, NoiseSource, Recording, Recordings};
-pub use error::DiagnoseError;
-pub use files::{Provenance, diagnosis_json, held_out_csv};
-pub use fit::{Fit, fit};
-pub use growth::{Amount, Cause, Direction, Growth, LeftOut, Segment, grows};
-pub use growth_files::{growth_csv, growth_json, growth_words};
-pub use help::{Held, HeldValue, Part, does_it_help};
-pub use locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
-pub use monotone::never_falling;
-pub use next_experiment::{NextExperiment, Rival, next_experiment};
-pub use paired::{Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support};
-pub use patch::{patch, scenario_patch};
-pub use predictor::{
-    Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior, ToolShape,
-};
-pub use problem::{InstrumentPriors, Problem, Row, Site};
-pub use rerun::{
+pub use check::held_out::{Held, HeldValue, Part, does_it_help};
+pub use check::rerun::{
     Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions, unseen_fits,
 };
-pub use self_test::{PositiveControl, Rate, Simulator};
+pub use check::self_test::{PositiveControl, Rate, Simulator};
+pub use data::channel::{CHANNELS, Channel};
+pub use data::recordings::{Noise, NoiseSource, Recording, Recordings};
+pub use error::DiagnoseError;
+pub use files::{Provenance, diagnosis_json, held_out_csv};
+pub use inference::attribute::{Attribution, Hypothesis, Scored, attribute};
+pub use inference::commissioning::{Batch, Bias, BiasOrigin, Comparison};
+pub use inference::fit::{Fit, fit};
+pub use inference::locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
+pub use inference::monotone::never_falling;
+pub use inference::problem::{InstrumentPriors, Problem, Row, Site};
+pub use inference::setups::SetupScatter;
+pub use inference::templates::Templates;
+pub use inference::verdict::{Finding, Gate, Verdict, judge};
+pub use model::closed_form::ClosedForm;
+pub use model::closed_form_cut::closed_form_cut;
+pub use model::paired::{
+    Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support,
+};
+pub use model::predictor::{
+    Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior, ToolShape,
+};
+pub use patch::{patch, scenario_patch};
+pub use plan::next_experiment::{NextExperiment, Rival, next_experiment};
 pub use session::{Diagnosis, Estimate, Request, diagnose};
-pub use setups::SetupScatter;
-pub use templates::Templates;
-pub use verdict::{Finding, Gate, Verdict, judge};
+pub use wear::files::{growth_csv, growth_json, growth_words};
+pub use wear::growth::{Amount, Cause, Direction, Growth, LeftOut, Segment, grows};

@@ -2,13 +2,13 @@
 
 use crate::error::DiagnoseError;
 use crate::files::Provenance;
-use crate::fit::Fit;
-use crate::paired::Change;
-use crate::predictor::Predictor;
-use crate::problem::Problem;
-use crate::scenario_keys::ScenarioKeys;
+use crate::inference::fit::Fit;
+use crate::inference::problem::Problem;
+use crate::inference::verdict::Verdict;
+use crate::model::paired::Change;
+use crate::model::predictor::Predictor;
+use crate::model::scenario_keys::ScenarioKeys;
 use crate::session::Diagnosis;
-use crate::verdict::Verdict;
 use sphcut_scenario::{DiagnosisCase, Scenario};
 use std::fmt::Write;
 
@@ -114,8 +114,8 @@ pub fn scenario_patch(scenario: &Scenario, change: &Change) -> Result<String, Di
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paired::{PairedScenario, changes};
-    use crate::predictor::Condition;
+    use crate::model::paired::{PairedScenario, changes};
+    use crate::model::predictor::Condition;
     use sphcut_scenario::{LoadOptions, ScenarioPatch, Sweep, load, parse};
     use std::collections::BTreeSet;
     use std::path::{Path, PathBuf};

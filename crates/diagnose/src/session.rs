@@ -1,21 +1,21 @@
 //! A whole diagnosis, from recordings to what should be measured next.
 
-use crate::attribute::{Attribution, Hypothesis, attribute};
-use crate::channel::Channel;
-use crate::commissioning::{Batch, Bias, Comparison};
-use crate::data::{Recordings, groups, tools};
+use crate::check::held_out::{Held, does_it_help};
+use crate::check::rerun::Rerun;
+use crate::check::self_test::{PositiveControl, Rate, Simulator};
+use crate::data::channel::Channel;
+use crate::data::recordings::{Recordings, groups, tools};
 use crate::error::DiagnoseError;
-use crate::fit::{Fit, fit};
-use crate::help::{Held, does_it_help};
-use crate::locate::{Location, locate};
-use crate::next_experiment::{NextExperiment, Rival, next_experiment};
-use crate::predictor::{Active, Condition, Predictor, ToolShape};
-use crate::problem::{InstrumentPriors, Problem};
-use crate::rerun::Rerun;
-use crate::self_test::{PositiveControl, Rate, Simulator};
-use crate::setups::SetupScatter;
-use crate::templates::Templates;
-use crate::verdict::{Finding, Verdict, judge};
+use crate::inference::attribute::{Attribution, Hypothesis, attribute};
+use crate::inference::commissioning::{Batch, Bias, Comparison};
+use crate::inference::fit::{Fit, fit};
+use crate::inference::locate::{Location, locate};
+use crate::inference::problem::{InstrumentPriors, Problem};
+use crate::inference::setups::SetupScatter;
+use crate::inference::templates::Templates;
+use crate::inference::verdict::{Finding, Verdict, judge};
+use crate::model::predictor::{Active, Condition, Predictor, ToolShape};
+use crate::plan::next_experiment::{NextExperiment, Rival, next_experiment};
 use nalgebra::{DMatrix, DVector};
 
 /// Candidates of the next experiment along v_c and h.

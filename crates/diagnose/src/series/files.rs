@@ -1,7 +1,7 @@
 //! The series in `diagnosis.json`, `lines.csv` and `trends.csv`.
 
 use super::{CutLine, Named, OverTime, SeriesDiagnosis, Track};
-use crate::self_test::Rate;
+use crate::check::self_test::Rate;
 use serde_json::{Value, json};
 use std::fmt::Write;
 

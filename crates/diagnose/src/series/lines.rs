@@ -8,7 +8,7 @@
 //! A^2/2 = sum (S - B) df.
 
 use super::spectrum::{BroadBand, LOWEST_BIN};
-use crate::locate::benjamini_hochberg;
+use crate::inference::locate::benjamini_hochberg;
 
 /// Share of the discoveries that may be false.
 pub const FALSE_SHARE: f64 = 0.05;

@@ -44,7 +44,7 @@ pub use tracks::{CutLine, Named, Track, tracks};
 pub use trend::{RunIn, Trend, trends};
 pub use words::{hint, law_title, series_words, track_words};
 
-use crate::self_test::Rate;
+use crate::check::self_test::Rate;
 use sphcut_postprocess::recordings::{Component, ComponentResult, CutResult};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 

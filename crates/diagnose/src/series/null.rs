@@ -6,7 +6,7 @@
 
 use super::spectrum::BroadBand;
 use super::{SeriesChannel, SeriesCut, lines, time};
-use crate::self_test::Rate;
+use crate::check::self_test::Rate;
 use rayon::prelude::*;
 use sphcut_greybox::Random;
 

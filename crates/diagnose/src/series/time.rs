@@ -13,7 +13,7 @@
 use super::SeriesCut;
 use super::lines::FALSE_SHARE;
 use super::trend::{Trend, trends, two_sided};
-use crate::locate::benjamini_hochberg;
+use crate::inference::locate::benjamini_hochberg;
 use sphcut_postprocess::recordings::Component;
 
 /// Probability above which a law is named.

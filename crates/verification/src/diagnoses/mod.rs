@@ -13,9 +13,14 @@ use crate::case::{Kind, Tier};
 use crate::error::CaseError;
 use crate::verdict::{Finding, Outcome, Verdict};
 use serde::Deserialize;
-use sphcut_diagnose::{
-    ClosedForm, Diagnosis, Growth, Predictor, Segment, closed_form_cut, diagnose_case, grows,
-};
+use sphcut_diagnose::ClosedForm;
+use sphcut_diagnose::Diagnosis;
+use sphcut_diagnose::Growth;
+use sphcut_diagnose::Predictor;
+use sphcut_diagnose::Segment;
+use sphcut_diagnose::diagnose_case;
+use sphcut_diagnose::grows;
+use sphcut_diagnose::closed_form_cut;
 use sphcut_scenario::{Colours, LoadOptions, load_diagnosis, read_series_table};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,5 @@
+//! Whether a diagnosis can be trusted: held-out validation, self-test, the corrected scenario run again.
+
+pub(crate) mod held_out;
+pub(crate) mod rerun;
+pub(crate) mod self_test;

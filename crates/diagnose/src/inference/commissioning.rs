@@ -1,0 +1,279 @@
+//! Cuts in which nothing is missing: what the model gets wrong by itself.
+
+use crate::data::channel::Channel;
+use crate::data::recordings::{Recordings, same_cut};
+use crate::error::DiagnoseError;
+use crate::inference::fit::fit;
+use crate::inference::law::{Factor, Law, principal};
+use crate::inference::problem::{InstrumentPriors, Problem, add_rows, instrument_columns};
+use crate::inference::templates::{SMOOTH, TOOL_AXES};
+use crate::model::predictor::Predictor;
+use nalgebra::{DMatrix, DVector};
+
+/// Amplitudes of the bias that are tried, as shares of the value.
+const AMPLITUDES: [f64; 7] = [0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
+/// Lengths over which it changes, in shares of the ranges of log v_c and log h.
+const LENGTHS: [f64; 3] = [0.3, 0.6, 1.2];
+/// Length over which a stated error of the model changes, in the same shares.
+const STATED_LENGTH: f64 = 0.6;
+/// Amplitude with which the nuisances are fitted before the bias is known.
+const FIRST: f64 = 0.04;
+/// Rounds in which each channel finds its bias while the others keep theirs.
+const ROUNDS: usize = 3;
+/// Standard deviation of the bias of each condition when two states are compared: as good as unknown.
+const UNKNOWN: f64 = 1.0;
+
+/// How the data without a missing effect are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Comparison {
+    /// They teach a smooth bias over the conditions.
+    BiasField,
+    /// The bias of each condition is unknown and the same in both states: only the difference of the two is diagnosed.
+    Difference,
+}
+
+/// Whether two series were cut from the same material with the same instruments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Batch {
+    /// The same: one set of nuisances.
+    Same,
+    /// Another: each has its own.
+    Another,
+}
+
+/// How the bias of the model is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BiasOrigin {
+    /// Learnt from cuts in which nothing is missing.
+    Reference,
+    /// Unknown, and cancelled between two states.
+    Difference,
+    /// Its amplitude is stated, from comparisons of the model with other measurements.
+    Stated,
+}
+
+/// The bias of the model as a normal process of log v_c and log h, and of rake and edge radius where the tools of the recordings differ,
+/// independent between channels:
+///
+/// ```text
+/// cov(b(x), b(x')) = a^2 exp(-|x - x'|^2 / (2 l^2))
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bias {
+    /// a as a share of the value; infinite without meaning for a difference.
+    pub amplitude: f64,
+    /// l in shares of the ranges of log v_c and log h; 0 for a difference.
+    pub length: f64,
+    /// How it is known.
+    pub origin: BiasOrigin,
+}
+
+impl Problem {
+    /// The same problem with a model that is wrong by a smooth share of `amplitude`, unknown and independent between channels.
+    ///
+    /// Every explanation has to do with such a model; what is left to be explained is what the model could not be wrong by.
+    ///
+    /// # Errors
+    /// A covariance that cannot be inverted.
+    pub fn with_model_error(
+        self,
+        amplitude: f64,
+    ) -> Result<(Self, Vec<(Channel, Bias)>), DiagnoseError> {
+        let bias = Bias { amplitude, length: STATED_LENGTH, origin: BiasOrigin::Stated };
+        let biases: Vec<(Channel, Bias)> =
+            self.channels().into_iter().map(|channel| (channel, bias)).collect();
+        let factors = biases.iter().map(|&(channel, bias)| self.bias_factor(channel, bias));
+        let factors = factors.collect();
+        Ok((self.with_common(factors)?, biases))
+    }
+
+    /// The regression of `recordings` beside `reference`, in which nothing is missing.
+    ///
+    /// The bias of the model is common to both, so its posterior from the reference goes into the diagnosis with its
+    /// uncertainty: all rows are one normal law, in which the effects act on the rows of `recordings` alone. Amplitude and
+    /// length of the bias of each channel are those of the greatest evidence of the reference (Kennedy and O'Hagan 2001).
+    ///
+    /// # Errors
+    /// A condition at which the model has no answer.
+    pub fn beside(
+        recordings: &Recordings,
+        (reference, comparison, batch): (&Recordings, Comparison, Batch),
+        predictor: &dyn Predictor,
+        priors: &InstrumentPriors,
+    ) -> Result<(Self, Vec<(Channel, Bias)>), DiagnoseError> {
+        let (mut sites, mut rows) = (Vec::new(), Vec::new());
+        let other = usize::from(batch == Batch::Another);
+        add_rows(recordings, (0, true), &mut sites, &mut rows);
+        let own = rows.len();
+        add_rows(reference, (other, false), &mut sites, &mut rows);
+        let count = rows.len();
+        let instrument = match batch {
+            Batch::Same => instrument_columns(&rows, 0..count, priors),
+            Batch::Another => beside(
+                &instrument_columns(&rows, 0..own, priors),
+                &instrument_columns(&rows, own..count, priors),
+            ),
+        };
+        let parts = (other + 1, instrument);
+        let plain = Self::assemble(sites, rows, parts, predictor)?;
+        let channels = plain.channels();
+        let biases: Vec<(Channel, Bias)> = match comparison {
+            Comparison::BiasField => plain.most_probable_biases(own..count, predictor)?,
+            Comparison::Difference => {
+                let origin = BiasOrigin::Difference;
+                let unknown = Bias { amplitude: UNKNOWN, length: 0.0, origin };
+                channels.into_iter().map(|channel| (channel, unknown)).collect()
+            }
+        };
+        let factors = biases.iter().map(|&(channel, bias)| plain.bias_factor(channel, bias));
+        let factors = factors.collect();
+        Ok((plain.with_common(factors)?, biases))
+    }
+
+    /// With more that rows have in common.
+    pub(crate) fn with_common(mut self, factors: Vec<Factor>) -> Result<Self, DiagnoseError> {
+        self.covariance.factors.extend(factors);
+        self.noise = Law::new(&self.covariance)?;
+        Ok(self)
+    }
+
+    /// Amplitude and length of each channel, in turns, by the evidence of the reference. With the law N_c of noise and bias of a
+    /// channel, the derivative G_c by the nuisances and the deviation d_c,
+    ///
+    /// ```text
+    /// -2 log Z = sum log |2 pi N_c| + d_c' N_c^-1 d_c + log |I + A| - b' (I + A)^-1 b
+    /// ```
+    ///
+    /// with A = sum G_c' N_c^-1 G_c and b = sum G_c' N_c^-1 d_c.
+    fn most_probable_biases(
+        &self,
+        reference: std::ops::Range<usize>,
+        predictor: &dyn Predictor,
+    ) -> Result<Vec<(Channel, Bias)>, DiagnoseError> {
+        let rows: Vec<usize> = reference.clone().collect();
+        let channels = self.channels();
+        let first = learnt(FIRST, LENGTHS[1]);
+        let factors = channels.iter().map(|&channel| self.bias_factor(channel, first)).collect();
+        let known = self.clone().with_common(factors)?.select(&rows)?;
+        let start = DVector::zeros(self.unknowns());
+        let found = fit(&known, predictor, &[], &start).ok_or(DiagnoseError::Singular)?;
+        let deviation = &found.residual + &found.jacobian * &found.unknowns;
+        let seen: Vec<DVector<f64>> =
+            found.jacobian.column_iter().map(|c| c.into_owned()).chain([deviation]).collect();
+        let seen = DMatrix::from_columns(&seen);
+        let tried: Result<Vec<Vec<Tried>>, DiagnoseError> = channels
+            .iter()
+            .map(|&channel| {
+                let is_own = |row: &usize| self.rows[*row].channel == channel;
+                let own: Vec<usize> = reference.clone().filter(is_own).collect();
+                let places: Vec<usize> = own.iter().map(|row| row - reference.start).collect();
+                self.tried(channel, &own, &seen.select_rows(&places))
+            })
+            .collect();
+        let tried = tried?;
+        let place = |all: &Vec<Tried>| all.iter().position(|t| t.bias == first).unwrap_or(0);
+        let mut chosen: Vec<usize> = tried.iter().map(place).collect();
+        for _ in 0..ROUNDS {
+            for c in 0..channels.len() {
+                let evidence = |k: usize| {
+                    let pick = |other: usize| if other == c { k } else { chosen[other] };
+                    let all = (0..channels.len()).map(|other| &tried[other][pick(other)]);
+                    log_evidence(all, found.unknowns.len())
+                };
+                let best = (0..tried[c].len()).max_by(|&a, &b| evidence(a).total_cmp(&evidence(b)));
+                chosen[c] = best.unwrap_or(0);
+            }
+        }
+        Ok((0..channels.len()).map(|c| (channels[c], tried[c][chosen[c]].bias)).collect())
+    }
+
+    /// What each bias makes of some rows of a channel and of what is seen there: the derivatives by the nuisances and the
+    /// deviation.
+    fn tried(
+        &self,
+        channel: Channel,
+        rows: &[usize],
+        seen: &DMatrix<f64>,
+    ) -> Result<Vec<Tried>, DiagnoseError> {
+        let mut all = Vec::new();
+        for length in LENGTHS {
+            for amplitude in AMPLITUDES {
+                let bias = learnt(amplitude, length);
+                let mut covariance = self.covariance.clone();
+                covariance.factors.push(self.bias_factor(channel, bias));
+                let law = Law::new(&covariance.select(rows))?;
+                let white = law.whiten(seen.clone());
+                let log_determinant = law.log_determinant();
+                all.push(Tried { bias, products: white.tr_mul(&white), log_determinant });
+            }
+        }
+        Ok(all)
+    }
+
+    /// The rows of a channel have the bias of their condition in common.
+    pub(crate) fn bias_factor(&self, channel: Channel, bias: Bias) -> Factor {
+        let places = crate::inference::templates::scaled_places(self);
+        let rows: Vec<usize> =
+            (0..self.rows.len()).filter(|&row| self.rows[row].channel == channel).collect();
+        let mut cuts: Vec<usize> = Vec::new();
+        let of_row: Vec<usize> = rows
+            .iter()
+            .map(|&row| {
+                let is_same = |cut: &usize| same_cut(self.condition(*cut), self.condition(row));
+                cuts.iter().position(is_same).unwrap_or_else(|| {
+                    cuts.push(row);
+                    cuts.len() - 1
+                })
+            })
+            .collect();
+        let Bias { amplitude, length, .. } = bias;
+        let kernel = DMatrix::from_fn(cuts.len(), cuts.len(), |i, j| {
+            let apart = |axis: usize| places[cuts[i]][axis] - places[cuts[j]][axis];
+            let tool: f64 = TOOL_AXES.map(|axis| apart(axis).powi(2)).sum();
+            let square = apart(0).powi(2) + apart(1).powi(2) + tool;
+            let same = f64::from(i == j);
+            if length > 0.0 { (-0.5 * square / (length * length)).exp() } else { same }
+        });
+        let (values, vectors) = principal(kernel, SMOOTH);
+        let columns = DMatrix::from_fn(rows.len(), values.len(), |i, k| {
+            amplitude * values[k].sqrt() * vectors[(of_row[i], k)]
+        });
+        Factor { rows, columns }
+    }
+}
+
+fn learnt(amplitude: f64, length: f64) -> Bias {
+    Bias { amplitude, length, origin: BiasOrigin::Reference }
+}
+
+/// A bias of a channel with the products of the whitened columns of its nuisances and of its deviation.
+struct Tried {
+    bias: Bias,
+    products: DMatrix<f64>,
+    log_determinant: f64,
+}
+
+/// log of the evidence of all channels together.
+fn log_evidence<'a>(all: impl Iterator<Item = &'a Tried>, unknowns: usize) -> f64 {
+    let mut products = DMatrix::zeros(unknowns + 1, unknowns + 1);
+    let mut sum = 0.0;
+    for tried in all {
+        products += &tried.products;
+        sum += tried.log_determinant;
+    }
+    let normal =
+        products.view((0, 0), (unknowns, unknowns)) + DMatrix::identity(unknowns, unknowns);
+    let slope = products.view((0, unknowns), (unknowns, 1)).into_owned();
+    let square = products[(unknowns, unknowns)];
+    let Some(factor) = normal.cholesky() else { return f64::NEG_INFINITY };
+    let determinant: f64 = factor.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
+    -0.5 * (sum + square + determinant - slope.dot(&factor.solve(&slope)))
+}
+
+/// Columns of both, side by side.
+fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(a.nrows(), a.ncols() + b.ncols());
+    all.columns_mut(0, a.ncols()).copy_from(a);
+    all.columns_mut(a.ncols(), b.ncols()).copy_from(b);
+    all
+}

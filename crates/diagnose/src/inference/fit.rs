@@ -1,0 +1,274 @@
+//! The most probable nuisances and parameters, and the evidence there.
+
+use crate::inference::change_error::{self, Loose};
+use crate::inference::gaussian::log_determinant;
+use crate::inference::law::{Factor, Law, Spectrum};
+use crate::inference::problem::Problem;
+use crate::model::predictor::{Active, Predictor};
+use nalgebra::{DMatrix, DVector};
+
+/// Step of the unknowns, in standard deviations of their priors, over which the model is differenced.
+const STEP: f64 = 0.02;
+/// Steps after which a fit ends.
+const MOST_STEPS: usize = 30;
+/// Length of a step, in standard deviations of the priors, after which the derivative is kept until the end.
+const SMALL: f64 = 0.3;
+/// Distance from where the derivative was taken beyond which it is taken anew at the end.
+const STALE: f64 = 0.02;
+/// Rounds in which the error of the change and the fit follow each other.
+const ERROR_ROUNDS: usize = 1;
+/// Share of the largest eigenvalue below which a direction of an error does not count.
+pub(crate) const NEGLIGIBLE: f64 = 1e-10;
+/// Decrease of the target below which a fit has ended; it is twice a logarithm of probability.
+const ENOUGH: f64 = 1e-3;
+
+/// The most probable unknowns under one hypothesis.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// Effects of the hypothesis, by their place in [`Predictor::effects`].
+    pub effects: Vec<usize>,
+    /// Nuisances of the model, those of the instruments, parameters of the effects; all standard normal before the data.
+    pub unknowns: DVector<f64>,
+    /// Their covariance given the data.
+    pub covariance: DMatrix<f64>,
+    /// log y less its prediction.
+    pub residual: DVector<f64>,
+    /// Derivative of the prediction by the unknowns.
+    pub jacobian: DMatrix<f64>,
+    /// The most probable error of the model in what the effects change.
+    pub(crate) error: Option<Factor>,
+    /// log of the evidence by Laplace's method.
+    pub log_evidence: f64,
+}
+
+impl Fit {
+    /// The effects with the SI values of their parameters.
+    #[must_use]
+    pub fn active(&self, predictor: &dyn Predictor, nuisances: usize) -> Vec<Active> {
+        active(predictor, &self.effects, &self.unknowns.as_slice()[nuisances..])
+    }
+}
+
+/// The effects with their parameters at the coordinates `t`.
+pub(crate) fn active(predictor: &dyn Predictor, effects: &[usize], t: &[f64]) -> Vec<Active> {
+    let mut left = t;
+    effects
+        .iter()
+        .map(|&effect| {
+            let parameters = &predictor.effects()[effect].parameters;
+            let (own, rest) = left.split_at(parameters.len());
+            left = rest;
+            let values = parameters.iter().zip(own).map(|(p, &t)| p.prior.value(t)).collect();
+            Active { effect, values }
+        })
+        .collect()
+}
+
+/// Minimises the target
+///
+/// ```text
+/// Phi(u) = (y - f(u))' Sigma^-1 (y - f(u)) + u'u
+/// ```
+///
+/// over nuisances and parameters u, all standard normal before the data, by damped Gauss-Newton steps (Levenberg,
+/// Quart. Appl. Math. 2 (1944) 164-168), and approximates the evidence by Laplace's method:
+///
+/// ```text
+/// log Z = -Phi / 2 - log |2 pi Sigma| / 2 - log |J' Sigma^-1 J + I| / 2
+/// ```
+///
+/// which is exact where f is linear. What the model says of effects may be wrong by one of the shares
+/// [`Predictor::change_errors`], each channel by its own: Sigma then has E A E' more, E taken at the fit, and Z is the mean over the
+/// shares. `start` holds the coordinates of the parameters of `effects` at the start. `None` if the model has no answer there.
+///
+/// What the model does not know of an effect grows with its strength: where it does, the covariance is that at the first minimum,
+/// and the fit goes on from there.
+#[must_use]
+pub fn fit(
+    problem: &Problem,
+    predictor: &dyn Predictor,
+    effects: &[usize],
+    start: &DVector<f64>,
+) -> Option<Fit> {
+    let first = descend(problem, predictor, effects, start)?;
+    let active = first.active(predictor, problem.unknowns());
+    match problem.with_effects_uncertain(predictor, &active) {
+        Some(uncertain) => descend(&uncertain, predictor, effects, &first.unknowns),
+        None => Some(first),
+    }
+}
+
+fn descend(
+    problem: &Problem,
+    predictor: &dyn Predictor,
+    effects: &[usize],
+    start: &DVector<f64>,
+) -> Option<Fit> {
+    let system = System { problem, predictor, effects, measured: problem.measured() };
+    let errors = predictor.change_errors();
+    let mut point = system.descend(&problem.noise, system.point(start)?)?;
+    if effects.is_empty() || errors.iter().all(|error| *error == 0.0) {
+        return system.end(point, &problem.noise, None, None);
+    }
+    for _ in 0..ERROR_ROUNDS {
+        let columns = system.error(&point);
+        let (best, _) = system.loose(&point, &columns).most_probable(errors);
+        let own = problem.noise.whiten(change_error::scaled(columns, &best));
+        let law = problem.noise.tilted(&Spectrum::of(&own, NEGLIGIBLE));
+        point = system.descend(&law, point)?;
+    }
+    let columns = system.error(&point);
+    let (best, evidence) = system.loose(&point, &columns).most_probable(errors);
+    let own = change_error::scaled(columns, &best);
+    let law = problem.noise.tilted(&Spectrum::of(&problem.noise.whiten(own.clone()), NEGLIGIBLE));
+    let evidence = evidence - 0.5 * problem.noise.log_determinant();
+    system.end(point, &law, Some(Factor::of_all(own)), Some(evidence))
+}
+
+/// Where a descent has come to.
+struct Point {
+    unknowns: DVector<f64>,
+    prediction: DVector<f64>,
+    jacobian: DMatrix<f64>,
+    /// Of the law of the last descent.
+    target: f64,
+}
+
+struct System<'a> {
+    problem: &'a Problem,
+    predictor: &'a dyn Predictor,
+    effects: &'a [usize],
+    measured: DVector<f64>,
+}
+
+impl System<'_> {
+    fn predict(&self, unknowns: &DVector<f64>) -> DVector<f64> {
+        let nuisances = self.problem.unknowns();
+        let active = active(self.predictor, self.effects, &unknowns.as_slice()[nuisances..]);
+        let own = unknowns.rows(self.problem.model_unknowns(), self.problem.instrument.ncols());
+        self.problem.predict(self.predictor, unknowns, &active) + &self.problem.instrument * own
+    }
+
+    fn target(&self, law: &Law, prediction: &DVector<f64>, u: &DVector<f64>) -> Option<f64> {
+        let white = law.whiten_vector(&self.measured - prediction);
+        let target = white.norm_squared() + u.norm_squared();
+        target.is_finite().then_some(target)
+    }
+
+    fn point(&self, unknowns: &DVector<f64>) -> Option<Point> {
+        let prediction = self.predict(unknowns);
+        let target = self.target(&self.problem.noise, &prediction, unknowns)?;
+        let jacobian = self.jacobian(unknowns, &prediction);
+        Some(Point { unknowns: unknowns.clone(), prediction, jacobian, target })
+    }
+
+    /// Damped Gauss-Newton steps; the derivative is taken anew after steps that are not small.
+    fn descend(&self, law: &Law, start: Point) -> Option<Point> {
+        let Point { mut unknowns, mut prediction, mut jacobian, .. } = start;
+        let mut target = self.target(law, &prediction, &unknowns)?;
+        let mut damping = 1e-3;
+        let mut taken_at = unknowns.clone();
+        for _ in 0..MOST_STEPS {
+            let white = law.whiten(jacobian.clone());
+            let residual = law.whiten_vector(&self.measured - &prediction);
+            let slope = white.tr_mul(&residual) - &unknowns;
+            let normal = white.tr_mul(&white) + DMatrix::identity(unknowns.len(), unknowns.len());
+            let (mut gain, mut moved) = (0.0, 0.0);
+            for _ in 0..12 {
+                let mut damped = normal.clone();
+                for k in 0..unknowns.len() {
+                    damped[(k, k)] *= 1.0 + damping;
+                }
+                let next = &unknowns + damped.cholesky()?.solve(&slope);
+                let there = self.predict(&next);
+                if let Some(lower) = self.target(law, &there, &next).filter(|t| *t <= target) {
+                    (gain, moved) = (target - lower, (&next - &unknowns).norm());
+                    (unknowns, prediction, target) = (next, there, lower);
+                    damping = (damping * 0.1).max(1e-9);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if moved > SMALL {
+                jacobian = self.jacobian(&unknowns, &prediction);
+                taken_at.copy_from(&unknowns);
+            }
+            if gain < ENOUGH {
+                break;
+            }
+        }
+        if (&unknowns - taken_at).norm() > STALE {
+            jacobian = self.jacobian(&unknowns, &prediction);
+        }
+        Some(Point { unknowns, prediction, jacobian, target })
+    }
+
+    /// The columns of the error in what the effects change, of all rows.
+    fn error(&self, point: &Point) -> DMatrix<f64> {
+        let problem = self.problem;
+        let own = point.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
+        let plain = problem.predict(self.predictor, &point.unknowns, &[]);
+        let change = &point.prediction - &problem.instrument * own - plain;
+        change_error::everywhere(problem, &change, None)
+    }
+
+    fn loose(&self, point: &Point, columns: &DMatrix<f64>) -> Loose {
+        let noise = &self.problem.noise;
+        let deviation = &self.measured - &point.prediction + &point.jacobian * &point.unknowns;
+        let slopes = noise.whiten(point.jacobian.clone());
+        let channels = self.problem.channels().len();
+        let columns = noise.whiten(columns.clone());
+        Loose::new(&columns, channels, &slopes, &noise.whiten_vector(deviation))
+    }
+
+    fn end(
+        &self,
+        point: Point,
+        law: &Law,
+        error: Option<Factor>,
+        log_evidence: Option<f64>,
+    ) -> Option<Fit> {
+        let Point { unknowns, prediction, jacobian, target } = point;
+        let white = law.whiten(jacobian.clone());
+        let normal = white.tr_mul(&white) + DMatrix::identity(unknowns.len(), unknowns.len());
+        let laplace = -0.5 * (target + law.log_determinant() + log_determinant(normal.clone())?);
+        Some(Fit {
+            effects: self.effects.to_vec(),
+            covariance: normal.cholesky()?.inverse(),
+            residual: &self.measured - prediction,
+            unknowns,
+            jacobian,
+            error,
+            log_evidence: log_evidence.unwrap_or(laplace),
+        })
+    }
+
+    fn jacobian(&self, unknowns: &DVector<f64>, prediction: &DVector<f64>) -> DMatrix<f64> {
+        let problem = self.problem;
+        let (model, nuisances) = (problem.model_unknowns(), problem.unknowns());
+        let mut jacobian = DMatrix::zeros(problem.rows.len(), unknowns.len());
+        for k in (0..model).chain(nuisances..unknowns.len()) {
+            jacobian.set_column(k, &self.derivative(unknowns, prediction, k));
+        }
+        jacobian.columns_mut(model, nuisances - model).copy_from(&problem.instrument);
+        jacobian
+    }
+
+    /// Where the model has no answer ahead it is asked behind.
+    fn derivative(
+        &self,
+        unknowns: &DVector<f64>,
+        prediction: &DVector<f64>,
+        k: usize,
+    ) -> DVector<f64> {
+        for step in [STEP, -STEP] {
+            let mut moved = unknowns.clone();
+            moved[k] += step;
+            let slope = (self.predict(&moved) - prediction) / step;
+            if slope.iter().all(|value| value.is_finite()) {
+                return slope;
+            }
+        }
+        DVector::zeros(prediction.len())
+    }
+}

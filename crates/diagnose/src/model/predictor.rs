@@ -1,0 +1,227 @@
+//! What a diagnosis asks of a model of the cut.
+
+use crate::data::channel::Channel;
+use nalgebra::DMatrix;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// What the tool of a cut has of its own; `None`: what the scenario says. SI units.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ToolShape {
+    /// gamma in rad.
+    pub rake_angle: Option<f64>,
+    /// r_n in m.
+    pub edge_radius: Option<f64>,
+}
+
+impl ToolShape {
+    /// Its parts in the order of the fields.
+    pub(crate) fn parts(&self) -> [Option<f64>; 2] {
+        [self.rake_angle, self.edge_radius]
+    }
+}
+
+/// A cut. SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Condition {
+    /// v_c in m/s.
+    pub cutting_speed: f64,
+    /// h in m.
+    pub uncut_chip_thickness: f64,
+    /// Length that the edge has cut before, in m.
+    pub cut_length: f64,
+    /// Place in the order of the runs: any number that rises; 0 where it is unknown.
+    pub run_order: f64,
+    /// Where the tools of the recordings differ.
+    pub tool: ToolShape,
+}
+
+/// A property of material or friction that differs from batch to batch: the model multiplies its value by exp(x), and
+/// x is normal around 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nuisance {
+    /// Name in files, e.g. `initial_yield`.
+    pub key: &'static str,
+    /// Standard deviation of x.
+    pub deviation: f64,
+}
+
+/// Prior of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Prior {
+    /// Equally probable between two values.
+    Uniform {
+        /// Lowest value.
+        low: f64,
+        /// Highest value.
+        high: f64,
+    },
+    /// Its logarithm is equally probable between those of two values above 0.
+    LogUniform {
+        /// Lowest value.
+        low: f64,
+        /// Highest value.
+        high: f64,
+    },
+    /// Normal.
+    Normal {
+        /// Mean.
+        mean: f64,
+        /// Standard deviation.
+        deviation: f64,
+    },
+}
+
+/// Beyond this many standard deviations a bounded parameter is at its limit.
+const FAR: f64 = 6.0;
+
+fn standard() -> Normal {
+    Normal::new(0.0, 1.0).expect("a standard deviation of 1")
+}
+
+impl Prior {
+    /// The value at which a standard normal coordinate t stands: Phi(t) is the share of the prior below it.
+    /// In t every prior is the standard normal law, exactly.
+    #[must_use]
+    pub fn value(&self, t: f64) -> f64 {
+        let share = || standard().cdf(t.clamp(-FAR, FAR));
+        match *self {
+            Self::Uniform { low, high } => low + (high - low) * share(),
+            Self::LogUniform { low, high } => low * (high / low).powf(share()),
+            Self::Normal { mean, deviation } => mean + deviation * t,
+        }
+    }
+
+    /// The coordinate of a value; the inverse of [`Prior::value`].
+    #[must_use]
+    pub fn coordinate(&self, value: f64) -> f64 {
+        let of = |share: f64| standard().inverse_cdf(share.clamp(0.0, 1.0)).clamp(-FAR, FAR);
+        match *self {
+            Self::Uniform { low, high } => of((value - low) / (high - low)),
+            Self::LogUniform { low, high } => of((value / low).ln() / (high / low).ln()),
+            Self::Normal { mean, deviation } => (value - mean) / deviation,
+        }
+    }
+}
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EffectParameter {
+    /// Its key.
+    pub key: &'static str,
+    /// Its letter in the formula.
+    pub symbol: &'static str,
+    /// Its SI unit; empty for a pure number.
+    pub unit: &'static str,
+    /// Prior over SI values.
+    pub prior: Prior,
+}
+
+/// Physics that the base model does not have and that may be missing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effect {
+    /// Its key in the catalogue.
+    pub key: &'static str,
+    /// Its name for people.
+    pub title: &'static str,
+    /// Friction, heat, rate and size, edge, time, instrument.
+    pub family: &'static str,
+    /// Its parameters.
+    pub parameters: Vec<EffectParameter>,
+}
+
+/// An effect that is switched on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Active {
+    /// Its place in [`Predictor::effects`].
+    pub effect: usize,
+    /// SI values of its parameters, in their order.
+    pub values: Vec<f64>,
+}
+
+/// A model of the cut with nuisances and with effects that can be switched on.
+///
+/// The closed-form model and tables of paired solver runs implement it: nothing else is asked of a model.
+pub trait Predictor: Sync {
+    /// Its nuisances.
+    fn nuisances(&self) -> &[Nuisance];
+
+    /// Effects it can switch on.
+    fn effects(&self) -> &[Effect];
+
+    /// Channels it predicts.
+    fn channels(&self) -> &[Channel];
+
+    /// Power to which the probability of the data is raised when explanations of a difference are weighed against each other, from 0
+    /// to 1: below 1 for a model whose errors are not all stated. See [`Attribution`](crate::Attribution).
+    fn likelihood_power(&self) -> f64 {
+        1.0
+    }
+
+    /// Whether the answer with these effects depends on the cut length or on the place in the order of the runs. If not, cuts
+    /// with the same v_c, h and tool are asked once.
+    fn follows_series(&self, active: &[Active]) -> bool {
+        let _ = active;
+        true
+    }
+
+    /// How wrong what it says of an effect may be, as shares of the change; each is as probable as the others.
+    fn change_errors(&self) -> &[f64] {
+        &[0.0]
+    }
+
+    /// Logarithm of each of [`Predictor::channels`]' quantities in SI units, in that order; a value that is not finite
+    /// where there is no answer. `nuisances` holds x of each nuisance, the logarithm of a factor.
+    fn log_observables(
+        &self,
+        condition: &Condition,
+        nuisances: &[f64],
+        active: &[Active],
+    ) -> Vec<f64>;
+
+    /// Covariance, over `conditions`, of what is not known of a channel's logarithm without effects: the means of runs scatter.
+    /// `None` of a model that is exact in what it says.
+    fn base_uncertainty(&self, channel: Channel, conditions: &[Condition]) -> Option<DMatrix<f64>> {
+        let _ = (channel, conditions);
+        None
+    }
+
+    /// What effects add to it.
+    fn effect_uncertainty(
+        &self,
+        channel: Channel,
+        conditions: &[Condition],
+        active: &[Active],
+    ) -> Option<DMatrix<f64>> {
+        let _ = (channel, conditions, active);
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_and_values_are_inverse() {
+        for prior in [
+            Prior::Uniform { low: -1.0, high: 3.0 },
+            Prior::LogUniform { low: 1e-6, high: 1e-3 },
+            Prior::Normal { mean: 2.0, deviation: 0.5 },
+        ] {
+            for t in [-3.0, -1.0, 0.0, 0.4, 2.5] {
+                let back = prior.coordinate(prior.value(t));
+                assert!((back - t).abs() < 1e-6, "{prior:?} {t} {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn half_of_a_prior_lies_below_the_middle() {
+        // The middle of a uniform law, and of the logarithms of 1 and 100.
+        assert!((Prior::Uniform { low: 2.0, high: 4.0 }.value(0.0) - 3.0).abs() < 1e-12);
+        assert!((Prior::LogUniform { low: 1.0, high: 100.0 }.value(0.0) - 10.0).abs() < 1e-9);
+        // Phi(1) = 0.841345.
+        let one = Prior::Uniform { low: 0.0, high: 1.0 }.value(1.0);
+        assert!((one - 0.841_344_746).abs() < 1e-8, "{one}");
+    }
+}

@@ -1,0 +1,3 @@
+//! Which cuts would tell more.
+
+pub(crate) mod next_experiment;

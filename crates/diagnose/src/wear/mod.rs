@@ -1,0 +1,4 @@
+//! What grows while a tool cuts.
+
+pub(crate) mod files;
+pub(crate) mod growth;
