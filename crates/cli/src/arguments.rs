@@ -66,14 +66,14 @@ pub enum Command {
     #[command(after_help = CALIBRATE_HELP)]
     CalibrateFriction(CalibrateArguments),
     /// Run a scenario with many combinations of values, and keep every result.
-    Sweep(crate::sweep::SweepCommand),
+    Sweep(crate::commands::sweep::SweepCommand),
     /// Look after a store of results: list it, check it, remove what no sweep needs.
-    Store(crate::store::StoreArguments),
+    Store(crate::commands::store::StoreArguments),
     /// Turn recordings of a dynamometer into a table of mean forces with intervals.
     #[command(after_help = RECORDINGS_HELP)]
     Recordings(RecordingsArguments),
     /// Correct simulated forces by measured ones: fit a correction, use it, test it.
-    Greybox(crate::greybox::GreyboxArguments),
+    Greybox(crate::commands::greybox::GreyboxArguments),
     /// Identify flow-stress laws from split Hopkinson bar and compression tests, and write material files.
     #[command(after_help = IDENTIFY_HELP)]
     Identify(IdentifyArguments),

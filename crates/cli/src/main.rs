@@ -1,31 +1,16 @@
 //! `sphcut`: metal cutting by particles, from a scenario file to a report.
 
 mod arguments;
-mod calibrate_friction;
-mod catalogue;
-mod check;
-mod diagnose;
+mod commands;
 mod digest;
-mod export;
 mod failure;
-mod greybox;
-mod identify;
 mod interrupt;
 mod loading;
 mod outcome;
 mod progress;
-mod recordings;
-mod report;
 mod results;
-mod run;
-mod schema;
-mod springback;
-mod store;
-mod sweep;
 mod terminal;
 mod text;
-mod validate;
-mod wear;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
@@ -45,22 +30,24 @@ fn main() -> std::process::ExitCode {
 /// Runs one subcommand.
 fn execute(command: Command) -> Result<ExitCode, Failure> {
     match command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Check(arguments) => check::check(&arguments),
-        Command::Export { run, to, force } => export::export(&run, to.as_deref(), force),
-        Command::Validate(arguments) => validate::validate(&arguments),
-        Command::Report { run } => report::report(&run),
-        Command::Springback(arguments) => springback::springback(&arguments),
-        Command::Identify(arguments) => identify::identify(&arguments),
-        Command::Diagnose(arguments) => diagnose::diagnose(&arguments),
-        Command::Wear(arguments) => wear::wear(&arguments),
-        Command::Sweep(arguments) => sweep::sweep(&arguments),
-        Command::Store(arguments) => store::store(&arguments),
-        Command::Recordings(arguments) => recordings::recordings(&arguments),
-        Command::CalibrateFriction(arguments) => calibrate_friction::calibrate(&arguments),
-        Command::Greybox(arguments) => greybox::greybox(&arguments),
-        Command::Schema(arguments) => schema::schema(&arguments),
-        Command::Catalogue { name } => catalogue::print(name.as_deref()),
+        Command::Run(arguments) => commands::run::run(&arguments),
+        Command::Check(arguments) => commands::check::check(&arguments),
+        Command::Export { run, to, force } => commands::export::export(&run, to.as_deref(), force),
+        Command::Validate(arguments) => commands::validate::validate(&arguments),
+        Command::Report { run } => commands::report::report(&run),
+        Command::Springback(arguments) => commands::springback::springback(&arguments),
+        Command::Identify(arguments) => commands::identify::identify(&arguments),
+        Command::Diagnose(arguments) => commands::diagnose::diagnose(&arguments),
+        Command::Wear(arguments) => commands::wear::wear(&arguments),
+        Command::Sweep(arguments) => commands::sweep::sweep(&arguments),
+        Command::Store(arguments) => commands::store::store(&arguments),
+        Command::Recordings(arguments) => commands::recordings::recordings(&arguments),
+        Command::CalibrateFriction(arguments) => {
+            commands::calibrate_friction::calibrate(&arguments)
+        }
+        Command::Greybox(arguments) => commands::greybox::greybox(&arguments),
+        Command::Schema(arguments) => commands::schema::schema(&arguments),
+        Command::Catalogue { name } => commands::catalogue::print(name.as_deref()),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "sphcut", &mut script);

@@ -2,41 +2,12 @@
 //!
 //! An observable is one file with its [`Observable`]; [`ALL`] is the only registration.
 
-mod amplitude_ratio;
-mod angular_momentum_ratio;
-mod body_extent;
-mod chip;
-mod compressed_strip;
-mod compression;
-mod contact_duration;
-mod contact_temperature;
-mod energy;
+mod contact;
+mod cut;
 mod fingerprint;
-mod flow_stress_table;
-mod force_history;
-mod fragments;
-mod friction;
-mod hertz;
-mod indentation;
-mod indented_surface;
-mod kernel;
-mod machined_surface;
-mod mean_force;
-mod momentum;
-mod moving_source;
-mod oscillation;
-mod pressed_cylinder;
-mod rake_friction;
-mod restitution;
-mod rough_plates;
-mod shock;
-mod springback;
+mod heat;
+mod solid;
 mod steps;
-mod stress;
-mod temperature_profile;
-mod thermal;
-mod tool_heat;
-mod upset_ring;
 
 use crate::evidence::Evidence;
 use std::collections::BTreeMap;
@@ -79,91 +50,91 @@ const fn argument(key: &'static str, default: Option<f64>, meaning: &'static str
 
 /// All observables.
 pub const ALL: &[&Observable] = &[
-    &amplitude_ratio::AMPLITUDE_RATIO,
-    &angular_momentum_ratio::ANGULAR_MOMENTUM_RATIO,
-    &body_extent::BODY_LENGTH,
-    &body_extent::LARGEST_RADIUS,
-    &body_extent::RADIUS_AT,
-    &body_extent::ROUNDNESS,
-    &machined_surface::CUT_SPRINGBACK,
-    &machined_surface::CUT_SPRINGBACK_ERROR,
-    &machined_surface::CUT_SPRINGBACK_MEDIAN,
-    &machined_surface::CUT_SPRINGBACK_MEDIAN_INTERVAL,
-    &machined_surface::PASS_CUTTING_FORCE,
-    &machined_surface::PASS_PASSIVE_FORCE,
-    &chip::LARGEST_PLASTIC_STRAIN,
-    &chip::CHIP_RISE,
-    &chip::CHIP_THICKNESS,
-    &compressed_strip::ROUGH_PLATES_RATIO,
-    &compressed_strip::SLIDING_PLATES_RATIO,
-    &compression::COMPRESSION_ERROR,
-    &compression::ADIABATIC_RISE_ERROR,
-    &contact_duration::CONTACT_DURATION,
-    &contact_duration::PLATEAU_FORCE,
-    &contact_temperature::CONTACT_TEMPERATURE,
-    &energy::ENERGY_CLOSURE,
-    &energy::NUMERICAL_SHARE,
-    &energy::KINETIC_RATIO,
-    &energy::KINETIC_SHARE,
+    &solid::amplitude_ratio::AMPLITUDE_RATIO,
+    &solid::angular_momentum_ratio::ANGULAR_MOMENTUM_RATIO,
+    &solid::body_extent::BODY_LENGTH,
+    &solid::body_extent::LARGEST_RADIUS,
+    &solid::body_extent::RADIUS_AT,
+    &solid::body_extent::ROUNDNESS,
+    &cut::machined_surface::CUT_SPRINGBACK,
+    &cut::machined_surface::CUT_SPRINGBACK_ERROR,
+    &cut::machined_surface::CUT_SPRINGBACK_MEDIAN,
+    &cut::machined_surface::CUT_SPRINGBACK_MEDIAN_INTERVAL,
+    &cut::machined_surface::PASS_CUTTING_FORCE,
+    &cut::machined_surface::PASS_PASSIVE_FORCE,
+    &cut::chip::LARGEST_PLASTIC_STRAIN,
+    &cut::chip::CHIP_RISE,
+    &cut::chip::CHIP_THICKNESS,
+    &contact::compressed_strip::ROUGH_PLATES_RATIO,
+    &contact::compressed_strip::SLIDING_PLATES_RATIO,
+    &solid::compression::COMPRESSION_ERROR,
+    &solid::compression::ADIABATIC_RISE_ERROR,
+    &solid::contact_duration::CONTACT_DURATION,
+    &solid::contact_duration::PLATEAU_FORCE,
+    &heat::contact_temperature::CONTACT_TEMPERATURE,
+    &solid::energy::ENERGY_CLOSURE,
+    &solid::energy::NUMERICAL_SHARE,
+    &solid::energy::KINETIC_RATIO,
+    &solid::energy::KINETIC_SHARE,
     &fingerprint::FINGERPRINT,
-    &flow_stress_table::FLOW_STRESS_TABLE_ERROR,
-    &force_history::CUTTING_FORCE_DEVIATION,
-    &force_history::FEED_FORCE_DEVIATION,
-    &fragments::FRAGMENTS,
-    &friction::IMPULSE_RATIO,
-    &friction::LEAST_FRICTION_INCREMENT,
-    &friction::FRICTION_SHARE,
-    &friction::CONTACT_SHEAR_STRESS,
-    &hertz::HERTZ_WIDTH_RATIO,
-    &hertz::HERTZ_PRESSURE_RATIO,
-    &hertz::HERTZ_STRESS_RATIO,
-    &indentation::PRANDTL_RATIO,
-    &indented_surface::DENT_RECOVERY_ERROR,
-    &indented_surface::DENT_RECOVERY_RATIO,
-    &indented_surface::DENT_RIM_ERROR,
-    &indented_surface::DENT_REVERSE_FLOW,
-    &kernel::KERNEL_INTEGRAL,
-    &kernel::KERNEL_DERIVATIVE_ERROR,
-    &kernel::KERNEL_OUTSIDE,
-    &mean_force::CUTTING_FORCE,
-    &mean_force::FEED_FORCE,
-    &mean_force::CUTTING_FORCE_INTERVAL,
-    &mean_force::FEED_FORCE_INTERVAL,
-    &momentum::MOMENTUM_DRIFT,
-    &momentum::MOMENTUM_CLOSURE,
-    &moving_source::MOVING_SOURCE_ERROR,
-    &oscillation::DISPLACEMENT_PERIOD,
-    &oscillation::VELOCITY_PERIOD,
-    &oscillation::WAVE_SPEED,
-    &pressed_cylinder::CYLINDER_CROWN_ERROR,
-    &pressed_cylinder::CYLINDER_CROWN_RATIO,
-    &pressed_cylinder::CYLINDER_SIDE_ERROR,
-    &pressed_cylinder::CYLINDER_SIDE_RATIO,
-    &rake_friction::RAKE_FRICTION_RATIO,
-    &rake_friction::RAKE_STICKING_RATIO,
-    &restitution::RESTITUTION,
-    &restitution::REBOUND,
-    &shock::SHOCK_SPEED,
-    &shock::SHOCKED_PRESSURE,
-    &shock::SHOCKED_TEMPERATURE,
-    &shock::SHOCKED_DENSITY,
-    &springback::PLASTIC_PRESSURE_RATIO,
-    &springback::SPRINGBACK_RATIO,
-    &springback::SURFACE_SPRINGBACK_ERROR,
+    &solid::flow_stress_table::FLOW_STRESS_TABLE_ERROR,
+    &cut::force_history::CUTTING_FORCE_DEVIATION,
+    &cut::force_history::FEED_FORCE_DEVIATION,
+    &solid::fragments::FRAGMENTS,
+    &contact::friction::IMPULSE_RATIO,
+    &contact::friction::LEAST_FRICTION_INCREMENT,
+    &contact::friction::FRICTION_SHARE,
+    &contact::friction::CONTACT_SHEAR_STRESS,
+    &contact::hertz::HERTZ_WIDTH_RATIO,
+    &contact::hertz::HERTZ_PRESSURE_RATIO,
+    &contact::hertz::HERTZ_STRESS_RATIO,
+    &contact::indentation::PRANDTL_RATIO,
+    &contact::indented_surface::DENT_RECOVERY_ERROR,
+    &contact::indented_surface::DENT_RECOVERY_RATIO,
+    &contact::indented_surface::DENT_RIM_ERROR,
+    &contact::indented_surface::DENT_REVERSE_FLOW,
+    &solid::kernel::KERNEL_INTEGRAL,
+    &solid::kernel::KERNEL_DERIVATIVE_ERROR,
+    &solid::kernel::KERNEL_OUTSIDE,
+    &cut::mean_force::CUTTING_FORCE,
+    &cut::mean_force::FEED_FORCE,
+    &cut::mean_force::CUTTING_FORCE_INTERVAL,
+    &cut::mean_force::FEED_FORCE_INTERVAL,
+    &solid::momentum::MOMENTUM_DRIFT,
+    &solid::momentum::MOMENTUM_CLOSURE,
+    &heat::moving_source::MOVING_SOURCE_ERROR,
+    &solid::oscillation::DISPLACEMENT_PERIOD,
+    &solid::oscillation::VELOCITY_PERIOD,
+    &solid::oscillation::WAVE_SPEED,
+    &contact::pressed_cylinder::CYLINDER_CROWN_ERROR,
+    &contact::pressed_cylinder::CYLINDER_CROWN_RATIO,
+    &contact::pressed_cylinder::CYLINDER_SIDE_ERROR,
+    &contact::pressed_cylinder::CYLINDER_SIDE_RATIO,
+    &contact::rake_friction::RAKE_FRICTION_RATIO,
+    &contact::rake_friction::RAKE_STICKING_RATIO,
+    &solid::restitution::RESTITUTION,
+    &solid::restitution::REBOUND,
+    &solid::shock::SHOCK_SPEED,
+    &solid::shock::SHOCKED_PRESSURE,
+    &solid::shock::SHOCKED_TEMPERATURE,
+    &solid::shock::SHOCKED_DENSITY,
+    &cut::springback::PLASTIC_PRESSURE_RATIO,
+    &cut::springback::SPRINGBACK_RATIO,
+    &cut::springback::SURFACE_SPRINGBACK_ERROR,
     &steps::STEPS,
     &steps::PARTICLES,
-    &stress::LARGEST_STRESS,
-    &stress::LARGEST_DENSITY_CHANGE,
-    &temperature_profile::CONTACT_PROFILE_ERROR,
-    &temperature_profile::STEADY_PROFILE_ERROR,
-    &thermal::HEAT_BALANCE,
-    &thermal::HEAT_CLOSURE,
-    &thermal::FRICTION_HEAT_RATIO,
-    &thermal::LARGEST_TEMPERATURE,
-    &tool_heat::TOOL_CONTACT_ERROR,
-    &tool_heat::TOOL_STEADY_ERROR,
-    &tool_heat::TOOL_HEAT_CLOSURE,
-    &upset_ring::RING_INNER_CHANGE,
+    &solid::stress::LARGEST_STRESS,
+    &solid::stress::LARGEST_DENSITY_CHANGE,
+    &heat::temperature_profile::CONTACT_PROFILE_ERROR,
+    &heat::temperature_profile::STEADY_PROFILE_ERROR,
+    &heat::thermal::HEAT_BALANCE,
+    &heat::thermal::HEAT_CLOSURE,
+    &heat::thermal::FRICTION_HEAT_RATIO,
+    &heat::thermal::LARGEST_TEMPERATURE,
+    &heat::tool_heat::TOOL_CONTACT_ERROR,
+    &heat::tool_heat::TOOL_STEADY_ERROR,
+    &heat::tool_heat::TOOL_HEAT_CLOSURE,
+    &contact::upset_ring::RING_INNER_CHANGE,
 ];
 
 /// The observable called `name`.
@@ -247,11 +218,11 @@ mod tests {
     #[test]
     fn arguments_are_checked() {
         let one = BTreeMap::from([("axis".to_owned(), 1.0)]);
-        let arguments = Arguments::resolve(&body_extent::BODY_LENGTH, &one).unwrap();
+        let arguments = Arguments::resolve(&solid::body_extent::BODY_LENGTH, &one).unwrap();
         assert_eq!(arguments.index("axis"), 1);
-        assert_eq!(arguments.label(&body_extent::BODY_LENGTH), "body_length (axis = 1)");
+        assert_eq!(arguments.label(&solid::body_extent::BODY_LENGTH), "body_length (axis = 1)");
         let wrong = BTreeMap::from([("axes".to_owned(), 1.0)]);
-        assert!(Arguments::resolve(&body_extent::BODY_LENGTH, &wrong).is_err());
-        assert!(Arguments::resolve(&body_extent::BODY_LENGTH, &BTreeMap::new()).is_err());
+        assert!(Arguments::resolve(&solid::body_extent::BODY_LENGTH, &wrong).is_err());
+        assert!(Arguments::resolve(&solid::body_extent::BODY_LENGTH, &BTreeMap::new()).is_err());
     }
 }

@@ -1,0 +1,249 @@
+//! The paired runs of a diagnosis, through a store like any sweep.
+
+use crate::arguments::DiagnoseArguments;
+use crate::commands::sweep;
+use crate::failure::{ExitCode, Failure};
+use crate::interrupt;
+use crate::loading;
+use crate::progress::Style;
+use crate::results;
+use crate::terminal;
+use sphcut_diagnose::{
+    CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, Fit, PairedRun, PairedRuns,
+    PairedScenario, Predictor, STATES, ToolShape, changes, condition_of, rerun_changes,
+    rerun_conditions, scenario_patch, support, unseen_fits,
+};
+use sphcut_scenario::{DiagnosisCase, Sweep};
+use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Table};
+use std::path::{Path, PathBuf};
+
+/// Folder of the runs in the output folder.
+const FOLDER: &str = "runs";
+/// Half width of a 95 % interval in standard deviations.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// mm in m.
+const MM: f64 = 1e-3;
+
+/// Runs at conditions, each with its change.
+pub struct Paired {
+    sweep: Sweep,
+    runs: Vec<(Condition, Change)>,
+    /// The patch that makes the last of the runs of the scenario; empty for a library.
+    patch: String,
+}
+
+/// How paired runs ended.
+pub enum Ended {
+    /// With so many results.
+    Finished(Vec<PairedRun>),
+    /// The user stopped them; the same command goes on.
+    Interrupted,
+}
+
+impl Paired {
+    /// `changes` at every condition.
+    pub fn new(
+        case: &DiagnosisCase,
+        arguments: &DiagnoseArguments,
+        (title, name): (&str, &str),
+        runs: Vec<(Condition, Change)>,
+    ) -> Result<Self, Failure> {
+        let base = PairedScenario::of(&case.base, case.runs.travel).map_err(refused)?;
+        let worn = runs.iter().any(|(_, change)| change.wear_land.is_some());
+        let values = runs
+            .iter()
+            .map(|(condition, change)| base.values(condition, change, worn).map_err(refused));
+        let values: Vec<Vec<String>> = values.collect::<Result<_, _>>()?;
+        let sweep = Sweep::listed(
+            (title, name),
+            (&case.base, &case.base_path),
+            &loading::options(&arguments.scene),
+            (&base.keys(worn), &values),
+        )
+        .map_err(Failure::input)?;
+        Ok(Self { sweep, runs, patch: String::new() })
+    }
+
+    /// The library of a case: every effect at three speeds and thicknesses.
+    pub fn library(case: &DiagnosisCase, arguments: &DiagnoseArguments) -> Result<Self, Failure> {
+        let rows = case.measured.iter().chain(case.reference.iter().flat_map(|cuts| &cuts.rows));
+        let conditions: Vec<Condition> = rows.map(condition_of).collect();
+        PairedScenario::check_tools(&case.base, &conditions).map_err(refused)?;
+        let [speeds, sizes] = support(&conditions, case.runs.range);
+        let wears = conditions.iter().any(|condition| condition.cut_length > 0.0);
+        let runs: Vec<(Condition, Change)> = changes(&case.scatter, wears)
+            .into_iter()
+            .flat_map(|change| {
+                let at = speeds.iter().flat_map(|v| sizes.iter().map(move |h| (*v, *h)));
+                let at: Vec<(f64, f64)> = at.collect();
+                at.into_iter().map(move |(v, h)| (cut(v, h), change.clone()))
+            })
+            .collect();
+        if runs.len() > case.runs.most {
+            let message = format!(
+                "{} runs are needed to tell what each effect changes, and `most` of [runs] allows {}",
+                runs.len(),
+                case.runs.most
+            );
+            return Err(Failure::input(message).advise("raise `most`, or use --closed-form"));
+        }
+        Self::new(case, arguments, ("What each effect changes", "library"), runs)
+    }
+
+    /// What it would take.
+    pub fn dry_run(&self, arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
+        let threads = loading::threads(arguments.threads);
+        let plan = sweep::planned(&self.sweep, threads)?;
+        let speed = sweep::dry_run::speed(&self.sweep, &plan)?;
+        let total = sweep::dry_run::total(&plan, Some(speed), threads);
+        let warnings = sweep::dry_run::warnings(&plan);
+        terminal::answer(&format!("{}\n{total}{warnings}", self.sweep.title))
+    }
+
+    /// The scenario as it is, fitted again and repaired, at some of the recorded conditions, and the two fits, which have not seen these;
+    /// `None` if there is no repair, or none that the scenario has keys for.
+    pub fn repaired(
+        case: &DiagnosisCase,
+        arguments: &DiagnoseArguments,
+        (found, predictor): (&Diagnosis, &dyn Predictor),
+    ) -> Result<Option<(Self, Fit, Fit)>, Failure> {
+        let problem = &found.problem;
+        let Some(repair) = found.repair.map(|repair| &found.fits[repair]) else { return Ok(None) };
+        let conditions = rerun_conditions(problem, case.runs.repaired);
+        let Some((null, repair)) = unseen_fits(problem, predictor, repair, &conditions) else {
+            return Ok(None);
+        };
+        let mut runs = Vec::new();
+        for condition in conditions {
+            let Some(changes) = rerun_changes(problem, predictor, (&null, &repair), &condition)
+            else {
+                return Ok(None);
+            };
+            runs.extend(changes.map(|change| (condition, change)));
+        }
+        let Some((_, change)) = runs.last() else { return Ok(None) };
+        let patch = scenario_patch(&case.base, change).map_err(refused)?;
+        let mut paired = Self::new(case, arguments, ("The corrected scenario", "repaired"), runs)?;
+        paired.patch = patch;
+        Ok(Some((paired, null, repair)))
+    }
+
+    /// The results in the order of the runs.
+    pub fn in_order(&self, results: &[PairedRun]) -> Vec<[Option<PairedRun>; STATES]> {
+        let of = |(condition, change): &(Condition, Change)| {
+            let found = results.iter().find(|r| r.condition == *condition && r.change == *change);
+            found.cloned()
+        };
+        self.runs
+            .chunks(STATES)
+            .map(|own| std::array::from_fn(|k| own.get(k).and_then(of)))
+            .collect()
+    }
+
+    /// Computes what the store does not have.
+    pub fn run(&self, arguments: &DiagnoseArguments) -> Result<Ended, Failure> {
+        let threads = loading::threads(arguments.threads);
+        let plan = sweep::planned(&self.sweep, threads)?;
+        let folder = arguments.out.join(FOLDER).join(&self.sweep.name);
+        std::fs::create_dir_all(&folder).map_err(|error| {
+            Failure::output(format!("cannot create `{}`", folder.display()), &error)
+        })?;
+        if !self.patch.is_empty() {
+            results::save(&folder.join(super::PATCH), self.patch.as_bytes())?;
+        }
+        let root =
+            arguments.store.clone().unwrap_or_else(|| arguments.out.join(FOLDER).join("store"));
+        let store = Store::create(&root).map_err(|error| sweep::broken(&error))?;
+        note_needs(&store, &folder, &plan)?;
+        interrupt::install();
+        let left = missing(&plan, &store);
+        if left > 0 {
+            terminal::note(&format!(
+                "{}: {} runs of the particle solver, {left} of them to be computed (results in {})",
+                self.sweep.title,
+                plan.runs.len(),
+                root.display()
+            ));
+        }
+        let execution = Execution { threads, retry: Retry::Never };
+        let style = if left > 0 { Style::Human } else { Style::Quiet };
+        let states = sweep::run(&self.sweep, &plan, &store, execution, style)?;
+        sweep::tables::write(&folder, &self.sweep, &plan, &store, (&states, &[]))?;
+        if states.iter().any(|state| matches!(state, State::Stopped)) {
+            return Ok(Ended::Interrupted);
+        }
+        let table = Table::new(&self.sweep, &plan, &store, &states, &sweep::tables::summary);
+        let failed = states.iter().filter(|state| matches!(state, State::Failed(_))).count();
+        if failed > 0 {
+            terminal::note(&format!(
+                "{failed} of the runs failed; the diagnosis goes on without them"
+            ));
+        }
+        let results = table.rows.iter().filter(|row| row.has_result()).map(|row| {
+            let (condition, change) = &self.runs[row.number - 1];
+            PairedRun { condition: *condition, change: change.clone(), means: means(row) }
+        });
+        Ok(Ended::Finished(results.collect()))
+    }
+}
+
+/// Why a scenario has no paired runs, with advice.
+fn refused(error: DiagnoseError) -> Failure {
+    let failure = Failure::input(error.to_string());
+    match error {
+        DiagnoseError::NoPairedRuns { help, .. } if !help.is_empty() => failure.advise(help),
+        _ => failure,
+    }
+}
+
+/// The library as a model.
+pub fn model(case: &DiagnosisCase, runs: &[PairedRun]) -> Result<PairedRuns, Failure> {
+    PairedRuns::new(runs, &case.scatter).ok_or_else(|| {
+        Failure::input(
+            "too few of the runs without an effect have a result: there is nothing to compare with",
+        )
+    })
+}
+
+fn note_needs(store: &Store, folder: &Path, plan: &Plan) -> Result<(), Failure> {
+    let folder: PathBuf = std::fs::canonicalize(folder)
+        .map_err(|error| Failure::output(format!("cannot find `{}`", folder.display()), &error))?;
+    let needs = Needs { folder, addresses: plan.runs.iter().map(|run| run.address).collect() };
+    store.note_needs(&needs).map_err(|error| sweep::broken(&error))
+}
+
+fn missing(plan: &Plan, store: &Store) -> usize {
+    let is_there = |address| store.entry(address).ok().flatten().is_some();
+    plan.runs.iter().filter(|run| !is_there(&run.address)).count()
+}
+
+fn cut(cutting_speed: f64, uncut_chip_thickness: f64) -> Condition {
+    Condition {
+        cutting_speed,
+        uncut_chip_thickness,
+        cut_length: 0.0,
+        run_order: 0.0,
+        tool: ToolShape::default(),
+    }
+}
+
+/// Means and their standard deviations, SI units. A run in the plane has no passive force.
+fn means(row: &Row) -> [Option<(f64, Option<f64>)>; CHANNELS.len()] {
+    let number = |name: &str| row.summary.get(name).copied();
+    let force = |place: usize| {
+        let [mean, half] = row.forces[place]?;
+        (mean != 0.0).then_some((mean, Some(half / NORMAL_95)))
+    };
+    CHANNELS.map(|channel| match channel {
+        Channel::CuttingForce => force(0),
+        Channel::FeedForce => force(1),
+        Channel::PassiveForce => force(2),
+        Channel::InterfaceTemperature => {
+            let half = number("temperature.interface_ci95_k");
+            Some((number("temperature.interface_mean_k")?, half.map(|half| half / NORMAL_95)))
+        }
+        Channel::ChipThickness => Some((number("chip.thickness_mm")? * MM, None)),
+        Channel::ContactLength => Some((number("contact.length_mm")? * MM, None)),
+        Channel::Springback => None,
+    })
+}

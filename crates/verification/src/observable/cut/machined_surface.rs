@@ -1,0 +1,85 @@
+//! The machined surface of a cut and the forces of its last pass, as `sphcut springback` and `sphcut run`
+//! report them.
+
+use crate::evidence::Evidence;
+use crate::observable::Observable;
+use sphcut_postprocess::evaluate;
+use sphcut_postprocess::springback::{Springback, measure};
+
+/// Mean springback of the machined surface.
+pub(crate) const CUT_SPRINGBACK: Observable = Observable {
+    name: "cut_springback",
+    unit: "m",
+    meaning: "springback of the machined surface (in turning: of the first pass) as `sphcut springback` \
+              reports it",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let springback = springback(evidence)?;
+        let mean = springback.mean.ok_or("no particle of the surface touched the tool")?;
+        Ok(mean.mean)
+    },
+};
+
+/// Its error bar.
+pub(crate) const CUT_SPRINGBACK_ERROR: Observable = Observable {
+    name: "cut_springback_error",
+    unit: "m",
+    meaning: "error bar of that springback: interval of the mean, overlap and resolution",
+    arguments: &[],
+    evaluate: |evidence, _| Ok(springback(evidence)?.error.total()),
+};
+
+/// Median springback.
+pub(crate) const CUT_SPRINGBACK_MEDIAN: Observable = Observable {
+    name: "cut_springback_median",
+    unit: "m",
+    meaning: "median springback of the machined surface, which does not follow crumbs",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let springback = springback(evidence)?;
+        Ok(springback.median.ok_or("no particle of the surface touched the tool")?.median)
+    },
+};
+
+/// Half the width of its interval.
+pub(crate) const CUT_SPRINGBACK_MEDIAN_INTERVAL: Observable = Observable {
+    name: "cut_springback_median_interval",
+    unit: "m",
+    meaning: "half the width of the 95 % interval of that median",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let springback = springback(evidence)?;
+        let [low, high] = springback.median.ok_or("no particle of the surface touched")?.bounds;
+        Ok(0.5 * (high - low))
+    },
+};
+
+/// Mean cutting force of the last pass.
+pub(crate) const PASS_CUTTING_FORCE: Observable = Observable {
+    name: "pass_cutting_force",
+    unit: "N",
+    meaning: "mean cutting force of the last pass as `sphcut run` reports it (per width in 2D)",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let result = evaluate(&evidence.as_run()).map_err(|error| error.to_string())?;
+        Ok(result.forces.cutting.mean)
+    },
+};
+
+/// Mean passive force of the last pass.
+pub(crate) const PASS_PASSIVE_FORCE: Observable = Observable {
+    name: "pass_passive_force",
+    unit: "N",
+    meaning: "mean passive force (into the machined surface) of the last pass, likewise",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let result = evaluate(&evidence.as_run()).map_err(|error| error.to_string())?;
+        Ok(result.forces.passive.mean)
+    },
+};
+
+fn springback(evidence: &Evidence) -> Result<Springback, String> {
+    let run = evidence.as_run();
+    let result = evaluate(&run).map_err(|error| error.to_string())?;
+    measure(&run, &result).map_err(|error| error.to_string())
+}
