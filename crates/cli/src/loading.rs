@@ -2,11 +2,18 @@
 
 use crate::arguments::{PatchableArguments, ScenarioArguments};
 use crate::failure::{ExitCode, Failure};
+use sphcut_input::Colours;
+use sphcut_input::Mistake;
+use sphcut_input::OutsideFiles;
+use sphcut_input::Problem;
 use sphcut_record::{Provenance, Setting};
-use sphcut_scenario::{
-    Colours, DiagnosisFile, Identification, LoadOptions, Mistake, OutsideFiles, Problem,
-    Recordings, Scenario, ScenarioPatch, Sweep,
-};
+use sphcut_scenario::DiagnosisFile;
+use sphcut_scenario::Identification;
+use sphcut_scenario::LoadOptions;
+use sphcut_scenario::Recordings;
+use sphcut_scenario::Scenario;
+use sphcut_scenario::ScenarioPatch;
+use sphcut_scenario::Sweep;
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::Path;

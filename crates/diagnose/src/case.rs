@@ -7,7 +7,9 @@ use crate::inference::commissioning::{Batch, Comparison};
 use crate::inference::problem::InstrumentPriors;
 use crate::model::predictor::{Condition, Predictor, ToolShape};
 use crate::session::{Diagnosis, Request, diagnose};
-use sphcut_scenario::{CutTableRow, DiagnosisCase, MEASURED};
+use sphcut_input::CutTableRow;
+use sphcut_input::MEASURED;
+use sphcut_scenario::DiagnosisCase;
 
 /// The recordings of a case and what they say against `model`.
 ///

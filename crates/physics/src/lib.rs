@@ -24,4 +24,4 @@ pub mod temperature_table;
 
 pub use parameter::{Parameter, ParameterError, Range, Values};
 pub use quantity::Quantity;
-pub use temperature_table::TemperatureTable;
+pub use temperature_table::{ROOM_TEMPERATURE, TemperatureTable};

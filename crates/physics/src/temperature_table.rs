@@ -12,6 +12,9 @@
 
 use std::fmt;
 
+/// The temperature in K at which the single numbers of a tabulated property hold.
+pub const ROOM_TEMPERATURE: f64 = 293.15;
+
 /// Why pairs of temperature and value are no table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TableError {

@@ -1,11 +1,11 @@
 //! Bodies and supports: scenarios with a known answer.
 
-use crate::findings::Findings;
 use crate::material::Shelf;
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
 use crate::sections::{self, SHAPE_KEYS};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use sphcut_sph::setup::{Body, Material, Shape, Support, VelocityField};
 
 /// All `[[body]]` tables with their materials; `None` after a mistake.
@@ -261,7 +261,7 @@ pub(crate) fn check_thickness(
                 message: format!(
                     "body `{}` is {} mm thick, less than the particle spacing",
                     reader::shortened(&body.name),
-                    crate::units::significant(thickness * 1e3)
+                    sphcut_input::units::significant(thickness * 1e3)
                 ),
                 help: "choose a smaller particle_spacing".to_owned(),
             };

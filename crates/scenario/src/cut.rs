@@ -1,17 +1,17 @@
 //! The cut, orthogonal or turning: [workpiece], [tool], [process], [passes], [boundaries].
 
-use crate::findings::Findings;
 use crate::material::Shelf;
 use crate::passes::{Passes, Plan};
 use crate::placement::{Handedness, Placement};
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
 use crate::shared::{self, Resolution};
 use crate::silhouette::Silhouette;
 use crate::tool::{ToolBody, ToolShape, refuse_keys, require};
 use crate::tool_geometry::shift_to_gap;
 use crate::{sections, warnings};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::{
     Body, Material, Setup, Support, Tool, ToolHeat, ToolSurface, Vector, VelocityChange,
@@ -363,7 +363,7 @@ impl Cut {
             let mistake = Mistake::Contradiction {
                 message: "the particle spacing is larger than the uncut chip thickness".to_owned(),
                 help: if turning {
-                    format!("that is {} um here", crate::units::significant(thickness * 1e6))
+                    format!("that is {} um here", sphcut_input::units::significant(thickness * 1e6))
                 } else {
                     "a chip needs at least 5 particles across it: preset = \"draft\"".to_owned()
                 },
@@ -382,7 +382,7 @@ impl Cut {
         needed: f64,
         what: &str,
     ) {
-        let millimetres = |length: f64| crate::units::significant(length * 1e3);
+        let millimetres = |length: f64| sphcut_input::units::significant(length * 1e3);
         let mistake = Mistake::Contradiction {
             message: format!(
                 "{key} = {} mm leaves no room for {what}: {} mm",

@@ -1,10 +1,12 @@
 //! `[effects]`: optional constitutive effects of the materials.
 
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
-use crate::{sections, shared, units};
+use crate::sections;
+use crate::shared;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::units;
 use sphcut_physics::effects::{ChosenEffect, Demand, EFFECTS, EffectEntry};
 use sphcut_sph::Setup;
 use std::ops::Range;
@@ -78,7 +80,7 @@ fn contradiction(effect: &'static EffectEntry, setup: &Setup) -> Option<(String,
     let key = effect.key;
     let never_yields = |material: &sphcut_sph::setup::Material| {
         let law = (material.flow_stress.build)(&material.flow_stress_values);
-        law.elastic_limit(0.0, sphcut_sph::setup::ROOM_TEMPERATURE) == f64::INFINITY
+        law.elastic_limit(0.0, sphcut_physics::ROOM_TEMPERATURE) == f64::INFINITY
     };
     if setup.materials.iter().all(never_yields) {
         let message = format!("`{key}` has no effect: no material of this scenario yields");

@@ -1,10 +1,11 @@
 //! `[output]` and `[stop]`: what is recorded, and when the run ends.
 
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::record::Record;
+use crate::sections;
 use crate::shared::{optional_section, switch};
-use crate::{reader, sections};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::Switch;
 use std::ops::Range;

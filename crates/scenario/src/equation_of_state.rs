@@ -1,10 +1,12 @@
 //! `equation_of_state` of a material.
 
-use crate::findings::Findings;
-use crate::problem::Source;
-use crate::section::{Presence, Section};
-use crate::units::significant;
-use crate::{reader, sections, shared};
+use crate::sections;
+use crate::shared;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Source;
+use sphcut_input::reader;
+use sphcut_input::section::{Presence, Section};
+use sphcut_input::units::significant;
 use sphcut_physics::Values;
 use sphcut_physics::equation_of_state::{self, EquationOfStateEntry};
 use sphcut_sph::Setup;

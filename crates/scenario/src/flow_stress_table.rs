@@ -1,10 +1,10 @@
 //! The file of a tabulated flow stress.
 
-use crate::columns::{self, ColumnRule, TableProblem};
-use crate::files::{Surroundings, file_mistake};
-use crate::findings::Findings;
-use crate::record::Record;
-use crate::units::significant;
+use sphcut_input::columns::{self, ColumnRule, TableProblem};
+use sphcut_input::files::{Surroundings, file_mistake};
+use sphcut_input::findings::Findings;
+use sphcut_input::record::Record;
+use sphcut_input::units::significant;
 use sphcut_physics::Quantity;
 use sphcut_physics::flow_stress::{FlowStressTable, TableError};
 use std::sync::Arc;

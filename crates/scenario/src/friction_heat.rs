@@ -1,11 +1,11 @@
 //! `friction_heat_share` of `[heat]` where it is not written: from what takes the heat.
 
-use crate::document::contradiction;
-use crate::findings::Findings;
-use crate::reader;
-use crate::record::Record;
 use crate::sections;
-use crate::units::significant;
+use sphcut_input::document::contradiction;
+use sphcut_input::findings::Findings;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::units::significant;
 use sphcut_physics::friction::ContactState;
 use sphcut_physics::heat::{ContactSide, PARAMETERS, share_by_effusivities};
 use sphcut_physics::{Quantity, TemperatureTable, Values};

@@ -1,11 +1,11 @@
 //! `[[heat_source]]`: heat released in the volume of the bodies.
 
 use crate::bodies;
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
 use crate::sections;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use sphcut_sph::setup::{HeatSource, HeatSourceForm};
 
 /// Particle spacings that the standard deviation of a source must have at least: the sum over the
@@ -118,8 +118,8 @@ pub(crate) fn check_width(
                 message: format!(
                     "the {what} of heat source `{}` is {} mm: the particles need {} mm to see it",
                     reader::shortened(&source.name),
-                    crate::units::significant(width * 1e3),
-                    crate::units::significant(least * 1e3)
+                    sphcut_input::units::significant(width * 1e3),
+                    sphcut_input::units::significant(least * 1e3)
                 ),
                 help: "choose a smaller particle_spacing or a wider source".to_owned(),
             };

@@ -1,11 +1,11 @@
 //! Mass scaling from how little inertia may matter.
 
-use crate::document::contradiction;
-use crate::findings::Findings;
-use crate::reader;
-use crate::record::Record;
 use crate::sections;
-use crate::units::significant;
+use sphcut_input::document::contradiction;
+use sphcut_input::findings::Findings;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::units::significant;
 use sphcut_physics::flow_stress::FlowState;
 use sphcut_sph::options;
 use sphcut_sph::setup::Setup;

@@ -1,9 +1,11 @@
 //! `[tool.compliance]` and `[tool.run_out]`: what moves the tool off its path.
 
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::record::Record;
-use crate::{reader, sections, shared};
+use crate::sections;
+use crate::shared;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use sphcut_physics::process::{COMPLIANCE, Oscillator, RUN_OUT, RunOut};
 use sphcut_sph::setup::Machine;
 

@@ -2,16 +2,16 @@
 //! with single values overridden.
 
 use crate::equation_of_state;
-use crate::files::{LARGEST_TEXT, Surroundings};
-use crate::findings::Findings;
 use crate::flow_stress_table;
 use crate::library;
-use crate::problem::{Mistake, Source};
-use crate::reader::{self, Defaults};
-use crate::record::Record;
-use crate::section::Presence;
 use crate::sections;
-use crate::spelling;
+use sphcut_input::files::{LARGEST_TEXT, Surroundings};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::{Mistake, Source};
+use sphcut_input::reader::{self, Defaults};
+use sphcut_input::record::Record;
+use sphcut_input::section::Presence;
+use sphcut_input::spelling;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::equation_of_state::Reference;
 use sphcut_physics::flow_stress::{self, FlowStressEntry, FlowStressTable};
@@ -365,10 +365,10 @@ fn read_file(
     let source = Arc::new(Source { name: shown, text });
     let (document, errors) = DeTable::parse_recoverable(&source.text);
     if !errors.is_empty() {
-        crate::report_syntax(findings, &source, &errors);
+        sphcut_input::document::report_syntax(findings, &source, &errors);
         return None;
     }
-    let heading = crate::first_line(&source.text);
+    let heading = sphcut_input::document::first_line(&source.text);
     let (problems, entries) = (findings.problems.len(), findings.description.len());
     let table = (document.get_ref(), heading);
     let draft =
@@ -430,7 +430,7 @@ fn read_unknown_law(
             if section.field(field.key).is_none() {
                 section
                     .fields
-                    .push(crate::section::Field { presence: Presence::Optional, ..field });
+                    .push(sphcut_input::section::Field { presence: Presence::Optional, ..field });
             }
         }
     }

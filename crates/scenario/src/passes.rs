@@ -7,12 +7,12 @@
 //! descend  to the depth of the next pass, before the workpiece
 //! ```
 
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
 use crate::sections;
-use crate::units::significant;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::units::significant;
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::{Pass, Vector, VelocityChange};
 

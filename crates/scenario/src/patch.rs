@@ -1,8 +1,8 @@
 //! Changes of values in the text of a scenario; everything else, comments included, stays.
 
-use crate::files::{self, LARGEST_TEXT};
-use crate::problem::{Mistake, Problem};
 use crate::sweep::KeyPath;
+use sphcut_input::files::{self, LARGEST_TEXT};
+use sphcut_input::problem::{Mistake, Problem};
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;

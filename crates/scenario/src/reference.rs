@@ -2,9 +2,9 @@
 
 use crate::library;
 use crate::schema::preferred;
-use crate::section::{Field, Kind, Presence, Section, range_text};
 use crate::sections;
-use crate::units;
+use sphcut_input::section::{Field, Kind, Presence, Section, range_text};
+use sphcut_input::units;
 use sphcut_physics::{Quantity, effects, equation_of_state, flow_stress, friction};
 use std::fmt::Write;
 

@@ -6,16 +6,11 @@ use crate::cut::{self, Cut, CutEnd};
 use crate::effects;
 use crate::ending::{Kind, Output, Stop, read_output, read_stop};
 use crate::equation_of_state;
-use crate::files::{self, LARGEST_TEXT, Surroundings};
-use crate::findings::{Findings, ResolvedEntry};
 use crate::friction_heat;
 use crate::heat_source;
 use crate::inertia;
 use crate::material::Shelf;
 use crate::passes;
-use crate::problem::{Mistake, Problem, Source};
-use crate::reader;
-use crate::record::Record;
 use crate::sections;
 use crate::shared::{self, Resolution};
 use crate::tool;
@@ -23,6 +18,11 @@ use crate::tool::Space;
 use crate::wall;
 use crate::warnings;
 use crate::window;
+use sphcut_input::files::{self, LARGEST_TEXT, Surroundings};
+use sphcut_input::findings::{Findings, ResolvedEntry};
+use sphcut_input::problem::{Mistake, Problem, Source};
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 use sphcut_physics::effects::ChosenEffect;
 use sphcut_sph::Setup;
@@ -118,9 +118,9 @@ fn read_document(
     surroundings: &Surroundings,
 ) -> Option<Scenario> {
     let (document, errors) = DeTable::parse_recoverable(&source.text);
-    let table = (document.get_ref(), crate::first_line(&source.text));
+    let table = (document.get_ref(), sphcut_input::document::first_line(&source.text));
     if !errors.is_empty() {
-        crate::report_syntax(findings, source, &errors);
+        sphcut_input::document::report_syntax(findings, source, &errors);
         // The scenario is incomplete; what counts is the mistakes in the rest of it.
         let _ = read_sections(findings, source, table, surroundings);
         keep_certain(&mut findings.problems);

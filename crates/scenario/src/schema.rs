@@ -1,10 +1,10 @@
 //! The JSON schema of scenario files (draft-07), built from the same tables as the parser.
 
 use crate::library;
-use crate::section::{Field, Kind, Presence, Section, range_text};
 use crate::sections;
-use crate::units::{self, Unit};
 use serde_json::{Map, Value, json};
+use sphcut_input::section::{Field, Kind, Presence, Section, range_text};
+use sphcut_input::units::{self, Unit};
 use sphcut_physics::{Quantity, Range, effects, equation_of_state, flow_stress, friction};
 
 /// Whether what the section requires is required of the table.

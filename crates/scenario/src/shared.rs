@@ -1,12 +1,12 @@
 //! Sections that cuts and bodies have in common.
 
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
-use crate::section::Section;
 use crate::sections::{self, LATTICES};
 use crate::spacing;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::section::Section;
 use sphcut_physics::friction::{self, FrictionEntry};
 use sphcut_physics::{Parameter, Quantity, Values};
 use sphcut_sph::kernel::KernelChoice;
@@ -186,7 +186,7 @@ fn any_friction(name: &str) -> Section {
     for law in friction::LAWS {
         for mut field in sections::friction(name, Some(law)).fields {
             if section.field(field.key).is_none() {
-                field.presence = crate::section::Presence::Optional;
+                field.presence = sphcut_input::section::Presence::Optional;
                 section.fields.push(field);
             }
         }
@@ -206,7 +206,7 @@ pub(crate) fn check_particle_count(
     let mistake = Mistake::TooLarge {
         message: format!(
             "about {} particles: more than the {MOST_PARTICLES:e} this program takes",
-            crate::units::significant(particles)
+            sphcut_input::units::significant(particles)
         ),
         help: "choose a larger particle spacing or smaller bodies".to_owned(),
     };

@@ -1,11 +1,11 @@
 //! The particle spacing of `[resolution]`: a length, or so many particles across the chip or the edge.
 
-use crate::document::contradiction;
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
 use crate::sections;
+use sphcut_input::document::contradiction;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 
 /// Of these one says the spacing; the edge may stand beside either of the two before it.

@@ -1,15 +1,21 @@
 //! `[tool]` of a cut: angles and an edge radius, an outline, or a mesh.
 
 use crate::cut::Process;
-use crate::files::{self, LARGEST_OUTLINE, Surroundings};
-use crate::findings::Findings;
+use crate::machine;
 use crate::mesh::{LARGEST_MESH, Mesh, MeshError, Surface};
 use crate::outline;
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
+use crate::sections;
+use crate::shared;
 use crate::tool_geometry::EdgeGeometry;
-use crate::{machine, sections, shared, tool_heat, tool_shapes, turning_tool, units};
+use crate::tool_heat;
+use crate::tool_shapes;
+use crate::turning_tool;
+use sphcut_input::files::{self, LARGEST_OUTLINE, Surroundings};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::units;
 use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::{Quantity, Values};
 use sphcut_sph::setup::{Machine, ToolHeat};
@@ -205,7 +211,7 @@ fn check_wedge(findings: &mut Findings, record: &Record<'_>, tool: &EdgeGeometry
     let mistake = Mistake::Contradiction {
         message: format!(
             "rake and clearance angle leave a wedge of {} deg: the tool has no body",
-            crate::units::significant(tool.wedge_angle().to_degrees())
+            sphcut_input::units::significant(tool.wedge_angle().to_degrees())
         ),
         help: "rake_angle + clearance_angle must stay below 85 deg".to_owned(),
     };

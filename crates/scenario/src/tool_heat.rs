@@ -1,15 +1,16 @@
 //! `[tool.heat]` and `[wall.heat]`: heat in the tool.
 
-use crate::document::contradiction;
-use crate::findings::Findings;
 use crate::mesh::{Surface, triangle_distance};
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
 use crate::sections;
 use crate::tool_geometry::point_distance;
+use sphcut_input::document::contradiction;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_physics::ROOM_TEMPERATURE;
 use sphcut_physics::{Quantity, TemperatureTable};
-use sphcut_sph::setup::{Coating, OuterBoundary, ROOM_TEMPERATURE, ThermalMaterial, ToolHeat};
+use sphcut_sph::setup::{Coating, OuterBoundary, ThermalMaterial, ToolHeat};
 use toml::de::DeTable;
 
 /// The surface of a tool.
@@ -201,7 +202,7 @@ fn outer_sides(
         let mistake = Mistake::Contradiction {
             message: format!(
                 "no side of the tool lies as far away as outer_distance: the farthest is {} mm away",
-                crate::units::significant(farthest * 1e3)
+                sphcut_input::units::significant(farthest * 1e3)
             ),
             help: "choose a smaller distance, or outer = \"adiabatic\"".to_owned(),
         };

@@ -1,12 +1,12 @@
 //! The optional shapes of a tool of plane faces: chamfer, wear land, built-up edge.
 
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::record::Record;
 use crate::tool::require;
 use crate::tool_geometry::{BuiltUpEdge, Chamfer, EdgeGeometry};
-use crate::units::significant;
 use crate::warnings::{RESOLVED, falls_short};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::record::Record;
+use sphcut_input::units::significant;
 
 /// Their keys.
 pub(crate) const KEYS: [&str; 5] =

@@ -1,15 +1,15 @@
 //! `[tool]` of turning: an insert from its angles and radii, or a mesh.
 
 use crate::cut::Process;
-use crate::files::Surroundings;
-use crate::findings::Findings;
 use crate::mesh::{Mesh, Surface};
-use crate::problem::Mistake;
-use crate::record::Record;
 use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, refuse_keys, require};
 use crate::tool_shapes;
 use crate::turning_insert::{BODY, InsertGeometry};
-use crate::units::significant;
+use sphcut_input::files::Surroundings;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::record::Record;
+use sphcut_input::units::significant;
 
 /// Its keys beside those of a plane tool.
 pub(crate) const KEYS: [&str; 3] =

@@ -1,13 +1,13 @@
 //! `[wall]`: what is rigid in a scenario of bodies, and how it moves.
 
 use crate::bodies::check_table_count;
-use crate::files::Surroundings;
-use crate::findings::Findings;
 use crate::mesh::Mesh;
-use crate::problem::Mistake;
-use crate::reader;
-use crate::record::Record;
 use crate::{sections, shared, tool, tool_heat};
+use sphcut_input::files::Surroundings;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use sphcut_physics::{Values, friction};
 use sphcut_sph::setup::{Tool, ToolSurface, VelocityChange};
 

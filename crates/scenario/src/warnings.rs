@@ -1,6 +1,6 @@
 //! What a scenario may do but its author should know.
 
-use crate::units::significant;
+use sphcut_input::units::significant;
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Body, Shape};
 

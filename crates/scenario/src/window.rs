@@ -1,10 +1,11 @@
 //! `[window]`: what of the workpiece is followed while the tool moves on.
 
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::record::Record;
-use crate::units::significant;
-use crate::{reader, sections};
+use crate::sections;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::units::significant;
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::MovingWindow;
 

@@ -1,7 +1,9 @@
 //! Every file in `tests/bad` says in its leading comments which problems it has, all of them:
 //! `# error: LINE:COLUMN message`.
 
-use sphcut_scenario::{Colours, LoadOptions, load};
+use sphcut_input::Colours;
+use sphcut_scenario::LoadOptions;
+use sphcut_scenario::load;
 use std::path::{Path, PathBuf};
 
 fn bad_files() -> Vec<PathBuf> {

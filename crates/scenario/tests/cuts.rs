@@ -152,7 +152,7 @@ fn an_inertia_number_out_of_reach_is_told() {
 
 #[test]
 fn the_description_has_text_and_si_value_of_every_key() {
-    use sphcut_scenario::Origin;
+    use sphcut_input::Origin;
     let scenario = parse(QUICK, "cut.toml", None, &LoadOptions::default()).unwrap();
     let entry = |section: &str, key: &str| {
         let found: Vec<_> = scenario

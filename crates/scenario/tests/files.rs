@@ -1,7 +1,10 @@
 //! Whole files: the good ones, the shipped ones, and what becomes of them.
 
 use approx::assert_relative_eq;
-use sphcut_scenario::{LoadOptions, Problem, Scenario, load};
+use sphcut_input::Problem;
+use sphcut_scenario::LoadOptions;
+use sphcut_scenario::Scenario;
+use sphcut_scenario::load;
 use sphcut_sph::setup::{Dimension, Shape, ToolSurface, VelocityField};
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,10 @@
 //! A scenario from a stranger: no file outside its directory, no panic, no hang, bounded memory.
 
 use proptest::prelude::*;
-use sphcut_scenario::{LoadOptions, OutsideFiles, load, parse};
+use sphcut_input::OutsideFiles;
+use sphcut_scenario::LoadOptions;
+use sphcut_scenario::load;
+use sphcut_scenario::parse;
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Dimension, Shape};
 use std::fs;

@@ -146,11 +146,11 @@ pub struct Material {
     pub name: String,
     /// rho_0 in kg/m^3.
     pub density: f64,
-    /// K and G in Pa, at [`ROOM_TEMPERATURE`] where they depend on temperature.
+    /// K and G in Pa, at [`sphcut_physics::ROOM_TEMPERATURE`] where they depend on temperature.
     pub moduli: ElasticModuli,
-    /// cp in J/(kg K), at [`ROOM_TEMPERATURE`] where it depends on temperature.
+    /// cp in J/(kg K), at [`sphcut_physics::ROOM_TEMPERATURE`] where it depends on temperature.
     pub specific_heat: f64,
-    /// k in W/(m K), at [`ROOM_TEMPERATURE`] where it depends on temperature.
+    /// k in W/(m K), at [`sphcut_physics::ROOM_TEMPERATURE`] where it depends on temperature.
     pub thermal_conductivity: f64,
     /// What depends on temperature.
     pub tables: TemperatureTables,
@@ -172,9 +172,6 @@ impl Material {
         self
     }
 }
-
-/// The temperature in K at which the single numbers of a tabulated property hold.
-pub const ROOM_TEMPERATURE: f64 = 293.15;
 
 /// Properties of a material that depend on temperature; `None` is a constant.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -8,7 +8,11 @@ use super::truth::{Hidden, Instrument, NUISANCES, Outside};
 use sphcut_analytic::{ActiveEffect, Channel, Condition, Observables, Physics, find};
 use sphcut_diagnose::{Change, PairedScenario, run_effects};
 use sphcut_greybox::Random;
-use sphcut_scenario::{CutTableRow, LoadOptions, MEASURED, Scenario, Sweep};
+use sphcut_input::CutTableRow;
+use sphcut_input::MEASURED;
+use sphcut_scenario::LoadOptions;
+use sphcut_scenario::Scenario;
+use sphcut_scenario::Sweep;
 use std::path::Path;
 
 /// Cutting conditions of a case: as many as a day in the workshop, in a square without a repeated speed or thickness.
@@ -318,7 +322,9 @@ fn seen(row: &CutTableRow) -> Option<Observables> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sphcut_scenario::{load, load_sweep, read_cut_table};
+    use sphcut_input::read_cut_table;
+    use sphcut_scenario::load;
+    use sphcut_scenario::load_sweep;
     use std::fmt::Write;
 
     fn base() -> (Scenario, std::path::PathBuf) {
@@ -344,7 +350,7 @@ mod tests {
         let sweep = load_sweep(&folder.join("runs.toml"), &LoadOptions::default());
         std::fs::remove_dir_all(&folder).unwrap();
         let sweep =
-            sweep.unwrap_or_else(|p| panic!("{}", p[0].render(sphcut_scenario::Colours::Plain)));
+            sweep.unwrap_or_else(|p| panic!("{}", p[0].render(sphcut_input::Colours::Plain)));
         assert!(sweep.axes.iter().any(|axis| axis.key.to_string() == "tool.friction"));
         // 17 of the 30 need the same cuts without what is hidden.
         assert_eq!(text.matches("m/min\",").count(), CUTS * (30 + 17));

@@ -4,7 +4,10 @@ use super::score::HEAD;
 use super::twin::{plan, record as recorded, twins};
 use super::{files, read, run, seal, write};
 use serde_json::Value;
-use sphcut_scenario::{Colours, LoadOptions, load, read_cut_table};
+use sphcut_input::Colours;
+use sphcut_input::read_cut_table;
+use sphcut_scenario::LoadOptions;
+use sphcut_scenario::load;
 use std::path::Path;
 use std::process::Command;
 

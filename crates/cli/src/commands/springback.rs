@@ -152,7 +152,7 @@ fn line(run: &Measured) -> String {
 fn read(path: &Path) -> Result<Vec<Measurement>, Failure> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
-    let rows = sphcut_scenario::read_measured_springback(&text)
+    let rows = sphcut_input::read_measured_springback(&text)
         .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
     Ok(rows
         .into_iter()

@@ -4,8 +4,8 @@ use crate::arguments::WearArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{results, terminal};
 use sphcut_diagnose::{Segment, grows, growth_csv, growth_json, growth_words};
+use sphcut_input::read_series_table;
 use sphcut_report::{WearPage, render_wear};
-use sphcut_scenario::read_series_table;
 
 const NUMBERS: &str = "wear.json";
 const AMOUNTS: &str = "wear.csv";

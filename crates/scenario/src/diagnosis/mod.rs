@@ -3,17 +3,17 @@
 mod series;
 
 use crate::LoadOptions;
-use crate::cut_table::{CutTableRow, read_cut_table};
-use crate::document::{self, contradiction};
-use crate::files::{Surroundings, file_mistake};
-use crate::findings::Findings;
-use crate::problem::Problem;
-use crate::reader;
-use crate::record::Record;
 use crate::scenario::{self, Scenario};
-use crate::section::Section;
 use crate::sections;
 pub use series::{AirRecord, SeriesPlan};
+use sphcut_input::document::{self, contradiction};
+use sphcut_input::files::{Surroundings, file_mistake};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Problem;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::section::Section;
+use sphcut_input::{CutTableRow, read_cut_table};
 use std::path::{Path, PathBuf};
 
 /// Largest table in bytes.
@@ -118,7 +118,7 @@ pub fn load_diagnosis_file(
 fn load(path: &Path, options: &LoadOptions, means: bool) -> Result<DiagnosisFile, Vec<Problem>> {
     let mut of_others = Vec::new();
     let section = sections::diagnosis_root();
-    let file = document::load(path, options, &section, |findings, root, around| {
+    let file = document::load(path, options.outside_files, &section, |findings, root, around| {
         let series = series::read(findings, root, around, (options, &mut of_others));
         let means = means
             || ["measured", "reference"].iter().any(|key| !root.lacks(key))

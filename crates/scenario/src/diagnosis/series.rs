@@ -1,13 +1,13 @@
 //! `[series]` of a file of a diagnosis.
 
 use crate::LoadOptions;
-use crate::files::Surroundings;
-use crate::findings::Findings;
-use crate::problem::Problem;
-use crate::reader;
-use crate::record::Record;
 use crate::recordings::{Recordings, load_recordings};
 use crate::sections;
+use sphcut_input::files::Surroundings;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Problem;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 

@@ -1,15 +1,15 @@
 //! A file of material tests: references, properties, and the tests with their files.
 
 use crate::LoadOptions;
-use crate::columns::{self, ColumnRule, Line};
-use crate::document::{self, contradiction};
-use crate::files::{Surroundings, file_mistake};
-use crate::findings::Findings;
-use crate::problem::Problem;
-use crate::reader;
-use crate::record::Record;
-use crate::section::Section;
 use crate::sections;
+use sphcut_input::columns::{self, ColumnRule, Line};
+use sphcut_input::document::{self, contradiction};
+use sphcut_input::files::{Surroundings, file_mistake};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Problem;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_input::section::Section;
 use sphcut_physics::Quantity;
 use std::path::Path;
 
@@ -120,7 +120,7 @@ pub fn load_identification(
     path: &Path,
     options: &LoadOptions,
 ) -> Result<Identification, Vec<Problem>> {
-    document::load(path, options, &sections::identification_root(), read_document)
+    document::load(path, options.outside_files, &sections::identification_root(), read_document)
 }
 
 fn read_document(

@@ -1,6 +1,6 @@
 //! What can be wrong with a mesh file, in words for the person at the file.
 
-use crate::units::significant;
+use sphcut_input::units::significant;
 use std::fmt;
 
 /// The name of a piece of the mesh in its file: "facet 12" of an STL, "element 12" of Gmsh.

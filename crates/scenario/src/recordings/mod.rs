@@ -4,15 +4,15 @@
 mod response;
 
 use crate::LoadOptions;
-use crate::document::{self, contradiction};
-use crate::files::Surroundings;
-use crate::findings::Findings;
-use crate::problem::Problem;
-use crate::reader;
-use crate::record::Record;
 use crate::sections;
 pub use response::ResponseLine;
 use response::read_response;
+use sphcut_input::document::{self, contradiction};
+use sphcut_input::files::Surroundings;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Problem;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -118,7 +118,7 @@ pub struct RecordingCut {
 /// # Errors
 /// All mistakes of the file, in its order.
 pub fn load_recordings(path: &Path, options: &LoadOptions) -> Result<Recordings, Vec<Problem>> {
-    document::load(path, options, &sections::recordings_root(), read_document)
+    document::load(path, options.outside_files, &sections::recordings_root(), read_document)
 }
 
 fn read_document(

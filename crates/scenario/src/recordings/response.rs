@@ -1,9 +1,9 @@
 //! A measured frequency response: comma-separated, a header with units.
 
-use crate::columns::{self, ColumnRule};
-use crate::files::{LARGEST_OUTLINE, Surroundings, file_mistake};
-use crate::findings::Findings;
-use crate::record::Record;
+use sphcut_input::columns::{self, ColumnRule};
+use sphcut_input::files::{LARGEST_OUTLINE, Surroundings, file_mistake};
+use sphcut_input::findings::Findings;
+use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 
 /// A line of a frequency response.

@@ -1,7 +1,7 @@
 //! Sections of a cut.
 
 use super::{LONGEST, ROOM_TEMPERATURE, between, default, positive, temperature};
-use crate::section::{Field, Kind, Presence, Section};
+use sphcut_input::section::{Field, Kind, Presence, Section};
 use sphcut_physics::{Quantity, Range, process};
 use std::f64::consts::PI;
 

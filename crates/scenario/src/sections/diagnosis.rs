@@ -1,7 +1,7 @@
 //! Sections of a file of a diagnosis.
 
 use super::{default, positive};
-use crate::section::{Field, Kind, Presence, Section};
+use sphcut_input::section::{Field, Kind, Presence, Section};
 use sphcut_physics::{Quantity, Range};
 
 /// What the data without a missing effect are used for.

@@ -1,7 +1,7 @@
 //! `[[heat_source]]`.
 
 use super::{LONGEST, positive};
-use crate::section::{Field, Kind, Presence, Section};
+use sphcut_input::section::{Field, Kind, Presence, Section};
 use sphcut_physics::Quantity;
 
 /// The forms of a heat source.

@@ -1,7 +1,7 @@
 //! Sections of a file of material tests.
 
 use super::{between, default, positive};
-use crate::section::{Field, Kind, Presence, Section};
+use sphcut_input::section::{Field, Kind, Presence, Section};
 use sphcut_physics::Quantity;
 
 /// Every section, for the reference page.

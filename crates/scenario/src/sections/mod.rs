@@ -35,8 +35,8 @@ pub(crate) use recordings::{
 pub(crate) use sweep::{sweep_design, sweep_root, sweep_sections, sweep_vary};
 pub(crate) use tool_heat::{SUBSTANCE, coating, tool_heat};
 
-use crate::section::{Field, Kind, Presence, Section};
-use crate::units;
+use sphcut_input::section::{Field, Kind, Presence, Section};
+use sphcut_input::units;
 use sphcut_physics::{Quantity, Range};
 use sphcut_sph::kernel::KernelChoice;
 use sphcut_sph::options;
@@ -402,7 +402,7 @@ pub(crate) fn steady() -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units;
+    use sphcut_input::units;
     use sphcut_physics::{flow_stress as flow_stress_laws, friction as friction_laws};
 
     fn all() -> Vec<Section> {

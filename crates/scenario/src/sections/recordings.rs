@@ -1,7 +1,7 @@
 //! Sections of a file of recordings.
 
 use super::{between, default, positive};
-use crate::section::{Field, Kind, Presence, Section};
+use sphcut_input::section::{Field, Kind, Presence, Section};
 use sphcut_physics::{Quantity, Range};
 
 /// The forces, as keys of `[channels]`.

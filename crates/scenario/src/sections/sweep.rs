@@ -1,7 +1,7 @@
 //! Sections of a file of a sweep.
 
 use super::default;
-use crate::section::{Field, Kind, Presence, Section};
+use sphcut_input::section::{Field, Kind, Presence, Section};
 use sphcut_physics::{Quantity, Range};
 
 /// Designs.

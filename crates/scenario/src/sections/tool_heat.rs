@@ -2,7 +2,7 @@
 
 use super::material::tabulated;
 use super::{LONGEST, ROOM_TEMPERATURE, default, positive, temperature};
-use crate::section::{Field, Kind, Presence, Section};
+use sphcut_input::section::{Field, Kind, Presence, Section};
 use sphcut_physics::Quantity;
 
 /// What may hold where the model of a tool is cut off.

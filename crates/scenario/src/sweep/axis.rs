@@ -2,12 +2,12 @@
 
 use super::Design;
 use super::key::KeyPath;
-use crate::document::contradiction;
-use crate::findings::{Findings, ResolvedEntry};
-use crate::problem::Mistake;
-use crate::record::Record;
 use crate::scenario::Scenario;
-use crate::units;
+use sphcut_input::document::contradiction;
+use sphcut_input::findings::{Findings, ResolvedEntry};
+use sphcut_input::problem::Mistake;
+use sphcut_input::record::Record;
+use sphcut_input::units;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::DeValue;
@@ -152,7 +152,7 @@ pub(super) fn read(
     let key = match KeyPath::parse(written) {
         Ok(key) => key,
         Err(expected) => {
-            let found = format!("`{}`", crate::reader::shortened(written));
+            let found = format!("`{}`", sphcut_input::reader::shortened(written));
             let mistake = Mistake::WrongType { key: "key".to_owned(), expected, found };
             findings.problem(&record.source, record.span("key"), mistake);
             return None;
@@ -193,7 +193,7 @@ fn following(findings: &mut Findings, record: &Record<'_>, own: &KeyPath) -> Opt
         }
         Ok(of) => Some(Levels::Multiple { of, times }),
         Err(expected) => {
-            let found = format!("`{}`", crate::reader::shortened(of));
+            let found = format!("`{}`", sphcut_input::reader::shortened(of));
             let mistake = Mistake::WrongType { key: "of".to_owned(), expected, found };
             findings.problem(&record.source, record.span("of"), mistake);
             None
@@ -382,7 +382,7 @@ fn number(findings: &mut Findings, record: &Record<'_>, key: &str) -> Option<Wri
     match units::split_number(text.trim()) {
         Ok((number, unit)) => Some((number, unit.trim().to_owned())),
         Err(error) => {
-            let found = format!("`{}`: {error}", crate::reader::shortened(&text));
+            let found = format!("`{}`: {error}", sphcut_input::reader::shortened(&text));
             let expected = "a number with its unit".to_owned();
             let mistake = Mistake::WrongType { key: key.to_owned(), expected, found };
             findings.problem(&record.source, value.span(), mistake);

@@ -6,11 +6,12 @@
 //! ```
 
 use super::key::KeyPath;
-use crate::findings::Findings;
-use crate::problem::Mistake;
-use crate::record::Record;
 use crate::scenario::Scenario;
-use crate::{spelling, units};
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::Mistake;
+use sphcut_input::record::Record;
+use sphcut_input::spelling;
+use sphcut_input::units;
 
 /// Whether a scenario keeps the constraints.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -123,13 +124,13 @@ fn one(text: &str, base: &Scenario) -> Result<Constraint, Box<Mistake>> {
     let Some((at, sign, relation)) = found else {
         return Err(refuse(format!(
             "`{}` has none of <, <=, >, >=",
-            crate::reader::shortened(text)
+            sphcut_input::reader::shortened(text)
         )));
     };
     let (left, left_unit) = side(&text[..at], base)?;
     let (right, right_unit) = side(&text[at + sign.len()..], base)?;
     if matches!((&left, &right), (Side::Value(_), Side::Value(_))) {
-        return Err(refuse(format!("`{}` names no key", crate::reader::shortened(text))));
+        return Err(refuse(format!("`{}` names no key", sphcut_input::reader::shortened(text))));
     }
     if !units::same_dimensions(&left_unit, &right_unit) {
         let shown = |unit: &str| {
@@ -137,7 +138,7 @@ fn one(text: &str, base: &Scenario) -> Result<Constraint, Box<Mistake>> {
         };
         return Err(refuse(format!(
             "the left side of `{}` is {}, the right side {}",
-            crate::reader::shortened(text),
+            sphcut_input::reader::shortened(text),
             shown(&left_unit),
             shown(&right_unit)
         )));
@@ -161,7 +162,7 @@ fn side(text: &str, base: &Scenario) -> Result<(Side, String), Box<Mistake>> {
                 |near| format!("did you mean `{near}`?"),
             );
             refused(
-                format!("the scenario has no number `{}`", crate::reader::shortened(rest)),
+                format!("the scenario has no number `{}`", sphcut_input::reader::shortened(rest)),
                 help,
             )
         };
@@ -181,7 +182,7 @@ fn side(text: &str, base: &Scenario) -> Result<(Side, String), Box<Mistake>> {
     }
     units::any(text).map(|(si, unit)| (Side::Value(si), unit)).map_err(|error| {
         refused(
-            format!("`{}`: {error}", crate::reader::shortened(text)),
+            format!("`{}`: {error}", sphcut_input::reader::shortened(text)),
             "a side is a key, a number times a key, or a value with its unit".to_owned(),
         )
     })

@@ -5,18 +5,18 @@ mod constraint;
 mod key;
 
 use crate::LoadOptions;
-use crate::document::{self, contradiction};
-use crate::files::Surroundings;
-use crate::findings::Findings;
-use crate::problem::{Mistake, Problem};
-use crate::reader;
-use crate::record::Record;
 use crate::scenario::{Scenario, load, parse};
 use crate::sections;
 pub use axis::{Axis, Levels, multiple};
 use constraint::Constraint;
 pub use constraint::Held;
 pub use key::KeyPath;
+use sphcut_input::document::{self, contradiction};
+use sphcut_input::files::Surroundings;
+use sphcut_input::findings::Findings;
+use sphcut_input::problem::{Mistake, Problem};
+use sphcut_input::reader;
+use sphcut_input::record::Record;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
@@ -154,9 +154,14 @@ impl Sweep {
 /// All mistakes of the file, in its order; those of the scenario where it has some.
 pub fn load_sweep(path: &Path, options: &LoadOptions) -> Result<Sweep, Vec<Problem>> {
     let mut of_base = Vec::new();
-    let sweep = document::load(path, options, &sections::sweep_root(), |findings, root, around| {
-        read_document(findings, root, around, (path, options), &mut of_base)
-    });
+    let sweep = document::load(
+        path,
+        options.outside_files,
+        &sections::sweep_root(),
+        |findings, root, around| {
+            read_document(findings, root, around, (path, options), &mut of_base)
+        },
+    );
     if of_base.is_empty() { sweep } else { Err(of_base) }
 }
 

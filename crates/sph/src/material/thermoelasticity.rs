@@ -34,7 +34,8 @@
 
 use crate::engine::MaterialData;
 use crate::material::point::MaterialPoint;
-use crate::setup::{Material, ROOM_TEMPERATURE};
+use crate::setup::Material;
+use sphcut_physics::ROOM_TEMPERATURE;
 use sphcut_physics::TemperatureTable;
 
 /// E(T) over E at room temperature; `None` if it does not depend on temperature.

@@ -21,7 +21,10 @@ use sphcut_diagnose::Segment;
 use sphcut_diagnose::closed_form_cut;
 use sphcut_diagnose::diagnose_case;
 use sphcut_diagnose::grows;
-use sphcut_scenario::{Colours, LoadOptions, load_diagnosis, read_series_table};
+use sphcut_input::Colours;
+use sphcut_input::read_series_table;
+use sphcut_scenario::LoadOptions;
+use sphcut_scenario::load_diagnosis;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -182,7 +185,7 @@ impl DiagnosesCase {
                 fs::read_to_string(&path).map_err(|error| CaseError::unreadable(&path, &error))?;
             let rows = read_series_table(&text)
                 .map_err(|problem| CaseError::invalid(&path, problem.to_string()))?;
-            let segment = |row: sphcut_scenario::SeriesRow| Segment {
+            let segment = |row: sphcut_input::SeriesRow| Segment {
                 tool: row.tool,
                 time: row.time,
                 forces: row.forces,

@@ -238,7 +238,7 @@ fn compared(
 fn table(path: &Path) -> Result<Table, CaseError> {
     let text =
         std::fs::read_to_string(path).map_err(|error| CaseError::unreadable(path, &error))?;
-    let rows = sphcut_scenario::read_force_table(&text)
+    let rows = sphcut_input::read_force_table(&text)
         .map_err(|problem| CaseError::invalid(path, problem.to_string()))?;
     let rows = rows.into_iter().map(|row| ForceRow {
         cutting_speed: row.cutting_speed,

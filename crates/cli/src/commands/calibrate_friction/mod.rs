@@ -227,7 +227,7 @@ fn warn_of_files(path: &Path) {
 fn read(path: &Path) -> Result<Vec<MeasuredForces>, Failure> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
-    let rows = sphcut_scenario::read_measured_forces(&text)
+    let rows = sphcut_input::read_measured_forces(&text)
         .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
     Ok(rows
         .into_iter()

@@ -29,7 +29,7 @@ const MODEL: &str = "model.json";
 fn table(path: &Path) -> Result<Table, Failure> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
-    let rows = sphcut_scenario::read_force_table(&text)
+    let rows = sphcut_input::read_force_table(&text)
         .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
     let rows = rows
         .into_iter()

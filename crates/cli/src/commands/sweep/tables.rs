@@ -15,9 +15,9 @@ pub fn measured(path: Option<&Path>) -> Result<Vec<[f64; 4]>, Failure> {
     let Some(path) = path else { return Ok(Vec::new()) };
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
-    let rows = sphcut_scenario::read_force_table(&text)
+    let rows = sphcut_input::read_force_table(&text)
         .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
-    let row = |row: &sphcut_scenario::ForceTableRow| {
+    let row = |row: &sphcut_input::ForceTableRow| {
         [row.cutting_speed, row.uncut_chip_thickness, row.cutting_force, row.feed_force]
     };
     Ok(rows.iter().map(row).collect())

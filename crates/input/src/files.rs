@@ -7,9 +7,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Largest scenario or material file in bytes.
-pub(crate) const LARGEST_TEXT: u64 = 1 << 20;
+pub const LARGEST_TEXT: u64 = 1 << 20;
 /// Largest outline file in bytes.
-pub(crate) const LARGEST_OUTLINE: u64 = 4 << 20;
+pub const LARGEST_OUTLINE: u64 = 4 << 20;
 
 /// Whether a scenario may name files outside its own directory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -23,27 +23,28 @@ pub enum OutsideFiles {
 
 /// The directory of a scenario and the rule for leaving it.
 #[derive(Debug, Clone)]
-pub(crate) struct Surroundings {
+pub struct Surroundings {
     /// `None` for a scenario that is not a file: it cannot name files.
-    pub(crate) directory: Option<PathBuf>,
-    pub(crate) outside: OutsideFiles,
+    pub directory: Option<PathBuf>,
+    /// Whether files outside the directory may be read.
+    pub outside: OutsideFiles,
 }
 
 impl Surroundings {
     /// The text of the file `named` in the scenario.
-    pub(crate) fn read(&self, named: &str, largest: u64) -> Result<String, Box<Mistake>> {
+    pub fn read(&self, named: &str, largest: u64) -> Result<String, Box<Mistake>> {
         let path = self.resolve(named)?;
         read_text(&path, largest).map_err(|reason| file_mistake(named, reason, ""))
     }
 
     /// The bytes of the file `named` in the scenario.
-    pub(crate) fn read_bytes(&self, named: &str, largest: u64) -> Result<Vec<u8>, Box<Mistake>> {
+    pub fn read_bytes(&self, named: &str, largest: u64) -> Result<Vec<u8>, Box<Mistake>> {
         let path = self.resolve(named)?;
         read_bytes(&path, largest).map_err(|reason| file_mistake(named, reason, ""))
     }
 
     /// The path of the file `named` in the scenario, checked to lie where it may and to be a file.
-    pub(crate) fn path(&self, named: &str) -> Result<PathBuf, Box<Mistake>> {
+    pub fn path(&self, named: &str) -> Result<PathBuf, Box<Mistake>> {
         let path = self.resolve(named)?;
         match fs::metadata(&path) {
             Ok(metadata) if metadata.is_file() => Ok(path),
@@ -80,12 +81,13 @@ impl Surroundings {
     }
 }
 
-pub(crate) fn file_mistake(named: &str, reason: String, help: &str) -> Box<Mistake> {
+/// The mistake of naming a file that cannot be read.
+pub fn file_mistake(named: &str, reason: String, help: &str) -> Box<Mistake> {
     Box::new(Mistake::File { path: crate::reader::shortened(named), reason, help: help.to_owned() })
 }
 
 /// Reads a regular file of UTF-8 text of at most `largest` bytes.
-pub(crate) fn read_text(path: &Path, largest: u64) -> Result<String, String> {
+pub fn read_text(path: &Path, largest: u64) -> Result<String, String> {
     String::from_utf8(read_bytes(path, largest)?).map_err(|_| "it is not UTF-8 text".to_owned())
 }
 

@@ -29,14 +29,17 @@ impl fmt::Display for TableProblem {
 impl std::error::Error for TableProblem {}
 
 /// A column that a table may have.
-pub(crate) struct ColumnRule {
-    pub(crate) name: &'static str,
-    pub(crate) quantity: Quantity,
+pub struct ColumnRule {
+    /// Name in the header.
+    pub name: &'static str,
+    /// What it measures.
+    pub quantity: Quantity,
     /// An example of its unit; empty for a pure number.
-    pub(crate) unit: &'static str,
-    pub(crate) required: bool,
+    pub unit: &'static str,
+    /// Whether a table without it is refused.
+    pub required: bool,
     /// Whether its values must be above 0.
-    pub(crate) positive: bool,
+    pub positive: bool,
 }
 
 impl ColumnRule {
@@ -57,18 +60,14 @@ struct Column {
 }
 
 /// A line of a table: its number, and the SI value of each rule's column if the table has it.
-pub(crate) type Line = (usize, Vec<Option<f64>>);
+pub type Line = (usize, Vec<Option<f64>>);
 
 /// Reads a table with the columns of `rules` in any order. Empty lines and lines that begin with `#`
 /// are skipped; cells of columns that are not required may be empty or say that there is no number ([`UNKNOWN`]). `nothing` says what is missing if no line follows the header.
 ///
 /// # Errors
 /// The first mistake with its line and column.
-pub(crate) fn read(
-    text: &str,
-    rules: &[ColumnRule],
-    nothing: &str,
-) -> Result<Vec<Line>, TableProblem> {
+pub fn read(text: &str, rules: &[ColumnRule], nothing: &str) -> Result<Vec<Line>, TableProblem> {
     let mut lines = text
         .trim_start_matches('\u{feff}')
         .lines()
@@ -86,7 +85,7 @@ pub(crate) fn read(
 }
 
 /// A mistake of a whole line.
-pub(crate) fn whole(line: usize, message: impl Into<String>) -> TableProblem {
+pub fn whole(line: usize, message: impl Into<String>) -> TableProblem {
     TableProblem { line, column: None, message: message.into() }
 }
 

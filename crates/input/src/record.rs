@@ -1,8 +1,7 @@
 //! The values of one table, read and checked.
 
 use crate::problem::Source;
-use sphcut_physics::TemperatureTable;
-use sphcut_sph::setup::ROOM_TEMPERATURE;
+use sphcut_physics::{ROOM_TEMPERATURE, TemperatureTable};
 use std::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
@@ -10,26 +9,36 @@ use toml::de::DeTable;
 
 /// A value that passed all checks of its key.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Value {
+pub enum Value {
+    /// In SI.
     Number(f64),
+    /// A whole number.
     Count(i64),
+    /// A word or a text.
     Text(String),
+    /// Yes or no.
     Switch(bool),
+    /// Components in SI; `None` where one is free.
     Numbers(Vec<Option<f64>>),
+    /// Over temperature, in SI.
     Table(TemperatureTable),
 }
 
 /// The values of one table, and where they stand.
 #[derive(Debug)]
-pub(crate) struct Record<'t> {
-    pub(crate) source: Arc<Source>,
-    pub(crate) section: String,
+pub struct Record<'t> {
+    /// The file.
+    pub source: Arc<Source>,
+    /// Name of the table.
+    pub section: String,
     /// Where the table begins.
-    pub(crate) heading: Range<usize>,
-    pub(crate) raw: &'t DeTable<'t>,
-    pub(crate) items: Vec<(&'static str, Value)>,
+    pub heading: Range<usize>,
+    /// As it is written.
+    pub raw: &'t DeTable<'t>,
+    /// Key and value of what is stated or has a default.
+    pub items: Vec<(&'static str, Value)>,
     /// Keys that are written with a mistyped name.
-    pub(crate) meant: Vec<&'static str>,
+    pub meant: Vec<&'static str>,
 }
 
 impl<'t> Record<'t> {
@@ -37,35 +46,40 @@ impl<'t> Record<'t> {
         self.items.iter().find(|item| item.0 == key).map(|item| &item.1)
     }
 
-    pub(crate) fn number(&self, key: &str) -> Option<f64> {
+    /// The number under `key` in SI.
+    pub fn number(&self, key: &str) -> Option<f64> {
         match self.find(key)? {
             Value::Number(number) => Some(*number),
             _ => None,
         }
     }
 
-    pub(crate) fn count(&self, key: &str) -> Option<i64> {
+    /// The whole number under `key`.
+    pub fn count(&self, key: &str) -> Option<i64> {
         match self.find(key)? {
             Value::Count(count) => Some(*count),
             _ => None,
         }
     }
 
-    pub(crate) fn text(&self, key: &str) -> Option<&str> {
+    /// The text under `key`.
+    pub fn text(&self, key: &str) -> Option<&str> {
         match self.find(key)? {
             Value::Text(text) => Some(text),
             _ => None,
         }
     }
 
-    pub(crate) fn switch(&self, key: &str) -> Option<bool> {
+    /// The switch under `key`.
+    pub fn switch(&self, key: &str) -> Option<bool> {
         match self.find(key)? {
             Value::Switch(switch) => Some(*switch),
             _ => None,
         }
     }
 
-    pub(crate) fn partial_vector(&self, key: &str) -> Option<&[Option<f64>]> {
+    /// The components under `key`.
+    pub fn partial_vector(&self, key: &str) -> Option<&[Option<f64>]> {
         match self.find(key)? {
             Value::Numbers(numbers) => Some(numbers),
             _ => None,
@@ -73,7 +87,7 @@ impl<'t> Record<'t> {
     }
 
     /// A vector with three components, those beyond the dimension zero.
-    pub(crate) fn vector(&self, key: &str) -> Option<[f64; 3]> {
+    pub fn vector(&self, key: &str) -> Option<[f64; 3]> {
         let mut vector = [0.0; 3];
         for (component, value) in vector.iter_mut().zip(self.partial_vector(key)?) {
             *component = (*value)?;
@@ -82,21 +96,22 @@ impl<'t> Record<'t> {
     }
 
     /// Whether the key is written in the file, right or wrong.
-    pub(crate) fn is_written(&self, key: &str) -> bool {
+    pub fn is_written(&self, key: &str) -> bool {
         self.raw.get(key).is_some()
     }
 
     /// Whether the key is missing: neither written nor meant by a mistyped one.
-    pub(crate) fn lacks(&self, key: &str) -> bool {
+    pub fn lacks(&self, key: &str) -> bool {
         !self.is_written(key) && !self.meant.contains(&key)
     }
 
     /// Where the value of `key` stands; the heading if it is not written.
-    pub(crate) fn span(&self, key: &str) -> Range<usize> {
+    pub fn span(&self, key: &str) -> Range<usize> {
         self.raw.get(key).map_or_else(|| self.heading.clone(), Spanned::span)
     }
 
-    pub(crate) fn table(&self, key: &str) -> Option<(&'t DeTable<'t>, Range<usize>)> {
+    /// The table under `key`, and where it stands.
+    pub fn table(&self, key: &str) -> Option<(&'t DeTable<'t>, Range<usize>)> {
         match self.raw.get(key)? {
             value if value.get_ref().is_table() => {
                 Some((value.get_ref().as_table()?, heading_span(self.raw, key)))
@@ -106,7 +121,7 @@ impl<'t> Record<'t> {
     }
 
     /// The tables of `[[key]]`, each with its place.
-    pub(crate) fn tables(&self, key: &str) -> Vec<(&'t DeTable<'t>, Range<usize>)> {
+    pub fn tables(&self, key: &str) -> Vec<(&'t DeTable<'t>, Range<usize>)> {
         let Some(list) = self.raw.get(key).and_then(|value| value.get_ref().as_array()) else {
             return Vec::new();
         };
@@ -115,7 +130,7 @@ impl<'t> Record<'t> {
 
     /// SI values of all quantities, as `(key, value)`, of those that are written; of a table the
     /// value at room temperature.
-    pub(crate) fn written_numbers(&self) -> Vec<(&'static str, f64)> {
+    pub fn written_numbers(&self) -> Vec<(&'static str, f64)> {
         self.items
             .iter()
             .filter(|(key, _)| self.is_written(key))
@@ -128,7 +143,7 @@ impl<'t> Record<'t> {
     }
 
     /// Properties that are written as tables.
-    pub(crate) fn written_tables(&self) -> Vec<(&'static str, TemperatureTable)> {
+    pub fn written_tables(&self) -> Vec<(&'static str, TemperatureTable)> {
         self.items
             .iter()
             .filter_map(|(key, value)| match value {

@@ -7,13 +7,18 @@ use std::borrow::Cow;
 
 /// What a key may hold.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// A quantity with unit; a number alone is accepted for pure numbers.
     Quantity(Quantity, Range),
     /// A quantity with unit, or a list of pairs of temperature and quantity.
     Tabulated(Quantity, Range),
     /// A whole number.
-    Count { min: i64, max: i64 },
+    Count {
+        /// Least.
+        min: i64,
+        /// Largest.
+        max: i64,
+    },
     /// One of some words.
     Choice(Vec<&'static str>),
     /// Free text.
@@ -38,7 +43,7 @@ pub(crate) enum Kind {
 
 /// Whether a key must be there, and what holds without it.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Presence {
+pub enum Presence {
     /// It must be given.
     Required,
     /// It may be missing; then the feature is not used.
@@ -51,45 +56,54 @@ pub(crate) enum Presence {
 
 /// One key.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Field {
-    pub(crate) key: &'static str,
-    pub(crate) kind: Kind,
-    pub(crate) presence: Presence,
-    pub(crate) meaning: Cow<'static, str>,
+pub struct Field {
+    /// Key in the file.
+    pub key: &'static str,
+    /// What it takes.
+    pub kind: Kind,
+    /// Whether it may be left out.
+    pub presence: Presence,
+    /// One line for people.
+    pub meaning: Cow<'static, str>,
     /// What the error about a missing key proposes.
-    pub(crate) example: &'static str,
+    pub example: &'static str,
 }
 
 /// A section: its keys and what it is for.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Section {
+pub struct Section {
     /// Name in messages, e.g. `tool.friction`; empty for the top of the file.
-    pub(crate) name: String,
-    pub(crate) meaning: &'static str,
-    pub(crate) fields: Vec<Field>,
+    pub name: String,
+    /// One line for people.
+    pub meaning: &'static str,
+    /// Its keys.
+    pub fields: Vec<Field>,
 }
 
 impl Section {
-    pub(crate) fn new(name: &str, meaning: &'static str, fields: Vec<Field>) -> Self {
+    /// A table of keys.
+    pub fn new(name: &str, meaning: &'static str, fields: Vec<Field>) -> Self {
         Self { name: name.to_owned(), meaning, fields }
     }
 
     /// Adds the keys of a parameter table.
-    pub(crate) fn with_parameters(mut self, table: &'static [Parameter]) -> Self {
+    pub fn with_parameters(mut self, table: &'static [Parameter]) -> Self {
         self.fields.extend(table.iter().map(Field::from_parameter));
         self
     }
 
-    pub(crate) fn field(&self, key: &str) -> Option<&Field> {
+    /// The key of this name.
+    pub fn field(&self, key: &str) -> Option<&Field> {
         self.fields.iter().find(|field| field.key == key)
     }
 
-    pub(crate) fn keys(&self) -> impl Iterator<Item = &'static str> + '_ {
+    /// Names of the keys.
+    pub fn keys(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.fields.iter().map(|field| field.key)
     }
 
     /// The same keys, all of them optional: an override.
-    pub(crate) fn all_optional(mut self, name: &str, meaning: &'static str) -> Self {
+    pub fn all_optional(mut self, name: &str, meaning: &'static str) -> Self {
         name.clone_into(&mut self.name);
         self.meaning = meaning;
         for field in &mut self.fields {
@@ -100,16 +114,13 @@ impl Section {
 }
 
 impl Field {
-    pub(crate) fn new(
-        key: &'static str,
-        kind: Kind,
-        presence: Presence,
-        meaning: &'static str,
-    ) -> Self {
+    /// A key.
+    pub fn new(key: &'static str, kind: Kind, presence: Presence, meaning: &'static str) -> Self {
         Self { key, kind, presence, meaning: Cow::Borrowed(meaning), example: "" }
     }
 
-    pub(crate) fn example(mut self, example: &'static str) -> Self {
+    /// With an example, as it would be written.
+    pub fn example(mut self, example: &'static str) -> Self {
         self.example = example;
         self
     }
@@ -129,7 +140,7 @@ impl Field {
     }
 
     /// A line that could stand in the file.
-    pub(crate) fn example_line(&self) -> String {
+    pub fn example_line(&self) -> String {
         if matches!(self.kind, Kind::Table | Kind::Tables) && !self.example.is_empty() {
             return self.example.to_owned();
         }
@@ -157,7 +168,7 @@ impl Field {
 }
 
 /// "from 1.1 to 2.5", "above 0 up to 1", in the unit given.
-pub(crate) fn range_text(range: Range, unit: &Unit) -> String {
+pub fn range_text(range: Range, unit: &Unit) -> String {
     let lower = if range.min_excluded { "above" } else { "from" };
     let upper = if range.min_excluded { "up to" } else { "to" };
     format!("{lower} {} {upper} {}", unit.express(range.min), unit.express(range.max))

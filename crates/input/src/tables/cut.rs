@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn what_a_sweep_writes_is_read() {
-        let text = include_str!("../../../validation/aisi1045_sweep/simulated.csv");
+        let text = include_str!("../../../../validation/aisi1045_sweep/simulated.csv");
         let rows = read_cut_table(text).unwrap();
         assert_eq!(rows.len(), 110);
         let known = |k: usize| rows.iter().filter(|row| row.values[k].is_some()).count();

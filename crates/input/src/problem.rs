@@ -10,11 +10,11 @@ use std::sync::Arc;
 
 /// A text with its name, for excerpts.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Source {
+pub struct Source {
     /// Name of the file as the user knows it.
-    pub(crate) name: String,
+    pub name: String,
     /// Its content.
-    pub(crate) text: String,
+    pub text: String,
 }
 
 /// What is wrong.
@@ -203,7 +203,7 @@ fn quantity_help(units: &[&str], error: &UnitError) -> String {
 }
 
 /// "a length", "an angle".
-pub(crate) fn article(word: &str) -> String {
+pub fn article(word: &str) -> String {
     let vowel = word.starts_with(['a', 'e', 'i', 'o', 'u']);
     format!("{} {word}", if vowel { "an" } else { "a" })
 }
@@ -234,14 +234,15 @@ pub enum Colours {
 }
 
 impl Problem {
-    pub(crate) fn new(source: &Arc<Source>, span: Range<usize>, mistake: Mistake) -> Self {
+    /// A mistake at `span` of `source`.
+    pub fn new(source: &Arc<Source>, span: Range<usize>, mistake: Mistake) -> Self {
         let span = inside(&source.text, span);
         let (line, column) = position(&source.text, span.start);
         Self { mistake, file: source.name.clone(), line, column, source: Arc::clone(source), span }
     }
 
     /// A problem with the file as a whole: it cannot be read.
-    pub(crate) fn without_text(name: &str, mistake: Mistake) -> Self {
+    pub fn without_text(name: &str, mistake: Mistake) -> Self {
         let source = Arc::new(Source { name: name.to_owned(), text: String::new() });
         Self::new(&source, 0..0, mistake)
     }

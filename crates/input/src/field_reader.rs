@@ -20,16 +20,16 @@ const MOST_PAIRS: usize = 200;
 const TABLE_TEMPERATURES: sphcut_physics::Range = sphcut_physics::Range::above(0.0, 10_000.0);
 
 /// A text as a quantity, an integer, ... of `field`.
-pub(crate) struct FieldReader<'r> {
-    pub(crate) source: &'r Arc<Source>,
-    pub(crate) findings: &'r mut Findings,
-    pub(crate) field: &'r Field,
-    pub(crate) dimension: usize,
+pub struct FieldReader<'r> {
+    pub source: &'r Arc<Source>,
+    pub findings: &'r mut Findings,
+    pub field: &'r Field,
+    pub dimension: usize,
 }
 
 impl FieldReader<'_> {
     /// The checked value and its text; `None` after a mistake and for tables.
-    pub(crate) fn value(&mut self, written: &Spanned<DeValue<'_>>) -> Option<(Value, String)> {
+    pub fn value(&mut self, written: &Spanned<DeValue<'_>>) -> Option<(Value, String)> {
         let span = written.span();
         let value = written.get_ref();
         match &self.field.kind {

@@ -53,7 +53,7 @@ impl Size {
 
 /// What a unit means: SI value = size * number + offset.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Unit {
+pub struct Unit {
     size: Size,
     offset: f64,
     dimensions: Dimensions,
@@ -62,13 +62,13 @@ pub(crate) struct Unit {
 
 impl Unit {
     /// A SI value as the user would have written it, for messages.
-    pub(crate) fn express(&self, si: f64) -> String {
+    pub fn express(&self, si: f64) -> String {
         let number = significant(self.size.undo(si - self.offset));
         if self.text.is_empty() { number } else { format!("{number} {}", self.text) }
     }
 
     /// The SI unit of `quantity`.
-    pub(crate) fn si(quantity: Quantity) -> Self {
+    pub fn si(quantity: Quantity) -> Self {
         let text = quantity.si_unit();
         parse_unit(text).expect("every SI unit of the vocabulary is read by this parser")
     }
@@ -76,9 +76,11 @@ impl Unit {
 
 /// A number with its unit, in SI.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Measured {
-    pub(crate) si: f64,
-    pub(crate) unit: Unit,
+pub struct Measured {
+    /// In SI.
+    pub si: f64,
+    /// As it was written.
+    pub unit: Unit,
 }
 
 /// Why a text is not the quantity asked for.
@@ -189,7 +191,7 @@ const SYMBOLS: &[Symbol] = &[
 ];
 
 /// Units proposed in messages and documentation, the SI unit among them, the usual one first.
-pub(crate) const fn accepted_units(quantity: Quantity) -> &'static [&'static str] {
+pub const fn accepted_units(quantity: Quantity) -> &'static [&'static str] {
     match quantity {
         Quantity::Dimensionless => &["%"],
         Quantity::Angle => &["deg", "rad", "mrad"],
@@ -218,7 +220,7 @@ pub(crate) const fn accepted_units(quantity: Quantity) -> &'static [&'static str
 }
 
 /// The quantities that a unit can be recognised as in messages.
-pub(crate) const NAMED: &[Quantity] = &[
+pub const NAMED: &[Quantity] = &[
     Quantity::Dimensionless,
     Quantity::Angle,
     Quantity::Length,
@@ -242,7 +244,7 @@ pub(crate) const NAMED: &[Quantity] = &[
 ];
 
 /// Reads `text` as `quantity`.
-pub(crate) fn parse(text: &str, quantity: Quantity) -> Result<Measured, UnitError> {
+pub fn parse(text: &str, quantity: Quantity) -> Result<Measured, UnitError> {
     if text.len() > LONGEST_QUANTITY {
         return Err(UnitError::TooLong);
     }
@@ -264,7 +266,7 @@ pub(crate) fn parse(text: &str, quantity: Quantity) -> Result<Measured, UnitErro
 }
 
 /// Reads `text` as a quantity of any kind: its SI value and its unit.
-pub(crate) fn any(text: &str) -> Result<(f64, String), UnitError> {
+pub fn any(text: &str) -> Result<(f64, String), UnitError> {
     if text.len() > LONGEST_QUANTITY {
         return Err(UnitError::TooLong);
     }
@@ -274,7 +276,7 @@ pub(crate) fn any(text: &str) -> Result<(f64, String), UnitError> {
 }
 
 /// Whether two units measure the same; a unit that cannot be read measures nothing.
-pub(crate) fn same_dimensions(one: &str, other: &str) -> bool {
+pub fn same_dimensions(one: &str, other: &str) -> bool {
     let dimensions = |text: &str| parse_unit(text).ok().map(|unit| unit.dimensions);
     dimensions(one).is_some() && dimensions(one) == dimensions(other)
 }
@@ -299,7 +301,7 @@ fn name_of(dimensions: Dimensions) -> Option<&'static str> {
 }
 
 /// The longest prefix that is a number, and what follows without leading blanks.
-pub(crate) fn split_number(text: &str) -> Result<(f64, &str), UnitError> {
+pub fn split_number(text: &str) -> Result<(f64, &str), UnitError> {
     let bytes = text.as_bytes();
     let digits = |mut at: usize| {
         while bytes.get(at).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'_') {
@@ -469,7 +471,7 @@ impl Dimensions {
 
 /// A value in the accepted unit that needs the fewest leading or trailing zeros; never in inches,
 /// which nobody asked for.
-pub(crate) fn readable(quantity: Quantity, si: f64) -> String {
+pub fn readable(quantity: Quantity, si: f64) -> String {
     if quantity == Quantity::Dimensionless {
         return significant(si);
     }
@@ -486,7 +488,7 @@ pub(crate) fn readable(quantity: Quantity, si: f64) -> String {
 }
 
 /// A number with at most six significant digits, without a tail of zeros.
-pub(crate) fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     let magnitude = rounded.abs();
     if magnitude != 0.0 && !(1e-4..1e7).contains(&magnitude) {

@@ -1,12 +1,12 @@
 //! Files that are no scenarios: what reading them has in common.
 
-use crate::files::{self, LARGEST_TEXT, Surroundings};
+use crate::files::{self, LARGEST_TEXT, OutsideFiles, Surroundings};
 use crate::findings::Findings;
 use crate::problem::{Mistake, Problem, Source};
 use crate::reader;
 use crate::record::Record;
 use crate::section::Section;
-use crate::{LoadOptions, first_line, report_syntax};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use toml::de::DeTable;
@@ -15,9 +15,9 @@ use toml::de::DeTable;
 ///
 /// # Errors
 /// All mistakes of the file, in its order.
-pub(crate) fn load<T>(
+pub fn load<T>(
     path: &Path,
-    options: &LoadOptions,
+    outside: OutsideFiles,
     root: &Section,
     read: impl FnOnce(&mut Findings, &Record<'_>, &Surroundings) -> Option<T>,
 ) -> Result<T, Vec<Problem>> {
@@ -28,7 +28,7 @@ pub(crate) fn load<T>(
     })?;
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
     let directory = parent.unwrap_or(Path::new(".")).to_path_buf();
-    let surroundings = Surroundings { directory: Some(directory), outside: options.outside_files };
+    let surroundings = Surroundings { directory: Some(directory), outside };
     let source = Arc::new(Source { name: shown, text });
     let mut findings = Findings::default();
     let (document, errors) = DeTable::parse_recoverable(&source.text);
@@ -51,7 +51,7 @@ pub(crate) fn load<T>(
 }
 
 /// Reports statements that exclude each other, at `key` of `record`.
-pub(crate) fn contradiction(
+pub fn contradiction(
     findings: &mut Findings,
     record: &Record<'_>,
     key: &str,
@@ -60,4 +60,31 @@ pub(crate) fn contradiction(
 ) {
     let mistake = Mistake::Contradiction { message: message.into(), help: help.to_owned() };
     findings.problem(&record.source, record.span(key), mistake);
+}
+
+/// Syntax errors of the TOML parser as problems.
+pub fn report_syntax(findings: &mut Findings, source: &Arc<Source>, errors: &[toml::de::Error]) {
+    for error in errors.iter().take(MOST_SYNTAX_ERRORS) {
+        let message = error.message().replace('\n', "; ");
+        // The first half says it all; the parser's second guess would mislead.
+        let message = message.replace("must be quoted, expected literal string", "must be quoted");
+        let span = error.span().unwrap_or(0..0);
+        findings.problem(source, span, Mistake::Syntax { message });
+    }
+}
+
+/// More would bury the first one, from which the others usually follow.
+const MOST_SYNTAX_ERRORS: usize = 10;
+
+/// The first line that is neither empty nor a comment: the place of what concerns the whole file.
+pub fn first_line(text: &str) -> Range<usize> {
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let content = line.trim();
+        if !content.is_empty() && !content.starts_with('#') {
+            return start..start + line.trim_end().len();
+        }
+        start += line.len();
+    }
+    0..text.find('\n').unwrap_or(text.len())
 }

@@ -6,14 +6,15 @@ use crate::findings::{Findings, Origin, ResolvedEntry};
 use crate::problem::{Mistake, Source};
 use crate::record::{Record, Value};
 use crate::section::{Field, Kind, Presence, Section};
-use crate::{spelling, units};
+use crate::spelling;
+use crate::units;
 use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeTable;
 
 /// How a table is to be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Defaults {
+pub enum Defaults {
     /// Defaults fill what is not written; what is required must be there.
     Fill,
     /// Only what is written counts: an override.
@@ -21,7 +22,7 @@ pub(crate) enum Defaults {
 }
 
 /// Reads `table` against `section`; mistakes and the description go to `findings`.
-pub(crate) fn read<'t>(
+pub fn read<'t>(
     findings: &mut Findings,
     source: &Arc<Source>,
     (raw, heading): (&'t DeTable<'t>, Range<usize>),
@@ -32,7 +33,7 @@ pub(crate) fn read<'t>(
 }
 
 /// As [`read`], with a choice about what is not written.
-pub(crate) fn read_with<'t>(
+pub fn read_with<'t>(
     findings: &mut Findings,
     source: &Arc<Source>,
     (raw, heading): (&'t DeTable<'t>, Range<usize>),
@@ -88,7 +89,7 @@ fn refuse_unknown_keys(
 const LONGEST_QUOTE: usize = 60;
 
 /// Text of a user as it may be repeated: short and without control characters.
-pub(crate) fn shortened(text: &str) -> String {
+pub fn shortened(text: &str) -> String {
     let mut quote: String = text
         .chars()
         .take(LONGEST_QUOTE)
@@ -123,7 +124,7 @@ fn absent(
 }
 
 /// The mistake of a word that is not one of `choices`.
-pub(crate) fn not_a_choice(key: &str, word: &str, choices: &[&'static str]) -> Mistake {
+pub fn not_a_choice(key: &str, word: &str, choices: &[&'static str]) -> Mistake {
     Mistake::NotAChoice {
         key: key.to_owned(),
         word: shortened(word),
@@ -133,7 +134,7 @@ pub(crate) fn not_a_choice(key: &str, word: &str, choices: &[&'static str]) -> M
 }
 
 /// The mistake of a key that is not there.
-pub(crate) fn missing(section: &Section, field: &Field) -> Mistake {
+pub fn missing(section: &Section, field: &Field) -> Mistake {
     let key = match field.kind {
         Kind::Table if section.name.is_empty() => format!("[{}]", field.key),
         Kind::Tables if section.name.is_empty() => format!("[[{}]]", field.key),

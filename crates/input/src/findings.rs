@@ -38,16 +38,19 @@ pub struct ResolvedEntry {
 
 /// What reading a scenario leaves behind besides the values.
 #[derive(Debug, Default)]
-pub(crate) struct Findings {
-    pub(crate) problems: Vec<Problem>,
-    pub(crate) description: Vec<ResolvedEntry>,
+pub struct Findings {
+    /// In the order in which they were found.
+    pub problems: Vec<Problem>,
+    /// Every key that was understood.
+    pub description: Vec<ResolvedEntry>,
 }
 
 /// More mistakes than anyone reads; bounds time and memory on hostile texts.
 const MOST_PROBLEMS: usize = 200;
 
 impl Findings {
-    pub(crate) fn problem(&mut self, source: &Arc<Source>, span: Range<usize>, mistake: Mistake) {
+    /// Reports a mistake at `span` of `source`.
+    pub fn problem(&mut self, source: &Arc<Source>, span: Range<usize>, mistake: Mistake) {
         match self.problems.len() {
             0..MOST_PROBLEMS => self.problems.push(Problem::new(source, span, mistake)),
             MOST_PROBLEMS => {
@@ -61,7 +64,7 @@ impl Findings {
     }
 
     /// Says what the file holds that was named last under `key` of `section`.
-    pub(crate) fn resolved(&mut self, section: &str, key: &str, content: String) {
+    pub fn resolved(&mut self, section: &str, key: &str, content: String) {
         let named = |entry: &&mut ResolvedEntry| entry.section == section && entry.key == key;
         if let Some(entry) = self.description.iter_mut().rev().find(named) {
             entry.value = content;
@@ -69,13 +72,13 @@ impl Findings {
     }
 
     /// Says that the value of a pure number, told as its default, follows from other keys.
-    pub(crate) fn followed(&mut self, section: &str, key: &str, si: f64) {
+    pub fn followed(&mut self, section: &str, key: &str, si: f64) {
         self.description.retain(|entry| entry.section != section || entry.key != key);
         self.derived(section, key, Quantity::Dimensionless, si);
     }
 
     /// Notes a value that follows from others.
-    pub(crate) fn derived(&mut self, section: &str, key: &str, quantity: Quantity, si: f64) {
+    pub fn derived(&mut self, section: &str, key: &str, quantity: Quantity, si: f64) {
         let value = units::significant(si);
         self.description.push(ResolvedEntry {
             section: section.to_owned(),
