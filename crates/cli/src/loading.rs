@@ -2,18 +2,18 @@
 
 use crate::arguments::{PatchableArguments, ScenarioArguments};
 use crate::failure::{ExitCode, Failure};
+use sphcut_diagnose::DiagnosisFile;
+use sphcut_identify::Identification;
 use sphcut_input::Colours;
 use sphcut_input::Mistake;
 use sphcut_input::OutsideFiles;
 use sphcut_input::Problem;
 use sphcut_record::{Provenance, Setting};
-use sphcut_scenario::DiagnosisFile;
-use sphcut_scenario::Identification;
+use sphcut_recordings::Recordings;
 use sphcut_scenario::LoadOptions;
-use sphcut_scenario::Recordings;
 use sphcut_scenario::Scenario;
 use sphcut_scenario::ScenarioPatch;
-use sphcut_scenario::Sweep;
+use sphcut_sweep::Sweep;
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -28,26 +28,26 @@ pub fn scenario(arguments: &PatchableArguments) -> Result<Scenario, Failure> {
 
 /// Reads and checks a file of recordings.
 pub fn recordings(arguments: &ScenarioArguments) -> Result<Recordings, Failure> {
-    sphcut_scenario::load_recordings(&arguments.scenario, &options(arguments))
+    sphcut_recordings::load_recordings(&arguments.scenario, options(arguments).outside_files)
         .map_err(|problems| refused(arguments, &problems))
 }
 
 /// Reads and checks a file of material tests.
 pub fn identification(arguments: &ScenarioArguments) -> Result<Identification, Failure> {
-    sphcut_scenario::load_identification(&arguments.scenario, &options(arguments))
+    sphcut_identify::load_identification(&arguments.scenario, options(arguments).outside_files)
         .map_err(|problems| refused(arguments, &problems))
 }
 
 /// Reads and checks a file of a diagnosis.
 pub fn diagnosis(arguments: &ScenarioArguments) -> Result<DiagnosisFile, Failure> {
-    sphcut_scenario::load_diagnosis_file(&arguments.scenario, &options(arguments))
+    sphcut_diagnose::load_diagnosis_file(&arguments.scenario, &options(arguments))
         .map_err(|problems| refused(arguments, &problems))
 }
 
 /// Reads and checks a file of a sweep, its scenario patched.
 pub fn sweep(arguments: &PatchableArguments) -> Result<Sweep, Failure> {
     let file = &arguments.file;
-    sphcut_scenario::load_sweep(&file.scenario, &patched_options(arguments)?)
+    sphcut_sweep::load_sweep(&file.scenario, &patched_options(arguments)?)
         .map_err(|problems| refused_patched(arguments, &problems))
 }
 

@@ -1,5 +1,6 @@
 //! The file of a diagnosis, carried out.
 
+use crate::DiagnosisCase;
 use crate::data::channel::Channel;
 use crate::data::recordings::{Recording, Recordings};
 use crate::error::DiagnoseError;
@@ -9,7 +10,6 @@ use crate::model::predictor::{Condition, Predictor, ToolShape};
 use crate::session::{Diagnosis, Request, diagnose};
 use sphcut_input::CutTableRow;
 use sphcut_input::MEASURED;
-use sphcut_scenario::DiagnosisCase;
 
 /// The recordings of a case and what they say against `model`.
 ///

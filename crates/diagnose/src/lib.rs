@@ -30,6 +30,7 @@ mod case;
 mod check;
 mod data;
 mod error;
+pub mod file;
 mod files;
 mod inference;
 mod model;
@@ -48,6 +49,10 @@ pub use check::self_test::{PositiveControl, Rate, Simulator};
 pub use data::channel::{CHANNELS, Channel};
 pub use data::recordings::{Noise, NoiseSource, Recording, Recordings};
 pub use error::DiagnoseError;
+pub use file::{
+    AirRecord, DiagnosisCase, DiagnosisFile, PairedRunsPlan, ReferenceCuts, SeriesPlan,
+    load_diagnosis, load_diagnosis_file,
+};
 pub use files::{Provenance, diagnosis_json, held_out_csv};
 pub use inference::attribute::{Attribution, Hypothesis, Scored, attribute};
 pub use inference::commissioning::{Batch, Bias, BiasOrigin, Comparison};

@@ -1,5 +1,6 @@
 //! `scenario.patch.toml`: what named effects, and what was fitted with them, mean for the scenario.
 
+use crate::DiagnosisCase;
 use crate::error::DiagnoseError;
 use crate::files::Provenance;
 use crate::inference::fit::Fit;
@@ -9,7 +10,7 @@ use crate::model::paired::Change;
 use crate::model::predictor::Predictor;
 use crate::model::scenario_keys::ScenarioKeys;
 use crate::session::Diagnosis;
-use sphcut_scenario::{DiagnosisCase, Scenario};
+use sphcut_scenario::Scenario;
 use std::fmt::Write;
 
 /// The patch; `None` unless effects are named.
@@ -116,7 +117,8 @@ mod tests {
     use super::*;
     use crate::model::paired::{PairedScenario, changes};
     use crate::model::predictor::Condition;
-    use sphcut_scenario::{LoadOptions, ScenarioPatch, Sweep, load, parse};
+    use sphcut_scenario::{LoadOptions, ScenarioPatch, load, parse};
+    use sphcut_sweep::Sweep;
     use std::collections::BTreeSet;
     use std::path::{Path, PathBuf};
 

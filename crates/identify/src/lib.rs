@@ -9,6 +9,7 @@
 
 mod compare;
 mod curve;
+pub mod file;
 mod fit;
 mod law;
 mod pulses;
@@ -19,6 +20,7 @@ mod text;
 
 pub use compare::{Bin, Comparison, Rival, compare, residual_map};
 pub use curve::{Curve, CurveError, Point, points_of};
+pub use file::{Identification, StatedMaterial, TestCurve, load_identification};
 pub use fit::{Fit, Fitted, fit};
 pub use law::{LawChoice, References};
 pub use pulses::{Bar, Pulses};

@@ -11,6 +11,7 @@ pub mod findings;
 pub mod problem;
 pub mod reader;
 pub mod record;
+pub mod reference;
 pub mod section;
 pub mod spelling;
 mod tables;

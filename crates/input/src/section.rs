@@ -173,3 +173,65 @@ pub fn range_text(range: Range, unit: &Unit) -> String {
     let upper = if range.min_excluded { "up to" } else { "to" };
     format!("{lower} {} {upper} {}", unit.express(range.min), unit.express(range.max))
 }
+
+/// A default, written as in a file.
+#[must_use]
+pub const fn default(text: &'static str) -> Presence {
+    Presence::Default(Cow::Borrowed(text))
+}
+
+/// A quantity above 0 and up to `max` in SI.
+#[must_use]
+pub const fn positive(quantity: Quantity, max: f64) -> Kind {
+    Kind::Quantity(quantity, Range::above(0.0, max))
+}
+
+/// A quantity from `min` to `max` in SI.
+#[must_use]
+pub const fn between(quantity: Quantity, min: f64, max: f64) -> Kind {
+    Kind::Quantity(quantity, Range::closed(min, max))
+}
+
+/// What is wrong with tables of keys: a default that is not read or out of range, a key without meaning, not in snake case or there
+/// twice, a proposal that cannot be written. Tests of the crates that have tables expect nothing.
+#[must_use]
+pub fn faults(sections: &[Section]) -> Vec<String> {
+    let fault = |section: &Section, field: &Field, what: &str| {
+        format!("[{}] {}: {what}", section.name, field.key)
+    };
+    let mut found = Vec::new();
+    for section in sections {
+        if section.meaning.is_empty() {
+            found.push(format!("[{}]: no meaning", section.name));
+        }
+        for (index, field) in section.fields.iter().enumerate() {
+            let again = section.fields[..index].iter().any(|other| other.key == field.key);
+            let snake = field.key.chars().all(|c| c.is_ascii_lowercase() || c == '_');
+            if field.meaning.is_empty() || again || !snake {
+                found.push(fault(section, field, "no meaning, twice, or not in snake case"));
+            }
+            if let Presence::Default(text) = &field.presence
+                && !is_good_default(&field.kind, text)
+            {
+                found.push(fault(section, field, &format!("bad default {text}")));
+            }
+            let line = field.example_line();
+            if !line.starts_with('[') && toml::de::DeTable::parse(&line).is_err() {
+                found.push(fault(section, field, &format!("proposes {line}")));
+            }
+        }
+    }
+    found
+}
+
+fn is_good_default(kind: &Kind, text: &str) -> bool {
+    match kind {
+        Kind::Quantity(quantity, range) | Kind::Tabulated(quantity, range) => {
+            units::parse(text, *quantity).is_ok_and(|measured| range.contains(measured.si))
+        }
+        Kind::Count { min, max } => text.parse().is_ok_and(|count| (*min..=*max).contains(&count)),
+        Kind::Choice(words) => words.contains(&text),
+        Kind::Switch => text == "true" || text == "false",
+        _ => false,
+    }
+}

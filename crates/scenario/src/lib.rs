@@ -7,15 +7,14 @@
 
 mod bodies;
 mod cut;
-mod diagnosis;
 mod effects;
 mod ending;
 mod equation_of_state;
 mod flow_stress_table;
 mod friction_heat;
 mod heat_source;
-mod identification;
 mod inertia;
+mod key;
 mod library;
 mod machine;
 mod material;
@@ -24,7 +23,6 @@ mod outline;
 mod passes;
 mod patch;
 mod placement;
-mod recordings;
 mod reference;
 mod scenario;
 mod schema;
@@ -32,7 +30,6 @@ mod sections;
 mod shared;
 mod silhouette;
 mod spacing;
-mod sweep;
 mod tool;
 mod tool_geometry;
 mod tool_heat;
@@ -43,23 +40,13 @@ mod wall;
 mod warnings;
 mod window;
 
-pub use diagnosis::{
-    AirRecord, DiagnosisCase, DiagnosisFile, PairedRunsPlan, ReferenceCuts, SeriesPlan,
-    load_diagnosis, load_diagnosis_file,
-};
+pub use key::KeyPath;
 pub use patch::{PatchError, ScenarioPatch, with_value};
 
 pub use ending::{Output, Steady, Stop};
-pub use identification::{Identification, StatedMaterial, TestCurve, load_identification};
-pub use recordings::{
-    RecordingChannel, RecordingCut, RecordingFile, Recordings, ResponseLine, load_recordings,
-};
-pub use reference::{
-    diagnosis_reference, identification_reference, recordings_reference, reference, sweep_reference,
-};
+pub use reference::reference;
 pub use scenario::{Scenario, load, parse};
 pub use schema::{schema, taplo};
-pub use sweep::{Axis, Design, Held, KeyPath, Levels, Sweep, Unfit, load_sweep, multiple};
 
 use sphcut_input::OutsideFiles;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Changes of values in the text of a scenario; everything else, comments included, stays.
 
-use crate::sweep::KeyPath;
+use crate::key::KeyPath;
 use sphcut_input::files::{self, LARGEST_TEXT};
 use sphcut_input::problem::{Mistake, Problem};
 use std::fmt;

@@ -1,14 +1,13 @@
 //! The reference page of scenario files, generated from the same tables as the parser.
 
 use crate::library;
-use crate::schema::preferred;
 use crate::sections;
-use sphcut_input::section::{Field, Kind, Presence, Section, range_text};
-use sphcut_input::units;
-use sphcut_physics::{Quantity, effects, equation_of_state, flow_stress, friction};
+use sphcut_input::reference::{Brackets, headed, rows, section, unit_table};
+use sphcut_input::section::Section;
+use sphcut_physics::{effects, equation_of_state, flow_stress, friction};
 use std::fmt::Write;
 
-const HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
+const HEAD: &str = "<!-- Generated from the tables of the program by `cargo xtask docs`. -->
 
 # Scenario files
 
@@ -34,42 +33,6 @@ A quantity is text: a number and a unit, `\"150 m/min\"`. Units are multiplied w
 raised with `^`, and read from left to right: write `\"50 W/(m K)\"`, not `\"50 W/m K\"`. Upper and lower case matter:
 `MPa` is not `mPa`. Pure numbers need no quotes; per cent may be written as `\"25 %\"`. Vectors are lists with as many
 entries as there are dimensions.
-
-";
-
-const RECORDINGS_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
-
-# Files of recordings: all keys
-
-What `sphcut recordings` reads; [recordings.md](recordings.md) says what it does. Quantities are written as in
-[scenarios](scenario.md): a number and a unit in quotes.
-
-";
-
-const IDENTIFICATION_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
-
-# Files of material tests: all keys
-
-What `sphcut identify` reads; [identification.md](identification.md) says what it does. Quantities are written as in
-[scenarios](scenario.md): a number and a unit in quotes.
-
-";
-
-const DIAGNOSIS_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
-
-# Files of diagnoses: all keys
-
-What `sphcut diagnose` reads; [diagnosis.md](diagnosis.md) says what it does. Quantities are written as in
-[scenarios](scenario.md): a number and a unit in quotes.
-
-";
-
-const SWEEP_HEAD: &str = "<!-- Generated from the tables of the program; a test of sphcut-scenario compares it. -->
-
-# Files of sweeps: all keys
-
-What `sphcut sweep` reads; [sweeps.md](sweeps.md) says what it does. Values are written as in [scenarios](scenario.md): a
-number and a unit in quotes.
 
 ";
 
@@ -121,132 +84,11 @@ pub fn reference() -> String {
     page
 }
 
-/// The reference of the keys of a file of recordings as Markdown.
-#[must_use]
-pub fn recordings_reference() -> String {
-    beside(RECORDINGS_HEAD, &sections::recordings_sections(), &["cut"])
-}
-
-/// The reference of the keys of a file of material tests as Markdown.
-#[must_use]
-pub fn identification_reference() -> String {
-    let lists = ["curves", "compression", "bar_test"];
-    beside(IDENTIFICATION_HEAD, &sections::identification_sections(), &lists)
-}
-
-/// The reference of the keys of a file of a diagnosis as Markdown.
-#[must_use]
-pub fn diagnosis_reference() -> String {
-    beside(DIAGNOSIS_HEAD, &sections::diagnosis_sections(), &[])
-}
-
-/// The reference of the keys of a file of a sweep as Markdown.
-#[must_use]
-pub fn sweep_reference() -> String {
-    beside(SWEEP_HEAD, &sections::sweep_sections(), &["vary"])
-}
-
-/// The page of a file that is no scenario; `lists` are the sections that may be there several times.
-fn beside(head: &str, sections: &[Section], lists: &[&str]) -> String {
-    let mut page = head.to_owned();
-    for one in sections {
-        match one.name.as_str() {
-            "" => section(&mut page, one),
-            name if lists.contains(&name) => headed(&mut page, one, Brackets::Double),
-            _ => headed(&mut page, one, Brackets::Single),
-        }
-    }
-    page
-}
-
-/// `[section]` or `[[section]]`.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Brackets {
-    Single,
-    Double,
-}
-
 /// Appends a line; writing to a string cannot fail.
 macro_rules! line {
     ($page:expr, $($text:tt)*) => {
         writeln!($page, $($text)*).expect("writing to a string cannot fail")
     };
-}
-
-fn unit_table(page: &mut String) {
-    line!(page, "| quantity | units (others of the same dimension are accepted) |\n|---|---|");
-    for quantity in units::NAMED {
-        let units = units::accepted_units(*quantity).join("`, `");
-        line!(page, "| {} | `{units}` |", quantity.name());
-    }
-    line!(page, "");
-}
-
-fn headed(page: &mut String, section: &Section, brackets: Brackets) {
-    match brackets {
-        Brackets::Single => line!(page, "## `[{}]`\n", section.name),
-        Brackets::Double => line!(page, "## `[[{}]]`\n", section.name),
-    }
-    self::section(page, section);
-}
-
-fn section(page: &mut String, section: &Section) {
-    line!(page, "{}\n", section.meaning);
-    rows(page, section.fields.iter());
-}
-
-fn rows<'f>(page: &mut String, fields: impl Iterator<Item = &'f Field>) {
-    line!(page, "| key | value | without it | meaning |\n|---|---|---|---|");
-    for field in fields {
-        line!(
-            page,
-            "| `{}` | {} | {} | {} |",
-            field.key,
-            value(&field.kind),
-            without(field),
-            field.meaning.replace('|', "\\|")
-        );
-    }
-    line!(page, "");
-}
-
-fn value(kind: &Kind) -> String {
-    match kind {
-        Kind::Quantity(Quantity::Dimensionless, range) => {
-            format!("number {}", range_text(*range, &preferred(Quantity::Dimensionless)))
-        }
-        Kind::Quantity(quantity, range) => {
-            format!("{} {}", quantity.name(), range_text(*range, &preferred(*quantity)))
-        }
-        Kind::Tabulated(quantity, range) => format!(
-            "{} {}, or a list of pairs `[temperature, {}]`",
-            quantity.name(),
-            range_text(*range, &preferred(*quantity)),
-            quantity.name()
-        ),
-        Kind::Count { min, max } if *max == i64::MAX => format!("whole number from {min}"),
-        Kind::Count { min, max } => format!("whole number from {min} to {max}"),
-        Kind::Choice(words) => format!("`\"{}\"`", words.join("\"`, `\"")),
-        Kind::Text => "text".to_owned(),
-        Kind::Path => "path of a file, relative to the scenario".to_owned(),
-        Kind::Switch => "`true`, `false`".to_owned(),
-        Kind::Vector(Quantity::Dimensionless) => "list of numbers".to_owned(),
-        Kind::Vector(quantity) => format!("list, each a {}", quantity.name()),
-        Kind::PartialVector(quantity) => format!("list, each a {} or `\"free\"`", quantity.name()),
-        Kind::Table => "table".to_owned(),
-        Kind::Tables => "list of tables".to_owned(),
-        Kind::Literal(what) => (*what).to_owned(),
-        Kind::Material => "name of a material, `\"FILE.toml\"`, or a table".to_owned(),
-    }
-}
-
-fn without(field: &Field) -> String {
-    match &field.presence {
-        Presence::Required => "**required**".to_owned(),
-        Presence::Optional => "-".to_owned(),
-        Presence::Default(text) => format!("`{text}`"),
-        Presence::Derived(text) => (*text).to_owned(),
-    }
 }
 
 fn velocities(page: &mut String) {

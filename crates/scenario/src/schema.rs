@@ -216,20 +216,12 @@ fn table(
 fn description(field: &Field) -> String {
     let mut text = field.meaning.to_string();
     if let Kind::Quantity(quantity, range) | Kind::Tabulated(quantity, range) = field.kind {
-        text.push_str(&format!("; {}", range_text(range, &preferred(quantity))));
+        text.push_str(&format!("; {}", range_text(range, &Unit::preferred(quantity))));
     }
     if let Presence::Derived(without) = field.presence {
         text.push_str(&format!("; without it: {without}"));
     }
     text
-}
-
-/// The unit in which ranges are shown: SI, angles in degrees.
-pub(crate) fn preferred(quantity: Quantity) -> Unit {
-    match quantity {
-        Quantity::Angle => units::parse("1 deg", quantity).expect("degrees are an angle").unit,
-        _ => Unit::si(quantity),
-    }
 }
 
 fn default(field: &Field, text: &str) -> Value {

@@ -1,7 +1,7 @@
 //! The points of a design: a value of every varied key for every run.
 
 use crate::random::Random;
-use sphcut_scenario::{Axis, Design, Levels, Sweep, multiple};
+use crate::{Axis, Design, Levels, Sweep, multiple};
 
 /// Most runs of one sweep.
 pub(crate) const MOST_RUNS: usize = 100_000;

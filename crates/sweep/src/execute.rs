@@ -4,9 +4,10 @@
 //! The bits are the same for any number of threads.
 
 use crate::Address;
+use crate::Sweep;
 use crate::plan::{Plan, PlannedRun};
 use crate::store::{Claim, Entry, Failure, Store, StoreError, Work};
-use sphcut_scenario::{Scenario, Sweep};
+use sphcut_scenario::Scenario;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;

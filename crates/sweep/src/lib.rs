@@ -8,6 +8,7 @@ mod address;
 mod cost;
 mod design;
 mod execute;
+pub mod file;
 mod plan;
 mod random;
 pub mod slurm;
@@ -18,6 +19,7 @@ mod trends;
 pub use address::{Address, address};
 pub use cost::{CROWDING, Cost, measure};
 pub use execute::{Computed, Execution, News, Retry, State, Trouble, Watch, Worker, execute};
+pub use file::{Axis, Design, Held, Levels, Sweep, Unfit, load_sweep, multiple};
 pub use plan::{Condition, LeftOut, Plan, PlanError, PlannedRun, plan, plan_only};
 pub use store::{
     Claim, Entry, Failure, Found, Leftover, Needs, Store, StoreError, StoredFile, Verdict, Work,

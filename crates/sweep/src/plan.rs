@@ -3,8 +3,8 @@
 use crate::address::{Address, address};
 use crate::cost::Cost;
 use crate::design::{MOST_RUNS, points};
+use crate::{Held, Sweep, Unfit};
 use rayon::prelude::*;
-use sphcut_scenario::{Held, Sweep, Unfit};
 use sphcut_sph::{Setup, Simulation};
 use std::collections::BTreeSet;
 use std::fmt;

@@ -1,11 +1,11 @@
 //! The results of a sweep as one table.
 
+use crate::Sweep;
 use crate::plan::{Condition, Plan};
 use crate::store::{Entry, Store};
 use crate::{Address, State};
 use serde_json::Value;
 use sphcut_record::{ColumnH5, FactH5, GroupH5, RunError, write_columns_h5};
-use sphcut_scenario::Sweep;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -287,7 +287,7 @@ fn axes(sweep: &Sweep, plan: &Plan) -> Vec<(String, String)> {
     let first: Vec<&str> = plan.runs[0].values.iter().map(String::as_str).collect();
     // It was read when the sweep was planned.
     let scenario = sweep.scenario(&first).ok();
-    let unit = |axis: &sphcut_scenario::Axis| {
+    let unit = |axis: &crate::Axis| {
         scenario.as_ref().and_then(|scenario| axis.entry(scenario)).map_or("", |entry| entry.unit)
     };
     sweep.axes.iter().map(|axis| (axis.key.to_string(), unit(axis).to_owned())).collect()

@@ -1,7 +1,8 @@
 //! Designs and addresses of files of sweeps.
 
-use sphcut_scenario::{LoadOptions, Sweep, load_sweep};
+use sphcut_scenario::LoadOptions;
 use sphcut_sweep::{Plan, PlanError, plan};
+use sphcut_sweep::{Sweep, load_sweep};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

@@ -14,7 +14,7 @@ const ONE: Execution = Execution { threads: 1, retry: Retry::Never };
 
 fn run(
     stub: &Stub,
-    sweep: &sphcut_scenario::Sweep,
+    sweep: &sphcut_sweep::Sweep,
     plan: &Plan,
     store: &Store,
     how: Execution,

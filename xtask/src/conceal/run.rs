@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use sphcut_diagnose::ClosedForm;
 use sphcut_diagnose::Diagnosis;
+use sphcut_diagnose::DiagnosisCase;
 use sphcut_diagnose::Held;
 use sphcut_diagnose::HeldValue;
 use sphcut_diagnose::Predictor;
@@ -12,7 +13,6 @@ use sphcut_diagnose::Verdict;
 use sphcut_diagnose::closed_form_cut;
 use sphcut_diagnose::diagnose_case_as;
 use sphcut_input::Colours;
-use sphcut_scenario::DiagnosisCase;
 use sphcut_scenario::LoadOptions;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -93,7 +93,7 @@ fn claim(folder: &Path, asked: Asked) -> Result<Claimed, String> {
 
 /// The checked file of a case.
 pub fn load(path: &Path) -> Result<DiagnosisCase, String> {
-    sphcut_scenario::load_diagnosis(path, &LoadOptions::default()).map_err(|problems| {
+    sphcut_diagnose::load_diagnosis(path, &LoadOptions::default()).map_err(|problems| {
         problems.iter().map(|problem| problem.render(Colours::Plain)).collect::<String>()
     })
 }

@@ -12,7 +12,7 @@ use sphcut_input::CutTableRow;
 use sphcut_input::MEASURED;
 use sphcut_scenario::LoadOptions;
 use sphcut_scenario::Scenario;
-use sphcut_scenario::Sweep;
+use sphcut_sweep::Sweep;
 use std::path::Path;
 
 /// Cutting conditions of a case: as many as a day in the workshop, in a square without a repeated speed or thickness.
@@ -324,7 +324,7 @@ mod tests {
     use super::*;
     use sphcut_input::read_cut_table;
     use sphcut_scenario::load;
-    use sphcut_scenario::load_sweep;
+    use sphcut_sweep::load_sweep;
     use std::fmt::Write;
 
     fn base() -> (Scenario, std::path::PathBuf) {

@@ -21,10 +21,10 @@ type Page = (&'static str, String);
 pub fn docs(root: &Path, mode: Mode) -> Result<(), String> {
     let mut pages = schema_pages();
     pages.push(("docs/scenario.md", sphcut_scenario::reference()));
-    pages.push(("docs/recordings_keys.md", sphcut_scenario::recordings_reference()));
-    pages.push(("docs/identification_keys.md", sphcut_scenario::identification_reference()));
-    pages.push(("docs/diagnosis_keys.md", sphcut_scenario::diagnosis_reference()));
-    pages.push(("docs/sweep_keys.md", sphcut_scenario::sweep_reference()));
+    pages.push(("docs/recordings_keys.md", sphcut_recordings::file::reference_page()));
+    pages.push(("docs/identification_keys.md", sphcut_identify::file::reference_page()));
+    pages.push(("docs/diagnosis_keys.md", sphcut_diagnose::file::reference_page()));
+    pages.push(("docs/sweep_keys.md", sphcut_sweep::file::reference_page()));
     pages.push(("docs/catalogue.md", catalogue::page()));
     settle(root, &pages, mode)
 }

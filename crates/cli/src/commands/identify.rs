@@ -7,8 +7,8 @@ use sphcut_identify::{
     Bar, Curve, Cylinder, Fit, LawChoice, LoadPath, Point, Pulses, References, compare, fit,
     identification_json, material_toml, points_of, residuals_csv, sequence, table_csv, tabulate,
 };
+use sphcut_identify::{Identification, TestCurve};
 use sphcut_report::{IdentificationPage, identification_words, render_identification};
-use sphcut_scenario::{Identification, TestCurve};
 
 const FILES: [&str; 7] = [
     "identification.html",

@@ -45,7 +45,7 @@ pub use trend::{RunIn, Trend, trends};
 pub use words::{hint, law_title, series_words, track_words};
 
 use crate::check::self_test::Rate;
-use sphcut_postprocess::recordings::{Component, ComponentResult, CutResult};
+use sphcut_recordings::{Component, ComponentResult, CutResult};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Segments without overlap that a cut should hold.

@@ -5,7 +5,7 @@
 
 use super::trend::two_sided;
 use super::{SeriesCut, t_quantile};
-use sphcut_postprocess::recordings::Component;
+use sphcut_recordings::Component;
 
 /// Fewest degrees of freedom.
 const FEWEST: f64 = 3.0;

@@ -18,7 +18,7 @@
 //! counts as a line. The two lowest and the two highest bins are not tested.
 
 use nalgebra::{Matrix3, Vector3};
-use sphcut_postprocess::recordings::Spectrum;
+use sphcut_recordings::Spectrum;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use statrs::function::gamma::digamma;
 

@@ -14,7 +14,7 @@ use super::SeriesCut;
 use super::lines::FALSE_SHARE;
 use super::trend::{Trend, trends, two_sided};
 use crate::inference::locate::benjamini_hochberg;
-use sphcut_postprocess::recordings::Component;
+use sphcut_recordings::Component;
 
 /// Probability above which a law is named.
 const CLAIM: f64 = 0.9;

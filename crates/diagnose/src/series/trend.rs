@@ -15,8 +15,8 @@
 
 use super::{SeriesCut, t_quantile};
 use nalgebra::{Matrix3, Vector3};
-use sphcut_postprocess::recordings::Component;
 use sphcut_postprocess::steady::{autocorrelation_time, mean_interval};
+use sphcut_recordings::Component;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Correlation times in a block.

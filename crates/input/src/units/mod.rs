@@ -61,6 +61,15 @@ pub struct Unit {
 }
 
 impl Unit {
+    /// The unit in which ranges are shown: SI, angles in degrees.
+    #[must_use]
+    pub fn preferred(quantity: Quantity) -> Self {
+        match quantity {
+            Quantity::Angle => parse("1 deg", quantity).expect("degrees are an angle").unit,
+            _ => Self::si(quantity),
+        }
+    }
+
     /// A SI value as the user would have written it, for messages.
     pub fn express(&self, si: f64) -> String {
         let number = significant(self.size.undo(si - self.offset));

@@ -190,7 +190,7 @@ fn time_of_blocks(samples: &[f64]) -> AutocorrelationTime {
 }
 
 /// Quantile of Student's t distribution; that of one degree of freedom below one.
-pub(crate) fn t_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
+pub fn t_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     // At 1e4 degrees of freedom the quantile is within 2e-4 of that of the normal distribution.
     let degrees_of_freedom = degrees_of_freedom.clamp(1.0, 1e4);
     StudentsT::new(0.0, 1.0, degrees_of_freedom)

@@ -39,7 +39,7 @@ mod truncation;
 
 pub use interval::{AutocorrelationTime, MeanInterval, autocorrelation_time, mean_interval};
 
-pub(crate) use interval::t_quantile;
+pub use interval::t_quantile;
 
 use interval::Batches;
 use std::fmt;

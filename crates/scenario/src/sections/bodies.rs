@@ -1,7 +1,7 @@
 //! Sections of a scenario of bodies.
 
-use super::{LONGEST, ROOM_TEMPERATURE, between, positive, temperature};
-use sphcut_input::section::{Field, Kind, Presence, Section};
+use super::{LONGEST, ROOM_TEMPERATURE, temperature};
+use sphcut_input::section::{Field, Kind, Presence, Section, between, positive};
 use sphcut_physics::Quantity;
 use std::f64::consts::PI;
 

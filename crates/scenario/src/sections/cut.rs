@@ -1,7 +1,7 @@
 //! Sections of a cut.
 
-use super::{LONGEST, ROOM_TEMPERATURE, between, default, positive, temperature};
-use sphcut_input::section::{Field, Kind, Presence, Section};
+use super::{LONGEST, ROOM_TEMPERATURE, temperature};
+use sphcut_input::section::{Field, Kind, Presence, Section, between, default, positive};
 use sphcut_physics::{Quantity, Range, process};
 use std::f64::consts::PI;
 

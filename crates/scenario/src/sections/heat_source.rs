@@ -1,7 +1,7 @@
 //! `[[heat_source]]`.
 
-use super::{LONGEST, positive};
-use sphcut_input::section::{Field, Kind, Presence, Section};
+use super::LONGEST;
+use sphcut_input::section::{Field, Kind, Presence, Section, positive};
 use sphcut_physics::Quantity;
 
 /// The forms of a heat source.

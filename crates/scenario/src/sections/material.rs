@@ -1,7 +1,7 @@
 //! Sections of a material and of the laws.
 
-use super::{choice, positive};
-use sphcut_input::section::{Field, Kind, Presence, Section};
+use super::choice;
+use sphcut_input::section::{Field, Kind, Presence, Section, positive};
 use sphcut_physics::effects::{self, EffectEntry};
 use sphcut_physics::equation_of_state::{self, EquationOfStateEntry};
 use sphcut_physics::flow_stress::{self, FlowStressEntry};

@@ -1,8 +1,8 @@
 //! `[tool.heat]` and `[wall.heat]`.
 
 use super::material::tabulated;
-use super::{LONGEST, ROOM_TEMPERATURE, default, positive, temperature};
-use sphcut_input::section::{Field, Kind, Presence, Section};
+use super::{LONGEST, ROOM_TEMPERATURE, temperature};
+use sphcut_input::section::{Field, Kind, Presence, Section, default, positive};
 use sphcut_physics::Quantity;
 
 /// What may hold where the model of a tool is cut off.

@@ -1,7 +1,8 @@
 //! Sweeps whose runs only pretend to compute.
 
-use sphcut_scenario::{LoadOptions, Scenario, Sweep, load_sweep};
+use sphcut_scenario::{LoadOptions, Scenario};
 use sphcut_sweep::{Computed, Trouble, Watch, Worker};
+use sphcut_sweep::{Sweep, load_sweep};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};

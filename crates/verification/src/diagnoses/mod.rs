@@ -21,10 +21,10 @@ use sphcut_diagnose::Segment;
 use sphcut_diagnose::closed_form_cut;
 use sphcut_diagnose::diagnose_case;
 use sphcut_diagnose::grows;
+use sphcut_diagnose::load_diagnosis;
 use sphcut_input::Colours;
 use sphcut_input::read_series_table;
 use sphcut_scenario::LoadOptions;
-use sphcut_scenario::load_diagnosis;
 use std::fs;
 use std::path::{Path, PathBuf};
 

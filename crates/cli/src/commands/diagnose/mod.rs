@@ -9,6 +9,7 @@ use crate::{loading, results, terminal};
 use runs::{Ended, Paired};
 use sphcut_diagnose::ClosedForm;
 use sphcut_diagnose::DiagnoseError;
+use sphcut_diagnose::DiagnosisFile;
 use sphcut_diagnose::Predictor;
 use sphcut_diagnose::Provenance;
 use sphcut_diagnose::closed_form_cut;
@@ -21,7 +22,6 @@ use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_c
 use sphcut_report::{
     DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
 };
-use sphcut_scenario::DiagnosisFile;
 use std::path::{Path, PathBuf};
 
 const PAGE: &str = "diagnosis.html";

@@ -8,12 +8,13 @@ use crate::loading;
 use crate::progress::Style;
 use crate::results;
 use crate::terminal;
+use sphcut_diagnose::DiagnosisCase;
 use sphcut_diagnose::{
     CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, Fit, PairedRun, PairedRuns,
     PairedScenario, Predictor, STATES, ToolShape, changes, condition_of, rerun_changes,
     rerun_conditions, scenario_patch, support, unseen_fits,
 };
-use sphcut_scenario::{DiagnosisCase, Sweep};
+use sphcut_sweep::Sweep;
 use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Table};
 use std::path::{Path, PathBuf};
 

@@ -6,8 +6,9 @@ use crate::terminal;
 use sphcut_diagnose::series::{
     AirSeries, SeriesCut, SeriesDiagnosis, SeriesOptions, diagnose_series,
 };
-use sphcut_postprocess::recordings::{Channel, Settings, Unsteady, evaluate_cut};
-use sphcut_scenario::{AirRecord, DiagnosisFile, RecordingFile, SeriesPlan};
+use sphcut_diagnose::{AirRecord, DiagnosisFile, SeriesPlan};
+use sphcut_recordings::RecordingFile;
+use sphcut_recordings::{Channel, Settings, Unsteady, evaluate_cut};
 
 /// 50 Hz and 60 Hz.
 const MAINS: [f64; 2] = [50.0, 60.0];
@@ -62,7 +63,7 @@ fn read_air(
 ) -> Result<AirSeries, Failure> {
     let table = read_record((&air.path, &air.group), layout)?;
     let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
-    let time = sphcut_postprocess::recordings::TimeSource {
+    let time = sphcut_recordings::TimeSource {
         column: layout.time_column.clone(),
         sampling_rate: layout.sampling_rate,
         longest_gap: layout.longest_gap,

@@ -5,13 +5,13 @@ pub mod settings;
 use crate::arguments::RecordingsArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
-use sphcut_postprocess::recordings::{
+use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
+use sphcut_recordings::{
     ComponentResult, CutResult, Pooled, RawTable, cuts_csv, evaluate_cut, forces_csv, formats,
     pool, recordings_json,
 };
-use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
+use sphcut_recordings::{RecordingCut, RecordingFile, Recordings};
 use sphcut_report::{RecordingsPage, recordings_words, render_recordings};
-use sphcut_scenario::{RecordingCut, RecordingFile, Recordings};
 use std::io::Read;
 use std::path::Path;
 

@@ -1,14 +1,14 @@
 //! From the words of a file of recordings to the settings of the evaluation, and back to columns.
 
-use sphcut_postprocess::recordings::formats::{
+use sphcut_record::FactH5;
+use sphcut_recordings::formats::{
     CsvLayout, DecimalMark, FormatError, Separator, read_csv, read_lvm,
 };
-use sphcut_postprocess::recordings::{
+use sphcut_recordings::{
     Channel, Component, Condition, Conditions, CutResult, Detection, Pooled, RawColumn, RawTable,
     Response, Settings, TimeSource, Unsteady,
 };
-use sphcut_record::FactH5;
-use sphcut_scenario::{RecordingChannel, RecordingCut, RecordingFile, Recordings};
+use sphcut_recordings::{RecordingChannel, RecordingCut, RecordingFile, Recordings};
 
 /// How the records are evaluated.
 pub fn settings(plan: &Recordings) -> Settings {
@@ -111,7 +111,7 @@ pub fn columns(pooled: &Pooled) -> Vec<Column> {
             continue;
         }
         let name = component.symbol();
-        let pick = |value: fn(&sphcut_postprocess::recordings::PooledForce) -> f64| {
+        let pick = |value: fn(&sphcut_recordings::PooledForce) -> f64| {
             of(&|c| force(c).as_ref().map_or(f64::NAN, value))
         };
         columns.push((name.to_owned(), "N", pick(|f| f.mean)));

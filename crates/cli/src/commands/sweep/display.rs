@@ -5,7 +5,7 @@ use crate::progress::{Style, emit};
 use crate::terminal::note;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
-use sphcut_scenario::Sweep;
+use sphcut_sweep::Sweep;
 use sphcut_sweep::{News, Plan, State};
 use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};

@@ -16,7 +16,7 @@ use crate::{interrupt, loading, outcome, terminal, text};
 use arguments::Executor;
 use display::Display;
 use serde_json::json;
-use sphcut_scenario::Sweep;
+use sphcut_sweep::Sweep;
 use sphcut_sweep::{
     Execution, Needs, Plan, PlanError, Retry, State, Store, StoreError, execute, plan,
 };

@@ -6,7 +6,7 @@ use serde_json::Value;
 use sphcut_postprocess::{SCHEMA_VERSION, evaluate, summary_json};
 use sphcut_record::{Run, RunFiles};
 use sphcut_report::{SweepPage, render_sweep};
-use sphcut_scenario::Sweep;
+use sphcut_sweep::Sweep;
 use sphcut_sweep::{Plan, State, Store, Table};
 use std::path::{Path, PathBuf};
 

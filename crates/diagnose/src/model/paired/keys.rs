@@ -176,7 +176,8 @@ impl PairedScenario {
 mod tests {
     use super::super::changes;
     use super::*;
-    use sphcut_scenario::{LoadOptions, Sweep, load};
+    use sphcut_scenario::{LoadOptions, load};
+    use sphcut_sweep::Sweep;
     use std::collections::BTreeSet;
     use std::path::Path;
 

@@ -6,7 +6,7 @@ use crate::chart::{Chart, Line};
 use crate::text::{minus, percent, three_digits, with_interval};
 use maud::{Markup, html};
 use sphcut_diagnose::series::{OverTime, RunInLaw, SeriesDiagnosis};
-use sphcut_postprocess::recordings::Component;
+use sphcut_recordings::Component;
 
 /// Points of a drawn force.
 const POINTS: usize = 160;

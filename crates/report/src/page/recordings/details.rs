@@ -4,7 +4,7 @@ use super::{colour, symbol};
 use crate::chart::{Band, Chart, Line, Mark};
 use crate::text::{percent, plain, three_digits, with_interval};
 use maud::{Markup, html};
-use sphcut_postprocess::recordings::{Component, ComponentResult, CutResult};
+use sphcut_recordings::{Component, ComponentResult, CutResult};
 
 /// Columns of a force over time: of each the smallest and the largest value is drawn.
 const COLUMNS: usize = 350;

@@ -7,7 +7,7 @@ use crate::chart::{Band, Chart, Line};
 use crate::text::{percent, plain, with_interval};
 use details::details;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use sphcut_postprocess::recordings::{Component, Condition, CutResult, Pooled, PooledForce};
+use sphcut_recordings::{Component, Condition, CutResult, Pooled, PooledForce};
 
 const BLUE: &str = "#0072b2";
 const RED: &str = "#d55e00";

@@ -5,7 +5,7 @@ use super::task::check_unchanged;
 use super::{state, store, sweep, tasks};
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, terminal, text};
-use sphcut_scenario::Sweep;
+use sphcut_sweep::Sweep;
 use sphcut_sweep::slurm::Submission;
 use sphcut_sweep::{Plan, State, Store};
 use std::collections::BTreeMap;

@@ -12,7 +12,7 @@ use super::broken;
 use crate::arguments::{PatchableArguments, ScenarioArguments};
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, terminal};
-use sphcut_scenario::Sweep;
+use sphcut_sweep::Sweep;
 use sphcut_sweep::slurm::{Queued, SlurmError, Submission};
 use sphcut_sweep::{State, Store};
 use std::path::Path;

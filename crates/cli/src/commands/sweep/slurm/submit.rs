@@ -7,7 +7,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::progress::{Style, emit};
 use crate::{terminal, text};
 use serde_json::json;
-use sphcut_scenario::Sweep;
+use sphcut_sweep::Sweep;
 use sphcut_sweep::slurm::{
     self, Request, Script, Share, Submission, Task, array_script, collecting_script,
 };
