@@ -110,3 +110,15 @@ impl Quantity {
         }
     }
 }
+
+/// A number with at most six significant digits, without a tail of zeros.
+#[must_use]
+pub fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    let magnitude = rounded.abs();
+    if magnitude != 0.0 && !(1e-4..1e7).contains(&magnitude) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
+}

@@ -1,6 +1,6 @@
 //! From the local frame of the set-up to the frame of the solver: mirror, then rotate.
 
-use crate::mesh::Surface;
+use sphcut_geometry::mesh::Surface;
 use sphcut_sph::setup::{CuttingFrame, Shape, Vector};
 
 /// Mirror y to -y, then rotate about the origin.
@@ -90,8 +90,8 @@ impl Placement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tool_geometry::signed_double_area;
     use approx::assert_relative_eq;
+    use sphcut_geometry::tool_section::signed_double_area;
     use std::f64::consts::FRAC_PI_2;
 
     #[test]

@@ -2,14 +2,14 @@
 
 use crate::cut::Process;
 use crate::machine;
-use crate::mesh::{LARGEST_MESH, Mesh, MeshError, Surface};
-use crate::outline;
 use crate::sections;
 use crate::shared;
-use crate::tool_geometry::EdgeGeometry;
 use crate::tool_heat;
 use crate::tool_shapes;
 use crate::turning_tool;
+use sphcut_geometry::mesh::{LARGEST_MESH, Mesh, MeshError, Surface};
+use sphcut_geometry::outline;
+use sphcut_geometry::tool_section::EdgeGeometry;
 use sphcut_input::files::{self, LARGEST_OUTLINE, Surroundings};
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;

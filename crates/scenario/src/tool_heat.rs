@@ -1,8 +1,8 @@
 //! `[tool.heat]` and `[wall.heat]`: heat in the tool.
 
-use crate::mesh::{Surface, triangle_distance};
 use crate::sections;
-use crate::tool_geometry::point_distance;
+use sphcut_geometry::mesh::{Surface, triangle_distance};
+use sphcut_geometry::tool_section::point_distance;
 use sphcut_input::document::contradiction;
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;

@@ -1,8 +1,8 @@
 //! The optional shapes of a tool of plane faces: chamfer, wear land, built-up edge.
 
 use crate::tool::require;
-use crate::tool_geometry::{BuiltUpEdge, Chamfer, EdgeGeometry};
 use crate::warnings::{RESOLVED, falls_short};
+use sphcut_geometry::tool_section::{BuiltUpEdge, Chamfer, EdgeGeometry};
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
 use sphcut_input::record::Record;

@@ -1,10 +1,10 @@
 //! `[tool]` of turning: an insert from its angles and radii, or a mesh.
 
 use crate::cut::Process;
-use crate::mesh::{Mesh, Surface};
 use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, refuse_keys, require};
 use crate::tool_shapes;
-use crate::turning_insert::{BODY, InsertGeometry};
+use sphcut_geometry::insert::{BODY, InsertGeometry};
+use sphcut_geometry::mesh::{Mesh, Surface};
 use sphcut_input::files::Surroundings;
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;

@@ -1,8 +1,8 @@
 //! `[wall]`: what is rigid in a scenario of bodies, and how it moves.
 
 use crate::bodies::check_table_count;
-use crate::mesh::Mesh;
 use crate::{sections, shared, tool, tool_heat};
+use sphcut_geometry::mesh::Mesh;
 use sphcut_input::files::Surroundings;
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;

@@ -23,13 +23,14 @@ const NOT_IN_THE_CORE: [&str; 12] = [
 const CORE: [&str; 2] = ["sphcut-physics", "sphcut-sph"];
 
 /// The arrows that exist: a crate and the crates of the workspace it may build on.
-const ARROWS: [(&str, &[&str]); 15] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("physics", &[]),
     ("input", &["physics"]),
+    ("geometry", &["physics"]),
     ("analytic", &["physics"]),
     ("sph", &["physics"]),
     ("identify", &["input", "physics"]),
-    ("scenario", &["input", "sph", "physics"]),
+    ("scenario", &["input", "geometry", "sph", "physics"]),
     ("record", &["sph", "physics"]),
     ("postprocess", &["record", "sph", "physics"]),
     ("recordings", &["input", "postprocess", "physics"]),

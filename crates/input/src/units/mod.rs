@@ -8,6 +8,7 @@
 //! ```
 
 use sphcut_physics::Quantity;
+pub use sphcut_physics::quantity::significant;
 use std::f64::consts::PI;
 use std::fmt;
 
@@ -494,17 +495,6 @@ pub fn readable(quantity: Quantity, si: f64) -> String {
         .filter_map(|unit| parse_unit(unit).ok())
         .min_by(|first, second| distance(first).total_cmp(&distance(second)))
         .map_or_else(|| significant(si), |unit| unit.express(si))
-}
-
-/// A number with at most six significant digits, without a tail of zeros.
-pub fn significant(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    let magnitude = rounded.abs();
-    if magnitude != 0.0 && !(1e-4..1e7).contains(&magnitude) {
-        format!("{rounded:e}")
-    } else {
-        format!("{rounded}")
-    }
 }
 
 impl fmt::Display for UnitError {

@@ -104,7 +104,7 @@ impl Reader<'_> {
             ("2.2", "0") => Ok(Version::Two),
             ("4.1", "0") => Ok(Version::Four),
             _ => {
-                let version = sphcut_input::reader::shortened(version);
+                let version = crate::outline::shortened(version);
                 let kind = if kind == "1" { ", binary" } else { "" };
                 Err(MeshError::Gmsh { version: format!("{version}{kind}") })
             }

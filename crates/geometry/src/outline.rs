@@ -1,15 +1,15 @@
 //! The cross-section of a tool from a CSV file: a header line, then `x, y` in mm.
 
-use crate::tool_geometry::{self_intersection, signed_double_area};
+use crate::tool_section::{self_intersection, signed_double_area};
 
 /// Most points of an outline.
-pub(crate) const MOST_POINTS: usize = 5000;
+pub const MOST_POINTS: usize = 5000;
 const METRE_PER_MILLIMETRE: f64 = 1e-3;
 /// Largest coordinate in mm.
 const LARGEST: f64 = 1e5;
 
 /// The closed counter-clockwise polygon in m; a mistake names its line.
-pub(crate) fn parse(text: &str) -> Result<Vec<[f64; 2]>, String> {
+pub fn parse(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let mut points: Vec<[f64; 2]> = Vec::new();
     for (number, line) in text.lines().enumerate().skip(1) {
         let line = line.trim();
@@ -39,7 +39,7 @@ pub(crate) fn parse(text: &str) -> Result<Vec<[f64; 2]>, String> {
 }
 
 /// The polygon counter-clockwise, if it has an inside and does not cross itself.
-pub(crate) fn checked(mut points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
+pub fn checked(mut points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
     if let Some((first, second)) = self_intersection(&points) {
         return Err(format!(
             "the outline crosses itself: side {} meets side {}",
@@ -64,7 +64,7 @@ fn point(line: &str) -> Option<[f64; 2]> {
     (fits && numbers.next().is_none()).then(|| point.map(|value| value * METRE_PER_MILLIMETRE))
 }
 
-fn shortened(line: &str) -> String {
+pub(crate) fn shortened(line: &str) -> String {
     line.chars().filter(|c| !c.is_control()).take(40).collect()
 }
 

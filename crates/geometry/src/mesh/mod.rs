@@ -15,15 +15,15 @@ mod stl;
 mod surface;
 mod vector;
 
-pub(crate) use error::MeshError;
-pub(crate) use vector::triangle_distance;
+pub use error::MeshError;
+pub use vector::triangle_distance;
 
 use error::Name;
 use plane::CrossSection;
 use std::collections::HashMap;
 
 /// Largest mesh file in bytes.
-pub(crate) const LARGEST_MESH: u64 = 64 << 20;
+pub const LARGEST_MESH: u64 = 64 << 20;
 /// Most facets of a mesh.
 const MOST_FACETS: usize = 200_000;
 /// Largest coordinate in m.
@@ -31,7 +31,7 @@ const LARGEST_COORDINATE: f64 = 100.0;
 
 /// Facets and lines with the numbers that the file gives them.
 #[derive(Debug, Default, Clone, PartialEq)]
-pub(crate) struct Mesh {
+pub struct Mesh {
     vertices: Vec<[f64; 3]>,
     facets: Vec<Facet>,
     lines: Vec<Line>,
@@ -45,7 +45,7 @@ struct Facet {
 }
 
 /// Vertices, and the indices of the vertices of each triangle.
-pub(crate) type Surface = (Vec<[f64; 3]>, Vec<[usize; 3]>);
+pub type Surface = (Vec<[f64; 3]>, Vec<[usize; 3]>);
 
 /// A straight line element.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +59,7 @@ impl Mesh {
     ///
     /// # Errors
     /// What is wrong with it, with line, facet or element.
-    pub(crate) fn read(bytes: &[u8]) -> Result<Self, MeshError> {
+    pub fn read(bytes: &[u8]) -> Result<Self, MeshError> {
         let mesh = if gmsh::is_gmsh(bytes) { gmsh::read(bytes)? } else { stl::read(bytes)? };
         if mesh.facets.is_empty() && mesh.lines.is_empty() {
             return Err(MeshError::Empty);
@@ -71,7 +71,7 @@ impl Mesh {
     ///
     /// # Errors
     /// A coordinate larger than anything that is cut.
-    pub(crate) fn scaled(mut self, metres: f64) -> Result<Self, MeshError> {
+    pub fn scaled(mut self, metres: f64) -> Result<Self, MeshError> {
         for value in self.vertices.iter_mut().flatten() {
             *value *= metres;
             if value.abs() > LARGEST_COORDINATE {
@@ -86,7 +86,7 @@ impl Mesh {
     ///
     /// # Errors
     /// The surface is not closed, the boundary is not one loop, parts overlap.
-    pub(crate) fn cross_section(&self) -> Result<CrossSection, MeshError> {
+    pub fn cross_section(&self) -> Result<CrossSection, MeshError> {
         plane::cross_section(self)
     }
 
@@ -94,7 +94,7 @@ impl Mesh {
     ///
     /// # Errors
     /// It is not the closed surface of a solid.
-    pub(crate) fn closed_surface(&self) -> Result<Surface, MeshError> {
+    pub fn closed_surface(&self) -> Result<Surface, MeshError> {
         if self.facets.is_empty() {
             return Err(MeshError::Empty);
         }

@@ -38,7 +38,7 @@ const GROWTH: f64 = 1.5;
 /// Fewest chords of the rounded edge on each side of its lowest line.
 const FEWEST_CHORDS: usize = 4;
 /// Body behind the rake face where that is thinnest, in nose radii: of a tool that takes no heat.
-pub(crate) const BODY: f64 = 0.5;
+pub const BODY: f64 = 0.5;
 /// The same where heat is conducted into it, as long as the flanks leave this share of the nose at the back.
 const HEATED_BODY: f64 = 2.5;
 const LEFT_AT_BACK: f64 = 0.25;

@@ -7,14 +7,14 @@ const PLACES: usize = 801;
 
 /// The part of the line below the uncut surface y = 0. Lengths in m.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Silhouette {
+pub struct Silhouette {
     /// (z, y) by increasing z, all with y <= 0.
     points: Vec<[f64; 2]>,
 }
 
 impl Silhouette {
     /// The shadow along x; `None` if the surface lies above y = 0.
-    pub(crate) fn of((vertices, triangles): &Surface) -> Option<Self> {
+    pub fn of((vertices, triangles): &Surface) -> Option<Self> {
         let edges: Vec<[[f64; 2]; 2]> = triangles
             .iter()
             .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
@@ -33,12 +33,12 @@ impl Silhouette {
     }
 
     /// Smallest and largest z of the groove.
-    pub(crate) fn extent(&self) -> [f64; 2] {
+    pub fn extent(&self) -> [f64; 2] {
         [self.points[0][0], self.points[self.points.len() - 1][0]]
     }
 
     /// Area in m^2 between the line and the uncut surface: the trapezoidal rule.
-    pub(crate) fn section(&self) -> f64 {
+    pub fn section(&self) -> f64 {
         self.points
             .windows(2)
             .map(|pair| 0.5 * (pair[1][0] - pair[0][0]) * -(pair[0][1] + pair[1][1]))
@@ -47,7 +47,7 @@ impl Silhouette {
 
     /// Largest distance of the line, moved by `shift` along z, from the surface that the unmoved one
     /// leaves of the uncut one.
-    pub(crate) fn distance_when_moved(&self, shift: f64) -> f64 {
+    pub fn distance_when_moved(&self, shift: f64) -> f64 {
         let [low, high] = self.extent();
         let far = 10.0 * (high - low + shift);
         let mut left = vec![[low - far, 0.0], [low, 0.0]];

@@ -182,7 +182,7 @@ pub fn self_intersection(polygon: &[[f64; 2]]) -> Option<(usize, usize)> {
 }
 
 /// A segment by its ends.
-pub(crate) type Side = ([f64; 2], [f64; 2]);
+pub type Side = ([f64; 2], [f64; 2]);
 
 /// Whether two closed segments share a point.
 fn cross(first: Side, second: Side) -> bool {
@@ -207,7 +207,7 @@ fn segment_distance(first: Side, second: Side) -> f64 {
 }
 
 /// Distance of a point from a segment.
-pub(crate) fn point_distance(point: [f64; 2], (a, b): Side) -> f64 {
+pub fn point_distance(point: [f64; 2], (a, b): Side) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let to_point = [point[0] - a[0], point[1] - a[1]];
     let length_squared = along[0] * along[0] + along[1] * along[1];

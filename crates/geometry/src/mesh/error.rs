@@ -1,11 +1,11 @@
 //! What can be wrong with a mesh file, in words for the person at the file.
 
-use sphcut_input::units::significant;
+use sphcut_physics::quantity::significant;
 use std::fmt;
 
 /// The name of a piece of the mesh in its file: "facet 12" of an STL, "element 12" of Gmsh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Name {
+pub struct Name {
     pub(super) word: &'static str,
     pub(super) number: u64,
 }
@@ -17,8 +17,9 @@ impl fmt::Display for Name {
 }
 
 /// What is wrong with a mesh. Coordinates in m.
+#[expect(missing_docs, reason = "each variant says what its fields are")]
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum MeshError {
+pub enum MeshError {
     /// Neither STL nor Gmsh.
     Unknown,
     /// A Gmsh file of another version, or binary.
@@ -153,7 +154,7 @@ impl fmt::Display for MeshError {
 
 impl MeshError {
     /// What to do about it.
-    pub(crate) fn help(&self) -> &'static str {
+    pub fn help(&self) -> &'static str {
         match self {
             Self::Unknown => "STL (binary or ASCII), or Gmsh MSH 2.2 or 4.1 in ASCII",
             Self::Gmsh { .. } => {

@@ -1,12 +1,12 @@
 use super::*;
-use crate::tool_geometry::signed_double_area;
+use crate::tool_section::signed_double_area;
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 
 type Corners = [[f64; 3]; 3];
 
-const PLANE_41: &[u8] = include_bytes!("../../tests/good/tool_plane.msh");
-const SOLID_STL: &[u8] = include_bytes!("../../tests/good/tool.stl");
+const PLANE_41: &[u8] = include_bytes!("../../../scenario/tests/good/tool_plane.msh");
+const SOLID_STL: &[u8] = include_bytes!("../../../scenario/tests/good/tool.stl");
 
 /// The twelve facets of a box, corners counter-clockwise seen from outside.
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> Vec<Corners> {

@@ -4,7 +4,7 @@ use super::error::{MeshError, Name};
 use super::vector::{area_vector, between, length};
 use super::{Mesh, surface};
 use crate::outline::{self, MOST_POINTS};
-use crate::tool_geometry::signed_double_area;
+use crate::tool_section::signed_double_area;
 use std::collections::BTreeMap;
 
 /// Deviation from a plane, and distance of points that are one, as a share of the size of the mesh.
@@ -14,11 +14,11 @@ const SAME_AREA: f64 = 1e-6;
 
 /// The cross-section of a tool in m.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct CrossSection {
+pub struct CrossSection {
     /// Closed counter-clockwise polygon.
-    pub(crate) polygon: Vec<[f64; 2]>,
+    pub polygon: Vec<[f64; 2]>,
     /// Holes inside it, which nothing can touch: they are left out.
-    pub(crate) holes: usize,
+    pub holes: usize,
 }
 
 /// A piece of a boundary between two numbered points.

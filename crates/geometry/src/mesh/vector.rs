@@ -29,7 +29,7 @@ pub(super) fn area_vector([a, b, c]: &[Vector; 3]) -> Vector {
 }
 
 /// Distance of `x` from a triangle.
-pub(crate) fn triangle_distance(x: &Vector, corners: &[Vector; 3]) -> f64 {
+pub fn triangle_distance(x: &Vector, corners: &[Vector; 3]) -> f64 {
     let normal = area_vector(corners);
     let sides = [0, 1, 2].map(|k| (&corners[k], &corners[(k + 1) % 3]));
     let is_left = |(from, to): &(&Vector, &Vector)| {
