@@ -7,20 +7,12 @@
 
 mod bodies;
 mod cut;
-mod effects;
 mod ending;
-mod equation_of_state;
-mod flow_stress_table;
 mod friction_heat;
 mod heat_source;
-mod inertia;
 mod key;
-mod library;
-mod machine;
 mod material;
-mod passes;
 mod patch;
-mod placement;
 mod reference;
 mod scenario;
 mod schema;
@@ -28,12 +20,8 @@ mod sections;
 mod shared;
 mod spacing;
 mod tool;
-mod tool_heat;
-mod tool_shapes;
-mod turning_tool;
 mod wall;
 mod warnings;
-mod window;
 
 pub use key::KeyPath;
 pub use patch::{PatchError, ScenarioPatch, with_value};
@@ -58,5 +46,5 @@ pub struct LoadOptions {
 /// Name and text of every shipped material.
 #[must_use]
 pub fn shipped_materials() -> &'static [(&'static str, &'static str)] {
-    library::MATERIALS
+    material::library::MATERIALS
 }

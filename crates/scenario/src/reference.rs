@@ -1,6 +1,6 @@
 //! The reference page of scenario files, generated from the same tables as the parser.
 
-use crate::library;
+use crate::material::library;
 use crate::sections;
 use sphcut_input::reference::{Brackets, headed, rows, section, unit_table};
 use sphcut_input::section::Section;

@@ -2,22 +2,22 @@
 
 use crate::LoadOptions;
 use crate::bodies;
+use crate::cut::inertia;
+use crate::cut::passes;
+use crate::cut::window;
 use crate::cut::{self, Cut, CutEnd};
-use crate::effects;
 use crate::ending::{Kind, Output, Stop, read_output, read_stop};
-use crate::equation_of_state;
 use crate::friction_heat;
 use crate::heat_source;
-use crate::inertia;
 use crate::material::Shelf;
-use crate::passes;
+use crate::material::effects;
+use crate::material::equation_of_state;
 use crate::sections;
 use crate::shared::{self, Resolution};
 use crate::tool;
 use crate::tool::Space;
 use crate::wall;
 use crate::warnings;
-use crate::window;
 use sphcut_input::files::{self, LARGEST_TEXT, Surroundings};
 use sphcut_input::findings::{Findings, ResolvedEntry};
 use sphcut_input::problem::{Mistake, Problem, Source};

@@ -1,6 +1,6 @@
 //! The JSON schema of scenario files (draft-07), built from the same tables as the parser.
 
-use crate::library;
+use crate::material::library;
 use crate::sections;
 use serde_json::{Map, Value, json};
 use sphcut_input::section::{Field, Kind, Presence, Section, range_text};

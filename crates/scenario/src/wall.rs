@@ -1,7 +1,10 @@
 //! `[wall]`: what is rigid in a scenario of bodies, and how it moves.
 
 use crate::bodies::check_table_count;
-use crate::{sections, shared, tool, tool_heat};
+use crate::sections;
+use crate::shared;
+use crate::tool;
+use crate::tool::heat;
 use sphcut_geometry::mesh::Mesh;
 use sphcut_input::files::Surroundings;
 use sphcut_input::findings::Findings;
@@ -45,11 +48,11 @@ pub(crate) fn wall(
         }
         _ => None,
     };
-    let around = tool_heat::Surroundings {
+    let around = heat::Surroundings {
         shape: match (&surface, &solid) {
-            (ToolSurface::Polygon(corners), _) => tool_heat::Shape::Outline(corners),
-            (_, Some(solid)) => tool_heat::Shape::Surface(solid),
-            _ => tool_heat::Shape::HalfSpace,
+            (ToolSurface::Polygon(corners), _) => heat::Shape::Outline(corners),
+            (_, Some(solid)) => heat::Shape::Surface(solid),
+            _ => heat::Shape::HalfSpace,
         },
         centre: point,
         outer_sides: None,
@@ -57,7 +60,7 @@ pub(crate) fn wall(
         fine_reach: f64::INFINITY,
         particle_spacing: particle_spacing?,
     };
-    let heat = tool_heat::tool_heat(findings, &record, &around)?;
+    let heat = heat::tool_heat(findings, &record, &around)?;
     Some(Some(Tool {
         surface,
         velocity,

@@ -1,12 +1,13 @@
 //! `[tool]` of a cut: angles and an edge radius, an outline, or a mesh.
 
+pub(crate) mod heat;
+pub(crate) mod placement;
+pub(crate) mod shapes;
+pub(crate) mod turning;
 use crate::cut::Process;
-use crate::machine;
+use crate::cut::machine;
 use crate::sections;
 use crate::shared;
-use crate::tool_heat;
-use crate::tool_shapes;
-use crate::turning_tool;
 use sphcut_geometry::mesh::{LARGEST_MESH, Mesh, MeshError, Surface};
 use sphcut_geometry::outline;
 use sphcut_geometry::tool_section::EdgeGeometry;
@@ -86,16 +87,16 @@ pub(crate) fn tool(
             "is there in plane cuts only, this is turning",
             "remove it: machine and spindle are rigid",
         );
-        let turned = turning_tool::turned(findings, &record, surroundings, process, sizes, width)?;
-        let around = tool_heat::Surroundings {
+        let turned = turning::turned(findings, &record, surroundings, process, sizes, width)?;
+        let around = heat::Surroundings {
             centre: lowest_point(&turned.surface.0),
-            shape: tool_heat::Shape::Surface(&turned.surface),
+            shape: heat::Shape::Surface(&turned.surface),
             outer_sides: turned.cut_off,
             fine_reach: turned.reach,
             particle_spacing: sizes?.0,
             by_default: false,
         };
-        let heat = tool_heat::tool_heat(findings, &record, &around)?;
+        let heat = heat::tool_heat(findings, &record, &around)?;
         return Some(ToolShape {
             edge_radius,
             body: ToolBody::Solid(turned.surface),
@@ -108,7 +109,7 @@ pub(crate) fn tool(
     refuse_keys(
         findings,
         &record,
-        turning_tool::KEYS,
+        turning::KEYS,
         "belongs to turning, this is a plane cut",
         "remove it, or set dimension = 3",
     );
@@ -129,7 +130,7 @@ pub(crate) fn tool(
     let mut around = heat_surroundings(&record, &polygon, whole, process?, sizes?.0);
     // Where a tool of another shape is cut off is not known.
     around.by_default = whole.is_none() && space == Space::Plane { tool_takes_heat: true };
-    let heat = tool_heat::tool_heat(findings, &record, &around)?;
+    let heat = heat::tool_heat(findings, &record, &around)?;
     let body = ToolBody::Section(polygon);
     Some(ToolShape { edge_radius, body, friction: friction?, heat, machine: machine?, notes })
 }
@@ -144,14 +145,14 @@ fn heat_surroundings<'a>(
     whole: Option<&str>,
     process: Process,
     particle_spacing: f64,
-) -> tool_heat::Surroundings<'a> {
+) -> heat::Surroundings<'a> {
     let lowest = polygon.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
     let deepest = polygon.iter().filter(|point| point[1] == lowest);
     let foremost = deepest.map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
     let count = polygon.len();
     let reach = LONGEST_CONTACT * process.depth;
-    tool_heat::Surroundings {
-        shape: tool_heat::Shape::Outline(polygon),
+    heat::Surroundings {
+        shape: heat::Shape::Outline(polygon),
         centre: [foremost, lowest, 0.0],
         // The corners of a tool of angles end with those of rake face, back and flank.
         outer_sides: whole.is_none().then(|| vec![count - 3, count - 2]),
@@ -191,8 +192,8 @@ fn from_angles(
         built_up_edge: None,
     };
     check_wedge(findings, record, &geometry)?;
-    let geometry = tool_shapes::add(findings, record, geometry)?;
-    notes.extend(tool_shapes::warnings(&geometry));
+    let geometry = shapes::add(findings, record, geometry)?;
+    notes.extend(shapes::warnings(&geometry));
     Some(geometry.polygon())
 }
 
@@ -259,7 +260,7 @@ fn refuse_keys_beside(findings: &mut Findings, record: &Record<'_>, shape: &str)
         "outline" => "the outline has its own shape",
         _ => "the mesh has its own shape",
     };
-    let angles = ["rake_angle", "clearance_angle"].into_iter().chain(tool_shapes::KEYS);
+    let angles = ["rake_angle", "clearance_angle"].into_iter().chain(shapes::KEYS);
     let angles = angles.map(|key| (key, own));
     let shapes = WHOLE_SHAPES.into_iter().filter(|key| *key != shape);
     for (key, why) in angles.chain(shapes.map(|key| (key, "each of them is the whole tool"))) {

@@ -1,9 +1,10 @@
 //! Materials: from the library, from a file beside the scenario, or inline,
 //! with single values overridden.
 
-use crate::equation_of_state;
-use crate::flow_stress_table;
-use crate::library;
+pub(crate) mod effects;
+pub(crate) mod equation_of_state;
+pub(crate) mod flow_stress_table;
+pub(crate) mod library;
 use crate::sections;
 use sphcut_input::files::{LARGEST_TEXT, Surroundings};
 use sphcut_input::findings::Findings;

@@ -5,7 +5,7 @@ macro_rules! materials {
     ($($name:literal),* $(,)?) => {
         /// Name and text of every shipped material.
         pub(crate) const MATERIALS: &[(&str, &str)] =
-            &[$(($name, include_str!(concat!("../../../scenarios/materials/", $name, ".toml")))),*];
+            &[$(($name, include_str!(concat!("../../../../scenarios/materials/", $name, ".toml")))),*];
     };
 }
 

@@ -1,8 +1,8 @@
 //! `[tool]` of turning: an insert from its angles and radii, or a mesh.
 
 use crate::cut::Process;
+use crate::tool::shapes;
 use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, refuse_keys, require};
-use crate::tool_shapes;
 use sphcut_geometry::insert::{BODY, InsertGeometry};
 use sphcut_geometry::mesh::{Mesh, Surface};
 use sphcut_input::files::Surroundings;
@@ -35,7 +35,7 @@ pub(crate) fn turned(
     sizes: Option<(f64, f64)>,
     width: Option<f64>,
 ) -> Option<Turned> {
-    let plane = ["outline"].into_iter().chain(tool_shapes::KEYS);
+    let plane = ["outline"].into_iter().chain(shapes::KEYS);
     let before = findings.problems.len();
     refuse_keys(
         findings,

@@ -1,9 +1,13 @@
 //! The cut, orthogonal or turning: [workpiece], [tool], [process], [passes], [boundaries].
 
+pub(crate) mod inertia;
+pub(crate) mod machine;
+pub(crate) mod passes;
+pub(crate) mod window;
+use crate::cut::passes::{Passes, Plan};
 use crate::material::Shelf;
-use crate::passes::{Passes, Plan};
-use crate::placement::{Handedness, Placement};
 use crate::shared::{self, Resolution};
+use crate::tool::placement::{Handedness, Placement};
 use crate::tool::{ToolBody, ToolShape, refuse_keys, require};
 use crate::{sections, warnings};
 use sphcut_geometry::silhouette::Silhouette;
