@@ -1,7 +1,7 @@
 //! `cargo xtask tidy`: what the compiler does not check.
 //!
 //! Invariants 1 to 3 of `docs/architecture.md`; names that mean two things;
-//! files that grew too long; places of one machine; work left open; links in
+//! files that grew too long, folders with too many of them; places of one machine; work left open; links in
 //! the documents that lead nowhere.
 
 mod dependencies;
@@ -71,6 +71,7 @@ pub fn run(root: &Path) -> Result<(), String> {
     let files = files(root)?;
     let mut findings: Vec<Finding> =
         files.iter().flat_map(|file| rules::ALL.iter().flat_map(|rule| rule(file))).collect();
+    findings.extend(rules::folders(&files));
     findings.extend(rules::dead_links(&files));
     findings.extend(glossary::check(&files));
     findings.extend(dependencies::check(root, &files)?);

@@ -1,7 +1,7 @@
 //! Rules about single files, and links between them.
 
 use super::{File, Finding};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// A rule: a file in, findings out.
 pub type Rule = fn(&File) -> Vec<Finding>;
@@ -10,7 +10,7 @@ pub type Rule = fn(&File) -> Vec<Finding>;
 pub const ALL: &[Rule] = &[
     no_side_effects_in_the_core,
     only_the_command_prints,
-    only_scenario_knows_other_units,
+    only_input_knows_other_units,
     no_ambiguous_field_names,
     files_stay_short,
     no_places_of_one_machine,
@@ -25,7 +25,7 @@ const SIDE_EFFECTS: [&str; 6] =
     ["std::fs", "std::env", "std::time", "std::net", "std::process", "std::io"];
 /// Macros that print.
 const PRINTING: [&str; 5] = ["println!", "eprintln!", "print!", "eprint!", "dbg!"];
-/// Names of non-SI units as the scenario reader knows them.
+/// Names of non-SI units as the reader knows them.
 const OTHER_UNITS: [&str; 18] = [
     "mm", "um", "nm", "cm", "MPa", "GPa", "m/min", "mm/min", "deg", "degC", "°C", "ms", "us", "kN",
     "N/mm", "rpm", "1/min", "g/cm^3",
@@ -34,6 +34,8 @@ const OTHER_UNITS: [&str; 18] = [
 const WITHOUT_UNITS: [&str; 2] = CORE;
 /// Field names that mean two things in metal cutting.
 const AMBIGUOUS: [&str; 11] = ["h", "m", "n", "A", "B", "C", "T", "alpha", "beta", "gamma", "mu"];
+/// Files of source that may lie side by side in a folder.
+const MOST_FILES: usize = 20;
 /// Lines of the longest file allowed.
 const MAX_LINES: usize = 600;
 
@@ -74,7 +76,7 @@ fn only_the_command_prints(file: &File) -> Vec<Finding> {
 }
 
 /// Invariant 3.
-fn only_scenario_knows_other_units(file: &File) -> Vec<Finding> {
+fn only_input_knows_other_units(file: &File) -> Vec<Finding> {
     let Some(source) = &file.source else { return Vec::new() };
     if !file.crate_name().is_some_and(|name| WITHOUT_UNITS.contains(&name)) {
         return Vec::new();
@@ -84,8 +86,7 @@ fn only_scenario_knows_other_units(file: &File) -> Vec<Finding> {
         .iter()
         .filter(|literal| OTHER_UNITS.contains(&literal.text.as_str()))
         .map(|literal| {
-            let message =
-                format!("unit `{}`: only scenario knows units other than SI", literal.text);
+            let message = format!("unit `{}`: only input knows units other than SI", literal.text);
             file.finding(literal.line, message)
         })
         .collect()
@@ -189,6 +190,35 @@ fn every_file_is_introduced(file: &File) -> Vec<Finding> {
     vec![file.finding(1, "starts without a `//!` that says what the file is for")]
 }
 
+/// Folders in which nothing is found any more, and modules whose file lies beside their folder.
+pub fn folders(files: &[File]) -> Vec<Finding> {
+    let sources = || files.iter().filter(|file| file.source.is_some());
+    let known: HashSet<&str> = sources().map(|file| file.path.as_str()).collect();
+    let mut side_by_side: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut findings = Vec::new();
+    for file in sources() {
+        let Some((folder, _)) = file.path.rsplit_once('/') else { continue };
+        let count = side_by_side.entry(folder).or_default();
+        *count += 1;
+        if *count == MOST_FILES + 1 {
+            findings.push(file.finding(
+                0,
+                format!("more than {MOST_FILES} files side by side in {folder}: give it rooms"),
+            ));
+        }
+        let stem = file.path.strip_suffix(".rs").unwrap_or(&file.path);
+        let inside = format!("{stem}/");
+        let is_source = file.path.contains("/src/");
+        if is_source
+            && !known.contains(format!("{stem}/mod.rs").as_str())
+            && known.iter().any(|other| other.starts_with(&inside))
+        {
+            findings.push(file.finding(0, "move it into its folder as mod.rs"));
+        }
+    }
+    findings
+}
+
 /// Relative links of the documents that lead to no file of the repository.
 pub fn dead_links(files: &[File]) -> Vec<Finding> {
     let known: HashSet<&str> = files.iter().map(|file| file.path.as_str()).collect();
@@ -252,6 +282,19 @@ mod tests {
     }
 
     #[test]
+    fn a_folder_has_room_for_twenty_files_and_one_style_of_modules() {
+        let many = |count: usize| -> Vec<File> {
+            (0..count).map(|k| file(&format!("crates/sph/src/a/f{k}.rs"), "")).collect()
+        };
+        assert!(folders(&many(20)).is_empty());
+        assert_eq!(folders(&many(21)).len(), 1);
+        let beside = [file("crates/sph/src/a.rs", ""), file("crates/sph/src/a/b.rs", "")];
+        assert_eq!(folders(&beside).len(), 1);
+        let inside = [file("crates/sph/src/a/mod.rs", ""), file("crates/sph/src/a/b.rs", "")];
+        assert!(folders(&inside).is_empty());
+    }
+
+    #[test]
     fn the_core_reads_no_clock() {
         let text = "use std::time::Instant;";
         assert_eq!(no_side_effects_in_the_core(&file("crates/sph/src/a.rs", text)).len(), 1);
@@ -259,12 +302,10 @@ mod tests {
     }
 
     #[test]
-    fn units_are_for_scenario() {
+    fn units_are_for_input() {
         let text = "f(\"um\");";
-        assert_eq!(only_scenario_knows_other_units(&file("crates/sph/src/a.rs", text)).len(), 1);
-        assert!(
-            only_scenario_knows_other_units(&file("crates/scenario/src/a.rs", text)).is_empty()
-        );
+        assert_eq!(only_input_knows_other_units(&file("crates/sph/src/a.rs", text)).len(), 1);
+        assert!(only_input_knows_other_units(&file("crates/input/src/a.rs", text)).is_empty());
     }
 
     #[test]
