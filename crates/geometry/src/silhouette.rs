@@ -127,7 +127,7 @@ mod tests {
             [2, 5, 3],
             [2, 3, 0],
         ];
-        (vertices.collect(), triangles)
+        (vertices.map(Into::into).collect(), triangles)
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::sections;
 use crate::shared;
 use crate::tool;
 use crate::tool::heat;
+use glam::DVec3;
 use sphcut_geometry::mesh::Mesh;
 use sphcut_input::files::Surroundings;
 use sphcut_input::findings::Findings;
@@ -44,7 +45,7 @@ pub(crate) fn wall(
     let point = record.vector("point")?;
     let solid = match &surface {
         ToolSurface::Triangles { vertices, triangles } => {
-            Some((vertices.clone(), triangles.clone()))
+            Some((vertices.iter().copied().map(Into::into).collect(), triangles.clone()))
         }
         _ => None,
     };
@@ -108,11 +109,10 @@ fn wall_from_mesh(
     }
     if dimension == 3 {
         let read = tool::read_mesh(findings, record, surroundings, Mesh::closed_surface);
-        let (mut vertices, triangles) = read?;
+        let (vertices, triangles) = read?;
         let point = record.vector("point")?;
-        for vertex in &mut vertices {
-            *vertex = std::array::from_fn(|axis| vertex[axis] + point[axis]);
-        }
+        let at = DVec3::from(point);
+        let vertices = vertices.iter().map(|vertex| (vertex + at).to_array()).collect();
         return Some(ToolSurface::Triangles { vertices, triangles });
     }
     let section = tool::read_mesh(findings, record, surroundings, Mesh::cross_section)?;

@@ -23,6 +23,7 @@
 //! the edge are left out.
 
 use crate::mesh::Surface;
+use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Largest distance between an arc and its chords, in particle spacings.
@@ -42,8 +43,6 @@ pub const BODY: f64 = 0.5;
 /// The same where heat is conducted into it, as long as the flanks leave this share of the nose at the back.
 const HEATED_BODY: f64 = 2.5;
 const LEFT_AT_BACK: f64 = 0.25;
-
-type Vector = [f64; 3];
 
 /// An insert with a plane rake face. Lengths in m, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,18 +133,16 @@ impl InsertGeometry {
         let chords = self.chords();
         let mut mesh = Rings { count, vertices: Vec::new(), triangles: Vec::new() };
         for station in &stations {
-            let on_flank = self.edge_point(station, &self.flank_normal(station.angle));
+            let on_flank = self.edge_point(station, self.flank_normal(station.angle));
             let along = self.along_flank(station.angle);
             let share = (on_flank[0] + back) / -along[0];
-            mesh.vertices.push(std::array::from_fn(|k| {
-                // The back face is plane to the last bit.
-                if k == 0 { -back } else { on_flank[k] + share * along[k] }
-            }));
+            // The back face is plane to the last bit.
+            mesh.vertices.push((on_flank + share * along).with_x(-back));
         }
         for step in 0..=chords[0] + chords[1] {
             for station in &stations {
                 let normal = self.edge_normal(station.angle, step, chords);
-                mesh.vertices.push(self.edge_point(station, &normal));
+                mesh.vertices.push(self.edge_point(station, normal));
             }
         }
         let rings = chords[0] + chords[1] + 2;
@@ -225,47 +222,46 @@ impl InsertGeometry {
         shares
     }
 
-    fn flank_normal(&self, angle: f64) -> Vector {
+    fn flank_normal(&self, angle: f64) -> DVec3 {
         let (sine, cosine) = self.clearance_angle.sin_cos();
         let [y, z] = outward(angle);
-        [-sine, cosine * y, cosine * z]
+        DVec3::new(-sine, cosine * y, cosine * z)
     }
 
-    fn rake_normal(&self) -> Vector {
+    fn rake_normal(&self) -> DVec3 {
         let (sine, cosine) = self.rake_angle.sin_cos();
-        [cosine, sine, 0.0]
+        DVec3::new(cosine, sine, 0.0)
     }
 
-    fn along_flank(&self, angle: f64) -> Vector {
+    fn along_flank(&self, angle: f64) -> DVec3 {
         let tangent = self.clearance_angle.tan();
         let [y, z] = outward(angle);
-        [-1.0, -tangent * y, -tangent * z]
+        DVec3::new(-1.0, -tangent * y, -tangent * z)
     }
 
     /// The normal of the edge after `step` chords from the flank on: evenly along the great circle
     /// from the flank's normal to where it lies across the cut, and from there to that of the rake.
-    fn edge_normal(&self, angle: f64, step: usize, chords: [usize; 2]) -> Vector {
+    fn edge_normal(&self, angle: f64, step: usize, chords: [usize; 2]) -> DVec3 {
         let (flank, rake) = (self.flank_normal(angle), self.rake_normal());
         // Across the cut: where the great circle crosses x = 0.
-        let weight = flank[0] / (flank[0] - rake[0]);
-        let across = unit(&blend(&flank, &rake, weight));
+        let weight = flank.x / (flank.x - rake.x);
+        let across = unit((1.0 - weight) * flank + weight * rake);
         if step <= chords[0] {
-            slerp(&flank, &across, step as f64 / chords[0] as f64)
+            slerp(flank, across, step as f64 / chords[0] as f64)
         } else {
-            slerp(&across, &rake, (step - chords[0]) as f64 / chords[1] as f64)
+            slerp(across, rake, (step - chords[0]) as f64 / chords[1] as f64)
         }
     }
 
     /// The point of the edge with this normal.
-    fn edge_point(&self, station: &Station, normal: &Vector) -> Vector {
+    fn edge_point(&self, station: &Station, normal: DVec3) -> DVec3 {
         let [y, z] = outward(station.angle);
         let inner = self.nose_radius - self.edge_radius;
-        let start = [0.0, station.centre[0] + inner * y, station.centre[1] + inner * z];
-        let lowest = [0.0, self.edge_radius - self.depth_of_cut, 0.0];
+        let start = DVec3::new(0.0, station.centre[0] + inner * y, station.centre[1] + inner * z);
+        let lowest = DVec3::new(0.0, self.edge_radius - self.depth_of_cut, 0.0);
         let (rake, along) = (self.rake_normal(), self.along_flank(station.angle));
-        let height: Vector = std::array::from_fn(|k| lowest[k] - start[k]);
-        let share = dot(&rake, &height) / dot(&rake, &along);
-        std::array::from_fn(|k| start[k] + share * along[k] + self.edge_radius * normal[k])
+        let share = rake.dot(lowest - start) / rake.dot(along);
+        start + share * along + self.edge_radius * normal
     }
 }
 
@@ -299,30 +295,21 @@ fn offset(point: [f64; 2], direction: [f64; 2], length: f64) -> [f64; 2] {
     [point[0] + length * direction[0], point[1] + length * direction[1]]
 }
 
-fn dot(a: &Vector, b: &Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn blend(a: &Vector, b: &Vector, share: f64) -> Vector {
-    std::array::from_fn(|k| (1.0 - share) * a[k] + share * b[k])
-}
-
-fn unit(a: &Vector) -> Vector {
-    let length = dot(a, a).sqrt();
-    a.map(|component| component / length)
+/// Divided by its length.
+fn unit(a: DVec3) -> DVec3 {
+    a / a.length()
 }
 
 /// Evenly along the great circle from `a` to `b`, which are neither equal nor opposite.
-fn slerp(a: &Vector, b: &Vector, share: f64) -> Vector {
+fn slerp(a: DVec3, b: DVec3, share: f64) -> DVec3 {
     if share == 0.0 {
-        return *a;
+        return a;
     }
     if share == 1.0 {
-        return *b;
+        return b;
     }
-    let angle = dot(a, b).clamp(-1.0, 1.0).acos();
-    let weights = [((1.0 - share) * angle).sin(), (share * angle).sin()];
-    unit(&std::array::from_fn(|k| weights[0] * a[k] + weights[1] * b[k]))
+    let angle = a.dot(b).clamp(-1.0, 1.0).acos();
+    unit(((1.0 - share) * angle).sin() * a + (share * angle).sin() * b)
 }
 
 /// Which way a plane face looks.
@@ -335,7 +322,7 @@ enum Facing {
 /// Rings of vertices, one for each line along the outline, from the back to the rake face.
 struct Rings {
     count: usize,
-    vertices: Vec<Vector>,
+    vertices: Vec<DVec3>,
     triangles: Vec<[usize; 3]>,
 }
 

@@ -61,7 +61,7 @@ fn paper() -> InsertGeometry {
 /// flipped, not inside out, no two that cross.
 fn is_sound((vertices, triangles): &Surface) -> Result<(), String> {
     let corner = |&vertex: &usize| {
-        let [x, y, z] = vertices[vertex];
+        let [x, y, z] = vertices[vertex].to_array();
         format!("vertex {x:e} {y:e} {z:e}\n")
     };
     let facet = |triangle: &[usize; 3]| {
@@ -74,11 +74,7 @@ fn is_sound((vertices, triangles): &Surface) -> Result<(), String> {
 }
 
 fn volume((vertices, triangles): &Surface) -> f64 {
-    let cross = |a: &Vector, b: &Vector| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
-    let one =
-        |[a, b, c]: &[usize; 3]| dot(&vertices[*a], &cross(&vertices[*b], &vertices[*c])) / 6.0;
+    let one = |[a, b, c]: &[usize; 3]| vertices[*a].dot(vertices[*b].cross(vertices[*c])) / 6.0;
     triangles.iter().map(one).sum()
 }
 
@@ -104,7 +100,7 @@ fn its_lowest_point_is_the_tip() {
 fn across_the_tip_it_is_the_orthogonal_tool() {
     let tool = paper();
     let (vertices, _) = tool.surface();
-    let mut section: Vec<Vector> =
+    let mut section: Vec<DVec3> =
         vertices.iter().copied().filter(|v| v[2].abs() < 1e-9 && v[1] < 1e-3).collect();
     section.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let centre = [0.0, 22e-6];
@@ -114,7 +110,7 @@ fn across_the_tip_it_is_the_orthogonal_tool() {
     });
     let flank = [-72e-6 * 7_f64.to_radians().sin(), 22e-6 - 72e-6 * 7_f64.to_radians().cos()];
     let rake = [72e-6 * 15_f64.to_radians().cos(), 22e-6 + 72e-6 * 15_f64.to_radians().sin()];
-    let on_circle: Vec<&Vector> = on_circle.collect();
+    let on_circle: Vec<&DVec3> = on_circle.collect();
     // All of the section but the vertex of the back face; from the flank's foot to that of the rake.
     assert_eq!(on_circle.len() + 1, section.len());
     assert!(on_circle.len() > 30, "{}", on_circle.len());
@@ -137,7 +133,7 @@ fn every_vertex_lies_behind_the_rake_face_and_every_flank_has_its_clearance() {
     let tool = paper();
     let (vertices, triangles) = tool.surface();
     let normal = tool.rake_normal();
-    let height = |v: &Vector| dot(&normal, v) - 22e-6 * normal[1];
+    let height = |v: &DVec3| normal.dot(*v) - 22e-6 * normal.y;
     let highest = vertices.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
     // The rake face touches the ball about (0, 22 um): 72 um from its centre.
     assert_relative_eq!(highest, 72e-6, max_relative = 1e-9);
@@ -149,13 +145,7 @@ fn every_vertex_lies_behind_the_rake_face_and_every_flank_has_its_clearance() {
         if at_back == 0 || at_back == 3 {
             continue;
         }
-        let (u, v): (Vector, Vector) =
-            (std::array::from_fn(|k| b[k] - a[k]), std::array::from_fn(|k| c[k] - a[k]));
-        let area = unit(&[
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ]);
+        let area = unit((b - a).cross(c - a));
         // Chords of 8 deg of a cone: off by at most 1 - cos 4 deg = 0.24 %.
         assert_relative_eq!(-area[0], 7_f64.to_radians().sin(), max_relative = 3e-3);
         flanks += 1;
@@ -274,10 +264,8 @@ fn an_insert_is_cut_off_behind_and_beyond_its_straight_edges() {
     for (facet, triangle) in triangles.iter().enumerate() {
         let corners = triangle.map(|vertex| vertices[vertex]);
         let way = |axis: usize| corners.map(|corner| corner[axis]);
-        let nearest = corners
-            .iter()
-            .map(|[x, y, z]| x.hypot(y + 50e-6).hypot(*z))
-            .fold(f64::INFINITY, f64::min);
+        let nearest =
+            corners.iter().map(|v| v.x.hypot(v.y + 50e-6).hypot(v.z)).fold(f64::INFINITY, f64::min);
         // All that the chip or the machined surface can touch stays.
         assert!(!is_cut_off(facet) || nearest > 1.9e-3, "{corners:?}");
         let is_back = way(0).iter().all(|x| *x < -4e-3);

@@ -146,7 +146,7 @@ impl Reader<'_> {
         if self.places.insert(tag, self.mesh.vertices.len()).is_some() {
             return Err(MeshError::SameNode { node: tag });
         }
-        self.mesh.vertices.push([x, y, z]);
+        self.mesh.vertices.push([x, y, z].into());
         Ok(())
     }
 

@@ -19,6 +19,7 @@ pub use error::MeshError;
 pub use vector::triangle_distance;
 
 use error::Name;
+use glam::DVec3;
 use plane::CrossSection;
 use std::collections::HashMap;
 
@@ -32,7 +33,7 @@ const LARGEST_COORDINATE: f64 = 100.0;
 /// Facets and lines with the numbers that the file gives them.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Mesh {
-    vertices: Vec<[f64; 3]>,
+    vertices: Vec<DVec3>,
     facets: Vec<Facet>,
     lines: Vec<Line>,
 }
@@ -45,7 +46,7 @@ struct Facet {
 }
 
 /// Vertices, and the indices of the vertices of each triangle.
-pub type Surface = (Vec<[f64; 3]>, Vec<[usize; 3]>);
+pub type Surface = (Vec<DVec3>, Vec<[usize; 3]>);
 
 /// A straight line element.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,10 +73,10 @@ impl Mesh {
     /// # Errors
     /// A coordinate larger than anything that is cut.
     pub fn scaled(mut self, metres: f64) -> Result<Self, MeshError> {
-        for value in self.vertices.iter_mut().flatten() {
-            *value *= metres;
-            if value.abs() > LARGEST_COORDINATE {
-                return Err(MeshError::FarAway { metres: *value, most: LARGEST_COORDINATE });
+        for vertex in &mut self.vertices {
+            *vertex *= metres;
+            if let Some(&far) = vertex.as_ref().iter().find(|x| x.abs() > LARGEST_COORDINATE) {
+                return Err(MeshError::FarAway { metres: far, most: LARGEST_COORDINATE });
             }
         }
         Ok(self)
@@ -105,23 +106,21 @@ impl Mesh {
 
     fn extent(&self) -> f64 {
         let (low, high) = self.bounds();
-        vector::length(&vector::sub(&high, &low))
+        high.distance(low)
     }
 
     /// Smallest and largest coordinates of the vertices in use.
-    fn bounds(&self) -> ([f64; 3], [f64; 3]) {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let of_facets = self.facets.iter().flat_map(|facet| facet.corners);
         for vertex in of_facets.chain(self.lines.iter().flat_map(|line| line.ends)) {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(self.vertices[vertex][axis]);
-                high[axis] = high[axis].max(self.vertices[vertex][axis]);
-            }
+            low = low.min(self.vertices[vertex]);
+            high = high.max(self.vertices[vertex]);
         }
         (low, high)
     }
 
-    fn corners(&self, facet: &Facet) -> [[f64; 3]; 3] {
+    fn corners(&self, facet: &Facet) -> [DVec3; 3] {
         facet.corners.map(|vertex| self.vertices[vertex])
     }
 }
@@ -130,14 +129,14 @@ impl Mesh {
 #[derive(Debug, Default)]
 struct Welder {
     known: HashMap<[u64; 3], usize>,
-    vertices: Vec<[f64; 3]>,
+    vertices: Vec<DVec3>,
 }
 
 impl Welder {
     fn vertex(&mut self, point: [f64; 3]) -> usize {
         let point = point.map(|value| value + 0.0);
         *self.known.entry(point.map(f64::to_bits)).or_insert_with(|| {
-            self.vertices.push(point);
+            self.vertices.push(point.into());
             self.vertices.len() - 1
         })
     }

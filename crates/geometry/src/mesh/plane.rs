@@ -1,10 +1,11 @@
 //! The cross-section of a tool in the plane.
 
 use super::error::{MeshError, Name};
-use super::vector::{area_vector, between, length};
+use super::vector::area_vector;
 use super::{Mesh, surface};
 use crate::outline::{self, MOST_POINTS};
 use crate::tool_section::signed_double_area;
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Deviation from a plane, and distance of points that are one, as a share of the size of the mesh.
@@ -70,7 +71,7 @@ fn boundary(mesh: &Mesh) -> Result<CrossSection, MeshError> {
         .collect();
     let (section, area) = outermost(mesh, &mesh.vertices, &links)?;
     let covered: f64 =
-        mesh.facets.iter().map(|facet| length(&area_vector(&mesh.corners(facet)))).sum();
+        mesh.facets.iter().map(|facet| area_vector(mesh.corners(facet)).length()).sum();
     // Elements that lie on each other have more area than their outline encloses.
     if (covered - area).abs() > SAME_AREA * covered {
         return Err(MeshError::Overlap);
@@ -87,7 +88,7 @@ enum Above {
 
 /// The section of a closed surface with z = 0: one point for each edge that crosses, one link for
 /// each facet that does.
-fn section_with_zero(mesh: &Mesh, above: Above) -> (Vec<[f64; 3]>, Vec<Link>) {
+fn section_with_zero(mesh: &Mesh, above: Above) -> (Vec<DVec3>, Vec<Link>) {
     let is_above = |vertex: usize| {
         let z = mesh.vertices[vertex][2];
         z > 0.0 || (above == Above::WithZero && z == 0.0)
@@ -105,9 +106,9 @@ fn section_with_zero(mesh: &Mesh, above: Above) -> (Vec<[f64; 3]>, Vec<Link>) {
             // From the lower to the higher number, so that both facets see the same point.
             let edge = (from.min(to), from.max(to));
             ends.push(*known.entry(edge).or_insert_with(|| {
-                let (a, b) = (&mesh.vertices[edge.0], &mesh.vertices[edge.1]);
-                let crossing = between(a, b, a[2] / (a[2] - b[2]));
-                points.push(if b[2] == 0.0 { *b } else { crossing });
+                let (a, b) = (mesh.vertices[edge.0], mesh.vertices[edge.1]);
+                let crossing = a + a.z / (a.z - b.z) * (b - a);
+                points.push(if b.z == 0.0 { b } else { crossing });
                 points.len() - 1
             }));
         }
@@ -122,7 +123,7 @@ fn section_with_zero(mesh: &Mesh, above: Above) -> (Vec<[f64; 3]>, Vec<Link>) {
 /// The others must be holes in the largest.
 fn outermost(
     mesh: &Mesh,
-    points: &[[f64; 3]],
+    points: &[DVec3],
     links: &[Link],
 ) -> Result<(CrossSection, f64), MeshError> {
     let nearest = FLAT * mesh.extent();
@@ -150,7 +151,7 @@ fn outermost(
 }
 
 /// Closed loops of links; every point has exactly two.
-fn loops(points: &[[f64; 3]], links: &[Link]) -> Result<Vec<Vec<[f64; 2]>>, MeshError> {
+fn loops(points: &[DVec3], links: &[Link]) -> Result<Vec<Vec<[f64; 2]>>, MeshError> {
     let mut at = BTreeMap::<usize, Vec<usize>>::new();
     for (index, link) in links.iter().enumerate() {
         for end in link.ends {
@@ -161,10 +162,10 @@ fn loops(points: &[[f64; 3]], links: &[Link]) -> Result<Vec<Vec<[f64; 2]>>, Mesh
         match meeting.len() {
             1 => {
                 let name = links[meeting[0]].name;
-                return Err(MeshError::OpenLoop { name, at: points[*point] });
+                return Err(MeshError::OpenLoop { name, at: points[*point].to_array() });
             }
             2 => {}
-            _ => return Err(MeshError::Pinched { at: points[*point] }),
+            _ => return Err(MeshError::Pinched { at: points[*point].to_array() }),
         }
     }
     let mut used = vec![false; links.len()];
@@ -174,7 +175,7 @@ fn loops(points: &[[f64; 3]], links: &[Link]) -> Result<Vec<Vec<[f64; 2]>>, Mesh
         let mut one = Vec::new();
         while !used[link] {
             used[link] = true;
-            one.push([points[point][0], points[point][1]]);
+            one.push(points[point].truncate().to_array());
             let [a, b] = links[link].ends;
             point = if point == a { b } else { a };
             let next = at[&point].iter().copied().find(|other| *other != link);

@@ -6,8 +6,9 @@
 //! the corners tells outside; a normal that is stated and contradicts it is a mistake.
 
 use super::error::{MeshError, Name};
-use super::vector::{area_vector, dot, length};
+use super::vector::area_vector;
 use super::{Facet, MOST_FACETS, Mesh, Welder};
+use glam::DVec3;
 
 const HEADER: usize = 84;
 const FACET: usize = 50;
@@ -51,9 +52,9 @@ impl Facets {
         if corners.iter().flatten().any(|value| !value.is_finite()) {
             return Err(MeshError::NotFinite { name });
         }
-        let area = area_vector(&corners);
+        let (normal, area) = (DVec3::from(normal), area_vector(corners.map(DVec3::from)));
         // Many programs write no normal, or an inaccurate one of a thin facet.
-        if dot(&normal, &area) < -0.5 * length(&normal) * length(&area) {
+        if normal.dot(area) < -0.5 * normal.length() * area.length() {
             return Err(MeshError::StatedNormal { name });
         }
         let corners = corners.map(|corner| self.welder.vertex(corner));

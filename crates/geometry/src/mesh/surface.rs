@@ -2,8 +2,9 @@
 //! in opposite directions, every part has its outside outside, no two facets cross.
 
 use super::error::{MeshError, Name};
-use super::vector::{Vector, area_vector, cross, dot, length, sub};
+use super::vector::area_vector;
 use super::{Facet, Mesh, intersection};
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Height of a facet without area, as a share of the size of the mesh. Coordinates of single
@@ -35,9 +36,9 @@ pub(super) fn areas(mesh: &Mesh) -> Result<(), MeshError> {
     let thinnest = THINNEST * mesh.extent();
     for facet in &mesh.facets {
         let corners = mesh.corners(facet);
-        let [a, b, c] = &corners;
-        let longest = length(&sub(b, a)).max(length(&sub(c, b))).max(length(&sub(a, c)));
-        if length(&area_vector(&corners)) <= thinnest * longest {
+        let [a, b, c] = corners;
+        let longest = b.distance(a).max(c.distance(b)).max(a.distance(c));
+        if area_vector(corners).length() <= thinnest * longest {
             return Err(MeshError::Degenerate { name: facet.name });
         }
     }
@@ -69,8 +70,8 @@ fn two_facets_each(mesh: &Mesh, edges: &Edges) -> Result<(), MeshError> {
         }
         _ => MeshError::Hole {
             name: name(facets[0].0),
-            from: mesh.vertices[*from],
-            to: mesh.vertices[*to],
+            from: mesh.vertices[*from].to_array(),
+            to: mesh.vertices[*to].to_array(),
         },
     })
 }
@@ -110,12 +111,12 @@ fn orientation(mesh: &Mesh, edges: &Edges) -> Result<(), MeshError> {
 fn outside(mesh: &Mesh, edges: &Edges) -> Result<(), MeshError> {
     // Reference point inside the mesh: volumes of far away tetrahedra would cancel badly.
     let (low, high) = mesh.bounds();
-    let origin: Vector = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
+    let origin = 0.5 * (low + high);
     let part = parts(mesh.facets.len(), edges);
     let mut volume = BTreeMap::<usize, (f64, Name)>::new();
     for (index, facet) in mesh.facets.iter().enumerate() {
-        let [a, b, c] = mesh.corners(facet).map(|corner| sub(&corner, &origin));
-        volume.entry(part[index]).or_insert((0.0, facet.name)).0 += dot(&a, &cross(&b, &c));
+        let [a, b, c] = mesh.corners(facet).map(|corner: DVec3| corner - origin);
+        volume.entry(part[index]).or_insert((0.0, facet.name)).0 += a.dot(b.cross(c));
     }
     match volume.values().find(|(volume, _)| *volume <= 0.0) {
         None => Ok(()),

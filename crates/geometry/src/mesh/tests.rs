@@ -274,9 +274,9 @@ fn a_ball_of_many_facets_has_no_crossing() {
         let sign = |bit: usize| if signs >> bit & 1 == 1 { -1.0 } else { 1.0 };
         let at = |i: usize, j: usize| {
             let k = n - i - j;
-            let p = [sign(0) * i as f64, sign(1) * j as f64, sign(2) * k as f64 + 0.0];
-            let r = vector::length(&p);
-            p.map(|value| value / r)
+            let p = DVec3::new(sign(0) * i as f64, sign(1) * j as f64, sign(2) * k as f64 + 0.0);
+            let r = p.length();
+            (p / r).to_array()
         };
         let odd = sign(0) * sign(1) * sign(2) < 0.0;
         let mut add = |a, b, c| facets.push(if odd { [a, c, b] } else { [a, b, c] });

@@ -10,6 +10,7 @@ use crate::shared::{self, Resolution};
 use crate::tool::placement::{Handedness, Placement};
 use crate::tool::{ToolBody, ToolShape, refuse_keys, require};
 use crate::{sections, warnings};
+use glam::DVec3;
 use sphcut_geometry::silhouette::Silhouette;
 use sphcut_geometry::tool_section::shift_to_gap;
 use sphcut_input::findings::Findings;
@@ -503,10 +504,12 @@ impl Cut {
             ToolBody::Solid((vertices, triangles)) => {
                 let shift = -foremost((vertices, triangles), gap) - gap;
                 let tip = self.tip();
-                let local = vertices.iter().map(|[x, y, z]| [x + shift, *y, z + tip]).collect();
+                let way = DVec3::new(shift, 0.0, tip);
+                let local = vertices.iter().map(|vertex| vertex + way).collect();
                 let (vertices, triangles) = placement.surface(&(local, triangles.clone()));
                 let heat = self.tool.heat.as_ref();
                 let heat = heat.map(|heat| self.placed_heat(heat, [shift, 0.0, tip], |side| side));
+                let vertices = vertices.iter().map(DVec3::to_array).collect();
                 (ToolSurface::Triangles { vertices, triangles }, heat)
             }
         };
@@ -559,7 +562,7 @@ impl Cut {
 }
 
 /// Largest x of the part of a surface that can meet a workpiece below y = 0 within `gap`.
-fn foremost((vertices, triangles): (&[Vector], &[[usize; 3]]), gap: f64) -> f64 {
+fn foremost((vertices, triangles): (&[DVec3], &[[usize; 3]]), gap: f64) -> f64 {
     let sides = triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
     let foremost_of = |ends: [&usize; 2]| {
         let [a, b] = ends.map(|&vertex| vertices[vertex]);

@@ -231,7 +231,7 @@ fn distances(around: &Surroundings<'_>) -> Vec<f64> {
         }
         Shape::Surface((vertices, triangles)) => triangles
             .iter()
-            .map(|triangle| triangle_distance(&around.centre, &triangle.map(|v| vertices[v])))
+            .map(|triangle| triangle_distance(around.centre.into(), &triangle.map(|v| vertices[v])))
             .collect(),
         Shape::HalfSpace => Vec::new(),
     }

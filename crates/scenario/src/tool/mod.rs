@@ -8,6 +8,7 @@ use crate::cut::Process;
 use crate::cut::machine;
 use crate::sections;
 use crate::shared;
+use glam::DVec3;
 use sphcut_geometry::mesh::{LARGEST_MESH, Mesh, MeshError, Surface};
 use sphcut_geometry::outline;
 use sphcut_geometry::tool_section::EdgeGeometry;
@@ -163,9 +164,9 @@ fn heat_surroundings<'a>(
 }
 
 /// The foremost of the lowest vertices.
-fn lowest_point(vertices: &[[f64; 3]]) -> [f64; 3] {
-    let by_place = |a: &&[f64; 3], b: &&[f64; 3]| a[1].total_cmp(&b[1]).then(b[0].total_cmp(&a[0]));
-    *vertices.iter().min_by(by_place).expect("a surface has vertices")
+fn lowest_point(vertices: &[DVec3]) -> [f64; 3] {
+    let by_place = |a: &&DVec3, b: &&DVec3| a.y.total_cmp(&b.y).then(b.x.total_cmp(&a.x));
+    vertices.iter().min_by(by_place).expect("a surface has vertices").to_array()
 }
 
 /// The tool of plane faces and a rounded edge.

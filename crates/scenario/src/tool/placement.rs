@@ -44,7 +44,8 @@ impl Placement {
             Handedness::Kept => *triangle,
             Handedness::Mirrored => [triangle[0], triangle[2], triangle[1]],
         };
-        let vertices = vertices.iter().map(|vertex| self.vector(*vertex)).collect();
+        let vertices =
+            vertices.iter().map(|vertex| self.vector(vertex.to_array()).into()).collect();
         (vertices, triangles.iter().map(turn).collect())
     }
 
