@@ -8,8 +8,7 @@ use crate::inference::commissioning::{Batch, Comparison};
 use crate::inference::problem::InstrumentPriors;
 use crate::model::predictor::{Condition, Predictor, ToolShape};
 use crate::session::{Diagnosis, Request, diagnose};
-use sphcut_input::CutTableRow;
-use sphcut_input::MEASURED;
+use sphcut_input::{CutTableRow, MEASURED};
 
 /// The recordings of a case and what they say against `model`.
 ///

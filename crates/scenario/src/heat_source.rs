@@ -1,7 +1,6 @@
 //! `[[heat_source]]`: heat released in the volume of the bodies.
 
-use crate::bodies;
-use crate::sections;
+use crate::{bodies, sections};
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
 use sphcut_input::reader;

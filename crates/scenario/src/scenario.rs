@@ -1,23 +1,13 @@
 //! A scenario from its text.
 
-use crate::LoadOptions;
-use crate::bodies;
-use crate::cut::inertia;
-use crate::cut::passes;
-use crate::cut::window;
-use crate::cut::{self, Cut, CutEnd};
+use crate::cut::{self, Cut, CutEnd, inertia, passes, window};
 use crate::ending::{Kind, Output, Stop, read_output, read_stop};
-use crate::friction_heat;
-use crate::heat_source;
-use crate::material::Shelf;
-use crate::material::effects;
-use crate::material::equation_of_state;
+use crate::material::{Shelf, effects, equation_of_state};
 use crate::sections;
 use crate::shared::{self, Resolution};
 use crate::tool;
 use crate::tool::Space;
-use crate::wall;
-use crate::warnings;
+use crate::{LoadOptions, bodies, friction_heat, heat_source, wall, warnings};
 use sphcut_input::files::{self, LARGEST_TEXT, Surroundings};
 use sphcut_input::findings::{Findings, ResolvedEntry};
 use sphcut_input::problem::{Mistake, Problem, Source};

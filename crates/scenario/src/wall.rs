@@ -1,10 +1,8 @@
 //! `[wall]`: what is rigid in a scenario of bodies, and how it moves.
 
 use crate::bodies::check_table_count;
-use crate::sections;
-use crate::shared;
-use crate::tool;
 use crate::tool::heat;
+use crate::{sections, shared, tool};
 use glam::DVec3;
 use sphcut_geometry::mesh::Mesh;
 use sphcut_input::files::Surroundings;

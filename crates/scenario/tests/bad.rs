@@ -2,8 +2,7 @@
 //! `# error: LINE:COLUMN message`.
 
 use sphcut_input::Colours;
-use sphcut_scenario::LoadOptions;
-use sphcut_scenario::load;
+use sphcut_scenario::{LoadOptions, load};
 use std::path::{Path, PathBuf};
 
 fn bad_files() -> Vec<PathBuf> {

@@ -2,9 +2,7 @@
 
 use approx::assert_relative_eq;
 use sphcut_input::Problem;
-use sphcut_scenario::LoadOptions;
-use sphcut_scenario::Scenario;
-use sphcut_scenario::load;
+use sphcut_scenario::{LoadOptions, Scenario, load};
 use sphcut_sph::setup::{Dimension, Shape, ToolSurface, VelocityField};
 use std::path::{Path, PathBuf};
 

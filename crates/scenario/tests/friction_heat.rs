@@ -1,10 +1,7 @@
 //! Where the heat of friction goes: all of it into the workpiece, or parted with a tool that takes heat.
 
-use sphcut_input::Origin;
-use sphcut_input::Problem;
-use sphcut_scenario::LoadOptions;
-use sphcut_scenario::Scenario;
-use sphcut_scenario::parse;
+use sphcut_input::{Origin, Problem};
+use sphcut_scenario::{LoadOptions, Scenario, parse};
 use sphcut_sph::{ChannelId, Simulation};
 use std::path::Path;
 

@@ -2,9 +2,7 @@
 
 use proptest::prelude::*;
 use sphcut_input::OutsideFiles;
-use sphcut_scenario::LoadOptions;
-use sphcut_scenario::load;
-use sphcut_scenario::parse;
+use sphcut_scenario::{LoadOptions, load, parse};
 use sphcut_sph::Setup;
 use sphcut_sph::setup::{Dimension, Shape};
 use std::fs;

@@ -3,10 +3,9 @@
 //! The costliest come first, each on one thread; when fewer are left than cores are free, a run gets several.
 //! The bits are the same for any number of threads.
 
-use crate::Address;
-use crate::Sweep;
 use crate::plan::{Plan, PlannedRun};
 use crate::store::{Claim, Entry, Failure, Store, StoreError, Work};
+use crate::{Address, Sweep};
 use sphcut_scenario::Scenario;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

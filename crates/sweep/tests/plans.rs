@@ -1,8 +1,7 @@
 //! Designs and addresses of files of sweeps.
 
 use sphcut_scenario::LoadOptions;
-use sphcut_sweep::{Plan, PlanError, plan};
-use sphcut_sweep::{Sweep, load_sweep};
+use sphcut_sweep::{Plan, PlanError, Sweep, load_sweep, plan};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

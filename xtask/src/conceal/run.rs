@@ -3,15 +3,10 @@
 use super::score::HEAD;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use sphcut_diagnose::ClosedForm;
-use sphcut_diagnose::Diagnosis;
-use sphcut_diagnose::DiagnosisCase;
-use sphcut_diagnose::Held;
-use sphcut_diagnose::HeldValue;
-use sphcut_diagnose::Predictor;
-use sphcut_diagnose::Verdict;
-use sphcut_diagnose::closed_form_cut;
-use sphcut_diagnose::diagnose_case_as;
+use sphcut_diagnose::{
+    ClosedForm, Diagnosis, DiagnosisCase, Held, HeldValue, Predictor, Verdict, closed_form_cut,
+    diagnose_case_as,
+};
 use sphcut_input::Colours;
 use sphcut_scenario::LoadOptions;
 use std::fmt::Write;

@@ -8,10 +8,8 @@ use super::truth::{Hidden, Instrument, NUISANCES, Outside};
 use sphcut_analytic::{ActiveEffect, Channel, Condition, Observables, Physics, find};
 use sphcut_diagnose::{Change, PairedScenario, run_effects};
 use sphcut_greybox::Random;
-use sphcut_input::CutTableRow;
-use sphcut_input::MEASURED;
-use sphcut_scenario::LoadOptions;
-use sphcut_scenario::Scenario;
+use sphcut_input::{CutTableRow, MEASURED};
+use sphcut_scenario::{LoadOptions, Scenario};
 use sphcut_sweep::Sweep;
 use std::path::Path;
 

@@ -4,10 +4,8 @@ use super::score::HEAD;
 use super::twin::{plan, record as recorded, twins};
 use super::{files, read, run, seal, write};
 use serde_json::Value;
-use sphcut_input::Colours;
-use sphcut_input::read_cut_table;
-use sphcut_scenario::LoadOptions;
-use sphcut_scenario::load;
+use sphcut_input::{Colours, read_cut_table};
+use sphcut_scenario::{LoadOptions, load};
 use std::path::Path;
 use std::process::Command;
 

@@ -4,10 +4,10 @@ use crate::arguments::IdentifyArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use sphcut_identify::{
-    Bar, Curve, Cylinder, Fit, LawChoice, LoadPath, Point, Pulses, References, compare, fit,
-    identification_json, material_toml, points_of, residuals_csv, sequence, table_csv, tabulate,
+    Bar, Curve, Cylinder, Fit, Identification, LawChoice, LoadPath, Point, Pulses, References,
+    TestCurve, compare, fit, identification_json, material_toml, points_of, residuals_csv,
+    sequence, table_csv, tabulate,
 };
-use sphcut_identify::{Identification, TestCurve};
 use sphcut_report::{IdentificationPage, identification_words, render_identification};
 
 const FILES: [&str; 7] = [

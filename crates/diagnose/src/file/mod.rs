@@ -4,8 +4,7 @@ mod keys;
 mod series;
 
 pub use keys::reference_page;
-use sphcut_scenario::LoadOptions;
-use sphcut_scenario::Scenario;
+use sphcut_scenario::{LoadOptions, Scenario};
 
 pub use series::{AirRecord, SeriesPlan};
 use sphcut_input::document::{self, contradiction};

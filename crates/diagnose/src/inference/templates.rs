@@ -2,8 +2,7 @@
 
 use crate::error::DiagnoseError;
 use crate::inference::change_error::{self, Loose};
-use crate::inference::fit::NEGLIGIBLE;
-use crate::inference::fit::{Fit, active};
+use crate::inference::fit::{Fit, NEGLIGIBLE, active};
 use crate::inference::gaussian::{Whitener, log_determinant};
 use crate::inference::law::{Factor, Law, Spectrum, principal};
 use crate::inference::problem::Problem;

@@ -1,11 +1,5 @@
 //! A model linear in everything, with known answers.
 
-use crate::Attribution;
-use crate::Finding;
-use crate::Fit;
-use crate::InstrumentPriors;
-use crate::Templates;
-use crate::attribute;
 use crate::data::channel::{CHANNELS, Channel};
 use crate::data::recordings::{Recording, Recordings};
 use crate::fit;
@@ -14,6 +8,7 @@ use crate::judge;
 use crate::model::predictor::{
     Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior,
 };
+use crate::{Attribution, Finding, Fit, InstrumentPriors, Templates, attribute};
 use nalgebra::{DMatrix, DVector};
 use sphcut_greybox::Random;
 
@@ -190,9 +185,7 @@ pub fn diagnosed(twin: &Twin, recordings: &Recordings) -> Diagnosed {
 
 mod tests {
     use super::*;
-    use crate::Hypothesis;
-    use crate::Verdict;
-    use crate::locate;
+    use crate::{Hypothesis, Verdict, locate};
 
     fn hidden(effect: usize, amplitude: f64) -> Active {
         Active { effect, values: vec![amplitude] }

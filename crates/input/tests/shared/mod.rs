@@ -1,8 +1,7 @@
 //! Folders of bad files: every file says in its leading comments which problems it has, all of them:
 //! `# error: LINE:COLUMN message`. `UPDATE_GENERATED=1` writes the comments of files that have none.
 
-use sphcut_input::Colours;
-use sphcut_input::Problem;
+use sphcut_input::{Colours, Problem};
 use std::path::{Path, PathBuf};
 
 fn files(folder: &str) -> Vec<PathBuf> {

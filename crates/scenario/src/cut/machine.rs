@@ -1,7 +1,6 @@
 //! `[tool.compliance]` and `[tool.run_out]`: what moves the tool off its path.
 
-use crate::sections;
-use crate::shared;
+use crate::{sections, shared};
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
 use sphcut_input::reader;

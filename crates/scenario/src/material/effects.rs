@@ -1,7 +1,6 @@
 //! `[effects]`: optional constitutive effects of the materials.
 
-use crate::sections;
-use crate::shared;
+use crate::{sections, shared};
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
 use sphcut_input::reader;

@@ -1,7 +1,6 @@
 //! `equation_of_state` of a material.
 
-use crate::sections;
-use crate::shared;
+use crate::{sections, shared};
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Source;
 use sphcut_input::reader;

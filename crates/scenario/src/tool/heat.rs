@@ -8,8 +8,7 @@ use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
 use sphcut_input::reader;
 use sphcut_input::record::Record;
-use sphcut_physics::ROOM_TEMPERATURE;
-use sphcut_physics::{Quantity, TemperatureTable};
+use sphcut_physics::{Quantity, ROOM_TEMPERATURE, TemperatureTable};
 use sphcut_sph::setup::{Coating, OuterBoundary, ThermalMaterial, ToolHeat};
 use toml::de::DeTable;
 

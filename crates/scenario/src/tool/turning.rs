@@ -1,8 +1,7 @@
 //! `[tool]` of turning: an insert from its angles and radii, or a mesh.
 
 use crate::cut::Process;
-use crate::tool::shapes;
-use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, refuse_keys, require};
+use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, refuse_keys, require, shapes};
 use sphcut_geometry::insert::{BODY, InsertGeometry};
 use sphcut_geometry::mesh::{Mesh, Surface};
 use sphcut_input::files::Surroundings;

@@ -35,8 +35,7 @@
 use crate::engine::MaterialData;
 use crate::material::point::MaterialPoint;
 use crate::setup::Material;
-use sphcut_physics::ROOM_TEMPERATURE;
-use sphcut_physics::TemperatureTable;
+use sphcut_physics::{ROOM_TEMPERATURE, TemperatureTable};
 
 /// E(T) over E at room temperature; `None` if it does not depend on temperature.
 pub(crate) fn stiffness_table(material: &Material) -> Option<TemperatureTable> {

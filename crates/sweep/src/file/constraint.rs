@@ -8,10 +8,8 @@
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
 use sphcut_input::record::Record;
-use sphcut_input::spelling;
-use sphcut_input::units;
-use sphcut_scenario::KeyPath;
-use sphcut_scenario::Scenario;
+use sphcut_input::{spelling, units};
+use sphcut_scenario::{KeyPath, Scenario};
 
 /// Whether a scenario keeps the constraints.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,9 +5,7 @@ mod constraint;
 mod keys;
 
 pub use keys::reference_page;
-use sphcut_scenario::KeyPath;
-use sphcut_scenario::LoadOptions;
-use sphcut_scenario::{Scenario, load, parse};
+use sphcut_scenario::{KeyPath, LoadOptions, Scenario, load, parse};
 
 pub use axis::{Axis, Levels, multiple};
 use constraint::Constraint;

@@ -1,8 +1,7 @@
 //! Sweeps whose runs only pretend to compute.
 
 use sphcut_scenario::{LoadOptions, Scenario};
-use sphcut_sweep::{Computed, Trouble, Watch, Worker};
-use sphcut_sweep::{Sweep, load_sweep};
+use sphcut_sweep::{Computed, Sweep, Trouble, Watch, Worker, load_sweep};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -13,17 +13,11 @@ use crate::case::{Kind, Tier};
 use crate::error::CaseError;
 use crate::verdict::{Finding, Outcome, Verdict};
 use serde::Deserialize;
-use sphcut_diagnose::ClosedForm;
-use sphcut_diagnose::Diagnosis;
-use sphcut_diagnose::Growth;
-use sphcut_diagnose::Predictor;
-use sphcut_diagnose::Segment;
-use sphcut_diagnose::closed_form_cut;
-use sphcut_diagnose::diagnose_case;
-use sphcut_diagnose::grows;
-use sphcut_diagnose::load_diagnosis;
-use sphcut_input::Colours;
-use sphcut_input::read_series_table;
+use sphcut_diagnose::{
+    ClosedForm, Diagnosis, Growth, Predictor, Segment, closed_form_cut, diagnose_case, grows,
+    load_diagnosis,
+};
+use sphcut_input::{Colours, read_series_table};
 use sphcut_scenario::LoadOptions;
 use std::fs;
 use std::path::{Path, PathBuf};

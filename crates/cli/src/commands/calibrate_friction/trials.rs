@@ -3,12 +3,10 @@
 use crate::arguments::CalibrateArguments;
 use crate::commands::run;
 use crate::failure::{ExitCode, Failure};
-use crate::loading;
-use crate::outcome;
 use crate::progress::Style;
 use crate::results;
 use crate::terminal::note;
-use crate::text;
+use crate::{loading, outcome, text};
 use sphcut_postprocess::calibration::{MeasuredForces, Trial};
 use sphcut_postprocess::evaluate;
 use sphcut_record::driver::{Export, Process, RunOptions, Start};

@@ -7,18 +7,11 @@ use crate::arguments::DiagnoseArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use runs::{Ended, Paired};
-use sphcut_diagnose::ClosedForm;
-use sphcut_diagnose::DiagnoseError;
-use sphcut_diagnose::DiagnosisFile;
-use sphcut_diagnose::Predictor;
-use sphcut_diagnose::Provenance;
-use sphcut_diagnose::closed_form_cut;
-use sphcut_diagnose::compare_rerun;
-use sphcut_diagnose::diagnose_case;
-use sphcut_diagnose::diagnosis_json;
-use sphcut_diagnose::held_out_csv;
-use sphcut_diagnose::patch;
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
+use sphcut_diagnose::{
+    ClosedForm, DiagnoseError, DiagnosisFile, Predictor, Provenance, closed_form_cut,
+    compare_rerun, diagnose_case, diagnosis_json, held_out_csv, patch,
+};
 use sphcut_report::{
     DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
 };

@@ -3,19 +3,14 @@
 use crate::arguments::DiagnoseArguments;
 use crate::commands::sweep;
 use crate::failure::{ExitCode, Failure};
-use crate::interrupt;
-use crate::loading;
 use crate::progress::Style;
-use crate::results;
-use crate::terminal;
-use sphcut_diagnose::DiagnosisCase;
+use crate::{interrupt, loading, results, terminal};
 use sphcut_diagnose::{
-    CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, Fit, PairedRun, PairedRuns,
-    PairedScenario, Predictor, STATES, ToolShape, changes, condition_of, rerun_changes,
+    CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, DiagnosisCase, Fit, PairedRun,
+    PairedRuns, PairedScenario, Predictor, STATES, ToolShape, changes, condition_of, rerun_changes,
     rerun_conditions, scenario_patch, support, unseen_fits,
 };
-use sphcut_sweep::Sweep;
-use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Table};
+use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Sweep, Table};
 use std::path::{Path, PathBuf};
 
 /// Folder of the runs in the output folder.

@@ -7,8 +7,7 @@ use sphcut_diagnose::series::{
     AirSeries, SeriesCut, SeriesDiagnosis, SeriesOptions, diagnose_series,
 };
 use sphcut_diagnose::{AirRecord, DiagnosisFile, SeriesPlan};
-use sphcut_recordings::RecordingFile;
-use sphcut_recordings::{Channel, Settings, Unsteady, evaluate_cut};
+use sphcut_recordings::{Channel, RecordingFile, Settings, Unsteady, evaluate_cut};
 
 /// 50 Hz and 60 Hz.
 const MAINS: [f64; 2] = [50.0, 60.0];

@@ -7,10 +7,9 @@ use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
 use sphcut_recordings::{
-    ComponentResult, CutResult, Pooled, RawTable, cuts_csv, evaluate_cut, forces_csv, formats,
-    pool, recordings_json,
+    ComponentResult, CutResult, Pooled, RawTable, RecordingCut, RecordingFile, Recordings,
+    cuts_csv, evaluate_cut, forces_csv, formats, pool, recordings_json,
 };
-use sphcut_recordings::{RecordingCut, RecordingFile, Recordings};
 use sphcut_report::{RecordingsPage, recordings_words, render_recordings};
 use std::io::Read;
 use std::path::Path;

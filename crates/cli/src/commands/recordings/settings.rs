@@ -6,9 +6,9 @@ use sphcut_recordings::formats::{
 };
 use sphcut_recordings::{
     Channel, Component, Condition, Conditions, CutResult, Detection, Pooled, RawColumn, RawTable,
-    Response, Settings, TimeSource, Unsteady,
+    RecordingChannel, RecordingCut, RecordingFile, Recordings, Response, Settings, TimeSource,
+    Unsteady,
 };
-use sphcut_recordings::{RecordingChannel, RecordingCut, RecordingFile, Recordings};
 
 /// How the records are evaluated.
 pub fn settings(plan: &Recordings) -> Settings {

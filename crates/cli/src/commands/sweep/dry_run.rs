@@ -7,8 +7,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::progress::seconds_to_duration;
 use crate::{loading, terminal, text};
 use sphcut_sph::Simulation;
-use sphcut_sweep::Sweep;
-use sphcut_sweep::{Plan, PlannedRun};
+use sphcut_sweep::{Plan, PlannedRun, Sweep};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 

@@ -16,9 +16,8 @@ use crate::{interrupt, loading, outcome, terminal, text};
 use arguments::Executor;
 use display::Display;
 use serde_json::json;
-use sphcut_sweep::Sweep;
 use sphcut_sweep::{
-    Execution, Needs, Plan, PlanError, Retry, State, Store, StoreError, execute, plan,
+    Execution, Needs, Plan, PlanError, Retry, State, Store, StoreError, Sweep, execute, plan,
 };
 use std::path::PathBuf;
 use std::time::Instant;

@@ -6,8 +6,7 @@ use serde_json::Value;
 use sphcut_postprocess::{SCHEMA_VERSION, evaluate, summary_json};
 use sphcut_record::{Run, RunFiles};
 use sphcut_report::{SweepPage, render_sweep};
-use sphcut_sweep::Sweep;
-use sphcut_sweep::{Plan, State, Store, Table};
+use sphcut_sweep::{Plan, State, Store, Sweep, Table};
 use std::path::{Path, PathBuf};
 
 /// v_c in m/s, h in m, F_c and F_f in N of the measured cuts; none without `--measured`.

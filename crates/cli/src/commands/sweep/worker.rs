@@ -1,9 +1,7 @@
 //! Computes one run of a sweep in this process.
 
 use crate::commands::run;
-use crate::interrupt;
-use crate::loading;
-use crate::results;
+use crate::{interrupt, loading, results};
 use sphcut_postprocess::{evaluate, summary_json};
 use sphcut_record::driver::{self, Export, Process, RunOptions, Start};
 use sphcut_record::{Outcome, Run, RunError};
