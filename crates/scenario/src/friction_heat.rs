@@ -9,7 +9,8 @@ use sphcut_input::units::significant;
 use sphcut_physics::friction::ContactState;
 use sphcut_physics::heat::{ContactSide, PARAMETERS, share_by_effusivities};
 use sphcut_physics::{Quantity, TemperatureTable, Values};
-use sphcut_sph::setup::{Body, Heat, Material, Setup, Tool, ToolHeat};
+use sphcut_sph::setup::{Body, Heat, Material, Setup, Tool};
+use sphcut_tool_heat::ToolHeat;
 use toml::de::DeTable;
 
 const KEY: &str = "friction_heat_share";

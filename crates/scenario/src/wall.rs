@@ -5,13 +5,14 @@ use crate::tool::heat;
 use crate::{sections, shared, tool};
 use glam::DVec3;
 use sphcut_geometry::mesh::Mesh;
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_input::files::Surroundings;
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
 use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_physics::{Values, friction};
-use sphcut_sph::setup::{Tool, ToolSurface, VelocityChange};
+use sphcut_sph::setup::{Tool, VelocityChange};
 
 /// `[wall]`: a half space or a body from a mesh, rigid and all tool.
 pub(crate) fn wall(

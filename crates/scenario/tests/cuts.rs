@@ -2,8 +2,8 @@
 
 use approx::assert_relative_eq;
 use proptest::prelude::*;
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_scenario::{LoadOptions, Scenario, parse};
-use sphcut_sph::setup::ToolSurface;
 use sphcut_sph::{Setup, Simulation};
 use std::path::Path;
 

@@ -1,9 +1,10 @@
 //! Whole files: the good ones, the shipped ones, and what becomes of them.
 
 use approx::assert_relative_eq;
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_input::Problem;
 use sphcut_scenario::{LoadOptions, Scenario, load};
-use sphcut_sph::setup::{Dimension, Shape, ToolSurface, VelocityField};
+use sphcut_sph::setup::{Dimension, Shape, VelocityField};
 use std::path::{Path, PathBuf};
 
 fn here(path: &str) -> PathBuf {

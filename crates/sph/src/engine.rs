@@ -19,6 +19,7 @@ use crate::contact::surface_point::LatticeCell;
 use crate::contact::tool_holder::ToolHolder;
 use crate::contact::{ToolContact, reduced};
 use crate::error::{Diverged, SetupError};
+use crate::heat::tool::in_tool;
 use crate::material::equation_of_state::Elasticity;
 use crate::material::history::{History, Memory};
 use crate::material::point::MaterialPoint;
@@ -28,14 +29,14 @@ use crate::output::account::{Account, Tally};
 use crate::particles::motion::Motion;
 use crate::particles::supports::{FREE, Hold};
 use crate::particles::window::{self, Rest, Window};
-use crate::setup::{CuttingFrame, HeatSource, Setup};
+use crate::setup::{CuttingFrame, HeatSource, Setup, Tool};
 use crate::stage::Stage;
 use crate::tensor::{Matrix, Vector, dot, identity, plus_scaled, zero};
-use crate::tool_heat::{ToolHeat, in_tool};
 use rayon::prelude::*;
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
 use sphcut_physics::flow_stress::FlowStressModel;
+use sphcut_tool_heat::HeatedTool;
 
 /// A slower motion in m/s is none. In front of a wave velocities fall without end, and numbers below 1e-308, as their
 /// squares are from 1e-154 on, take a processor a hundred times as long as others.
@@ -147,7 +148,7 @@ pub(crate) struct Engine<const D: usize> {
     /// Cells of the lattice, by body.
     pub(crate) cells_of_bodies: Vec<LatticeCell<D>>,
     /// Heat in the tool, where it is asked for.
-    pub(crate) tool_heat: Option<ToolHeat>,
+    pub(crate) tool_heat: Option<HeatedTool>,
     pub(crate) heat_sources: Vec<HeatSource>,
     pub(crate) account: Account,
     pub(crate) time: f64,
@@ -262,10 +263,12 @@ impl<const D: usize> Engine<D> {
             .map(|tool| ToolContact::new(tool, setup.particle_spacing, stiffest, contact_stiffness))
             .transpose()?
             .map(|tool| tool.held_by(ToolHolder::of(setup)));
-        let described = setup.tool.as_ref().and_then(|tool| Some((tool, tool.heat.as_ref()?)));
-        let tool_heat = described
-            .map(|(tool, heat)| ToolHeat::new(tool, heat, setup.particle_spacing))
-            .transpose()?;
+        let tool_heat = match (&setup.tool, &tool) {
+            (Some(Tool { surface, heat: Some(heat), .. }), Some(tool)) => {
+                Some(HeatedTool::new(surface, heat, &tool.path_speeds(), setup.particle_spacing)?)
+            }
+            _ => None,
+        };
         Ok(Self {
             id: Vec::new(),
             body: Vec::new(),
@@ -411,7 +414,7 @@ impl<const D: usize> Engine<D> {
             + size_of::<MaterialPoint<D>>()
             + size_of::<Frame<D>>()
             + size_of::<f64>() * crate::operators::sweeps::exchange_width::<D>();
-        let tool = self.tool_heat.as_ref().map_or(0, ToolHeat::memory);
+        let tool = self.tool_heat.as_ref().map_or(0, HeatedTool::memory);
         tool + self.id.len() * each
             + self.shape.len() * size_of::<Matrix<D>>()
             + self.history.len() * size_of::<History<D>>()

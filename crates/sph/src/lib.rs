@@ -18,7 +18,6 @@ pub mod setup;
 mod simulation;
 mod stage;
 mod tensor;
-mod tool_heat;
 
 /// Version of the results: the same setup gives the same bits as long as it is the same. It goes up with every
 /// change of the solver that changes bits; stored results of another version are not used again
@@ -30,4 +29,3 @@ pub use output::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snap
 pub use setup::Setup;
 pub use simulation::{Estimate, Simulation, StepReport};
 pub use stage::Stage;
-pub use tool_heat::ToolMeshFacts;

@@ -2,6 +2,7 @@
 //! the solver consumes. Plain data; building the particles is the solver's work.
 
 use crate::options;
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::effects::{ChosenEffect, EffectContext};
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::equation_of_state::MieGruneisen;
@@ -9,6 +10,7 @@ use sphcut_physics::flow_stress::FlowStressEntry;
 use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::process::{Oscillator, RunOut};
 use sphcut_physics::{TemperatureTable, Values};
+use sphcut_tool_heat::ToolHeat;
 
 /// A vector with three components; plane problems leave the third at zero.
 pub type Vector = [f64; 3];
@@ -323,66 +325,6 @@ pub struct Tool {
     pub heat: Option<ToolHeat>,
 }
 
-/// Heat conduction in a tool whose surface is a polygon or closed triangles.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ToolHeat {
-    /// What the tool is made of.
-    pub substrate: ThermalMaterial,
-    /// A layer on all sides that are not outer ones.
-    pub coating: Option<Coating>,
-    /// Initial temperature in K.
-    pub temperature: f64,
-    /// h_c between workpiece and tool in W/(m^2 K).
-    pub contact_conductance: f64,
-    /// Sides where the model of the tool is cut off: side k leads from corner k to the next; of triangles
-    /// it is triangle k. They carry no coating.
-    pub outer_sides: Vec<usize>,
-    /// What holds on these sides; no heat passes the others outside the contact.
-    pub outer: OuterBoundary,
-    /// Point of the surface about which the mesh is fine.
-    pub fine_centre: Vector,
-    /// Distance from it within which sides that can touch have elements of `element_size`, in m.
-    pub fine_reach: f64,
-    /// Length of the smallest elements in m.
-    pub element_size: f64,
-}
-
-/// A layer on the tool.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Coating {
-    /// Its thickness in m; it lies inside the outline of the tool.
-    pub thickness: f64,
-    /// What it is made of.
-    pub material: ThermalMaterial,
-}
-
-/// What conducts and stores heat and nothing else.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ThermalMaterial {
-    /// rho in kg/m^3.
-    pub density: f64,
-    /// cp(T) in J/(kg K).
-    pub specific_heat: TemperatureTable,
-    /// k(T) in W/(m K).
-    pub thermal_conductivity: TemperatureTable,
-}
-
-/// What holds where the model of the tool is cut off.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum OuterBoundary {
-    /// A temperature in K.
-    Fixed(f64),
-    /// No heat passes.
-    Adiabatic,
-    /// `q = film_coefficient (T - ambient)` leaves.
-    Convective {
-        /// In W/(m^2 K).
-        film_coefficient: f64,
-        /// In K.
-        ambient: f64,
-    },
-}
-
 /// What moves the tool off its prescribed path; nothing by default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Machine {
@@ -401,27 +343,6 @@ pub struct VelocityChange {
     pub time: f64,
     /// The new velocity in m/s.
     pub velocity: Vector,
-}
-
-/// The surface of a rigid tool. Normals point out of the tool.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ToolSurface {
-    /// Closed polygon in the plane, counter-clockwise: the tool lies to the left of each side.
-    Polygon(Vec<[f64; 2]>),
-    /// Closed triangle mesh, vertices of each triangle counter-clockwise seen from outside.
-    Triangles {
-        /// Vertex coordinates.
-        vertices: Vec<Vector>,
-        /// Indices of the vertices of each triangle.
-        triangles: Vec<[usize; 3]>,
-    },
-    /// A half space that is all tool: a wall.
-    HalfSpace {
-        /// A point of the wall.
-        point: Vector,
-        /// Unit normal out of the wall.
-        normal: Vector,
-    },
 }
 
 /// Switches of the heat mechanisms, with values of `sphcut_physics::heat::PARAMETERS`.

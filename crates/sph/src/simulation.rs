@@ -5,7 +5,7 @@ use crate::error::{Diverged, SetupError};
 use crate::output::observation::{CheckpointState, Sample, Snapshot};
 use crate::setup::{Dimension, Setup};
 use crate::stage::Stage;
-use crate::tool_heat::{ToolHeat, ToolMeshFacts};
+use sphcut_tool_heat::{HeatedTool, ToolMeshFacts};
 
 /// What one step tells its caller.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,7 +153,7 @@ impl Simulation {
             // Exact while the time step keeps its first value; crowding shortens it later.
             steps: (self.setup.end_time / engine.time_step).ceil() as u64,
             memory_bytes: engine.memory() as u64,
-            tool_mesh: engine.tool_heat.as_ref().map(ToolHeat::facts),
+            tool_mesh: engine.tool_heat.as_ref().map(HeatedTool::facts),
         })
     }
 

@@ -25,6 +25,12 @@ pub(crate) fn dot<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> f64 {
     sum
 }
 
+/// a + b
+#[inline]
+pub(crate) fn plus<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> Vector<D> {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
 /// a - b
 #[inline]
 pub(crate) fn minus<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> Vector<D> {

@@ -1,9 +1,10 @@
 //! How much of the friction that the law allows a particle uses.
 
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress, friction};
 use sphcut_sph::setup::{
-    Body, Dimension, Material, Setup, Shape, TemperatureTables, Tool, ToolSurface, VelocityField,
+    Body, Dimension, Material, Setup, Shape, TemperatureTables, Tool, VelocityField,
 };
 use sphcut_sph::{Simulation, Snapshot};
 

@@ -2,12 +2,11 @@
 
 mod support;
 
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::{TemperatureTable, Values};
-use sphcut_sph::setup::{
-    Coating, Dimension, Lattice, OuterBoundary, Setup, Shape, Support, ThermalMaterial, ToolHeat,
-    ToolSurface,
-};
+use sphcut_sph::setup::{Dimension, Lattice, Setup, Shape, Support};
 use sphcut_sph::{ChannelId, Sample, SetupError, Simulation};
+use sphcut_tool_heat::{Coating, OuterBoundary, ThermalMaterial, ToolHeat};
 use support::{SPACING, bits, cut, run, wedge};
 
 /// Rows of particles across the slab. The two at its free sides press two thirds as much as those inside, and
@@ -117,7 +116,7 @@ fn a_tool_in_space_that_is_open_or_inside_out_is_refused() {
         let ToolSurface::Triangles { triangles, .. } = &mut tool.surface else { panic!() };
         change(triangles);
         match Simulation::new(setup) {
-            Err(SetupError::ToolSurface { reason }) => reason,
+            Err(SetupError::ToolSurface(fault)) => fault.reason,
             other => panic!("{other:?}"),
         }
     };
@@ -260,7 +259,7 @@ fn what_cannot_be_meshed_in_space_says_why() {
         let mut setup = heated_slab(1e6, Some(3e-6));
         change(setup.tool.as_mut().unwrap().heat.as_mut().unwrap());
         match Simulation::new(setup) {
-            Err(SetupError::ToolHeat { reason }) => reason,
+            Err(SetupError::ToolHeat(fault)) => fault.reason,
             other => panic!("{other:?}"),
         }
     };

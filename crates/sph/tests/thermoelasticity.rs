@@ -1,11 +1,12 @@
 //! Properties over temperature: a constant table changes no bit, heat and energy are kept.
 
 use approx::assert_relative_eq;
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{TemperatureTable, Values, flow_stress, friction};
 use sphcut_sph::setup::{
     Body, Dimension, HeatSource, HeatSourceForm, Material, Setup, Shape, Support, Switch,
-    TemperatureTables, Tool, ToolSurface, VelocityField,
+    TemperatureTables, Tool, VelocityField,
 };
 use sphcut_sph::{ChannelId, Sample, Simulation, options};
 

@@ -1,12 +1,12 @@
 //! What is measured: a developed cut at three sizes, turning and an impact in three dimensions.
 
 use super::machine;
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress, friction};
 use sphcut_scenario::LoadOptions;
 use sphcut_sph::setup::{
-    Body, Dimension, Material, Setup, Shape, Support, TemperatureTables, Tool, ToolSurface,
-    VelocityField,
+    Body, Dimension, Material, Setup, Shape, Support, TemperatureTables, Tool, VelocityField,
 };
 use sphcut_sph::{CheckpointState, Simulation, options};
 use std::path::Path;

@@ -19,7 +19,7 @@ pub const ALL: &[Rule] = &[
 ];
 
 /// Crates that are pure functions of their input.
-const CORE: [&str; 2] = ["physics", "sph"];
+const CORE: [&str; 4] = ["physics", "geometry", "tool_heat", "sph"];
 /// Paths that reach outside the program.
 const SIDE_EFFECTS: [&str; 6] =
     ["std::fs", "std::env", "std::time", "std::net", "std::process", "std::io"];
@@ -31,7 +31,7 @@ const OTHER_UNITS: [&str; 18] = [
     "N/mm", "rpm", "1/min", "g/cm^3",
 ];
 /// Crates that must not contain them; the others show numbers to people.
-const WITHOUT_UNITS: [&str; 2] = CORE;
+const WITHOUT_UNITS: [&str; 3] = ["physics", "tool_heat", "sph"];
 /// Field names that mean two things in metal cutting.
 const AMBIGUOUS: [&str; 11] = ["h", "m", "n", "A", "B", "C", "T", "alpha", "beta", "gamma", "mu"];
 /// Files of source that may lie side by side in a folder.

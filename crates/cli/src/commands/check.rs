@@ -7,8 +7,9 @@ use crate::{loading, terminal, text};
 use sphcut_input::{Origin, ResolvedEntry};
 use sphcut_scenario::Scenario;
 use sphcut_sph::setup::{Dimension, Setup};
-use sphcut_sph::{Estimate, Simulation, ToolMeshFacts};
+use sphcut_sph::{Estimate, Simulation};
 use sphcut_sweep::CROWDING;
+use sphcut_tool_heat::ToolMeshFacts;
 use std::fmt::Write as _;
 use std::time::Duration;
 

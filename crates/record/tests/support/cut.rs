@@ -1,11 +1,12 @@
 //! A small cut with the real solver: 600 particles of AISI 1045, a plain wedge.
 
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress, friction};
 use sphcut_sph::Setup;
 use sphcut_sph::options;
 use sphcut_sph::setup::{
-    Body, Dimension, Material, Shape, Support, TemperatureTables, Tool, ToolSurface, VelocityField,
+    Body, Dimension, Material, Shape, Support, TemperatureTables, Tool, VelocityField,
 };
 
 const SPACING: f64 = 1e-5;

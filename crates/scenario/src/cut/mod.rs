@@ -13,15 +13,16 @@ use crate::{sections, warnings};
 use glam::DVec3;
 use sphcut_geometry::silhouette::Silhouette;
 use sphcut_geometry::tool_section::shift_to_gap;
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
 use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::{
-    Body, Material, Setup, Support, Tool, ToolHeat, ToolSurface, Vector, VelocityChange,
-    VelocityField,
+    Body, Material, Setup, Support, Tool, Vector, VelocityChange, VelocityField,
 };
+use sphcut_tool_heat::ToolHeat;
 
 /// `[process]`.
 #[derive(Debug, Clone, Copy)]

@@ -9,7 +9,7 @@ use sphcut_input::problem::Mistake;
 use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_physics::{Quantity, ROOM_TEMPERATURE, TemperatureTable};
-use sphcut_sph::setup::{Coating, OuterBoundary, ThermalMaterial, ToolHeat};
+use sphcut_tool_heat::{Coating, OuterBoundary, ThermalMaterial, ToolHeat};
 use toml::de::DeTable;
 
 /// The surface of a tool.

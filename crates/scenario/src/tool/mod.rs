@@ -18,7 +18,8 @@ use sphcut_input::record::Record;
 use sphcut_input::units;
 use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::{Quantity, Values};
-use sphcut_sph::setup::{Machine, ToolHeat};
+use sphcut_sph::setup::Machine;
+use sphcut_tool_heat::ToolHeat;
 
 /// `[tool]` before it is placed.
 #[derive(Debug)]

@@ -14,18 +14,17 @@ pub(crate) mod surface;
 pub(crate) mod surface_point;
 pub(crate) mod tool_holder;
 pub(crate) mod tool_motion;
-pub(crate) mod tool_surface;
 use crate::contact::friction::ContactFriction;
 use crate::contact::surface::{ContactSurface, Footing, Share, make_room};
 use crate::contact::surface_point::SurfacePoints;
 use crate::contact::tool_holder::ToolHolder;
 use crate::contact::tool_motion::ToolMotion;
-use crate::contact::tool_surface::{Nearest, Surface, sub, sum};
 use crate::engine::Engine;
 use crate::error::SetupError;
 use crate::operators::neighbours::NeighbourList;
 use crate::setup::{Tool, Vector as Vector3};
-use crate::tensor::{Matrix, Vector, dot, minus};
+use crate::tensor::{Matrix, Vector, dot, minus, plus};
+use sphcut_geometry::tool_surface::{IndexedSurface, NearestPoint};
 use sphcut_physics::friction::{ContactState, FrictionLaw};
 
 /// Overlap at the start, in radii of a particle, that rounding may make.
@@ -59,7 +58,7 @@ pub(crate) struct Touch<const D: usize> {
 /// The tool in contact with particles.
 #[derive(Debug)]
 pub(crate) struct ToolContact<const D: usize> {
-    pub(crate) surface: Surface,
+    pub(crate) surface: IndexedSurface,
     law: Box<dyn FrictionLaw>,
     motion: ToolMotion,
     /// What moves it off its path.
@@ -111,7 +110,7 @@ impl<const D: usize> ToolContact<D> {
     ) -> Result<Self, SetupError> {
         let power = i32::try_from(D).expect("2 or 3");
         Ok(Self {
-            surface: Surface::new(&tool.surface)?,
+            surface: IndexedSurface::new(&tool.surface)?,
             law: (tool.friction.build)(&tool.friction_values),
             motion: ToolMotion::of(tool),
             holder: ToolHolder::default(),
@@ -147,7 +146,12 @@ impl<const D: usize> ToolContact<D> {
     /// Displacement of the tool at `time`.
     pub(crate) fn displacement(&self, time: f64) -> Vector3 {
         let path = self.motion.displacement(time);
-        if self.holder.acts() { sum(&path, &self.holder.displacement(time)) } else { path }
+        if self.holder.acts() { plus(&path, &self.holder.displacement(time)) } else { path }
+    }
+
+    /// Speeds along its path, from the start on.
+    pub(crate) fn path_speeds(&self) -> Vec<f64> {
+        self.motion.speeds()
     }
 
     /// Speed along its path at `time`.
@@ -158,7 +162,7 @@ impl<const D: usize> ToolContact<D> {
     /// Way of the tool from the last refresh at `start` to `end`, which is now.
     pub(crate) fn way(&self, start: f64, end: f64) -> Vector3 {
         let path = self.motion.way(start, end);
-        if self.holder.acts() { sum(&path, &self.holder.way(start, end)) } else { path }
+        if self.holder.acts() { plus(&path, &self.holder.way(start, end)) } else { path }
     }
 
     /// Takes the velocity of the step of length `time_step` that begins at `time`.
@@ -181,14 +185,14 @@ impl<const D: usize> ToolContact<D> {
     /// Velocity over a step from `time` on, as far as the path and the present motion of the holder say.
     fn mean_velocity(&self, time: f64, time_step: f64) -> Vector3 {
         let path = self.motion.mean_velocity(time, time_step);
-        if self.holder.acts() { sum(&path, &self.holder.velocity(time, time_step)) } else { path }
+        if self.holder.acts() { plus(&path, &self.holder.velocity(time, time_step)) } else { path }
     }
 
     /// Force of the tool on the particles in N (N/m in 2D), in their order.
     fn total_force(&self) -> Vector3 {
         self.touches.iter().fold([0.0; 3], |total, touch| {
             let force = crate::tensor::plus_scaled(&touch.normal_force, 1.0, &touch.friction_force);
-            sum(&total, &extended(&force))
+            plus(&total, &extended(&force))
         })
     }
 
@@ -202,7 +206,7 @@ impl<const D: usize> ToolContact<D> {
             if !self.surface.is_near(&x, self.contact_surface.depth()) {
                 continue;
             }
-            let Nearest { distance, normal } = self.surface.nearest(&x);
+            let NearestPoint { distance, normal } = self.surface.nearest(&x);
             let depth = engine.half_thickness(i, &reduced(&normal)) - distance;
             if depth > tolerance {
                 count += 1;
@@ -232,7 +236,7 @@ impl<const D: usize> ToolContact<D> {
         self.candidates.clear();
         self.candidate_facets.clear();
         for (particle, position) in positions.iter().enumerate() {
-            let x = sub(&extended(position), &displacement);
+            let x = minus(&extended(position), &displacement);
             if !self.surface.is_near(&x, reach) {
                 continue;
             }
@@ -268,10 +272,10 @@ impl<const D: usize> ToolContact<D> {
         let around = engine.surroundings();
         for candidate in &self.candidates {
             let i = candidate.particle as usize;
-            let centre = sub(&extended(&engine.position[i]), &displacement);
+            let centre = minus(&extended(&engine.position[i]), &displacement);
             let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
             let Some(foot) = self.surface.foot_of(&centre, facets) else { continue };
-            let Nearest { distance, normal } = foot.nearest;
+            let NearestPoint { distance, normal } = foot.nearest;
             if distance >= depth {
                 continue;
             }
@@ -363,7 +367,7 @@ impl<const D: usize> ToolContact<D> {
         let reach = (1.0 + OVERLAP_TOLERANCE) * self.radius;
         let facets = |c: &Candidate| &self.candidate_facets[c.first as usize..c.last as usize];
         let lies = |c: &&Candidate| {
-            let x = sub(&extended(&positions[c.particle as usize]), &displacement);
+            let x = minus(&extended(&positions[c.particle as usize]), &displacement);
             self.surface.nearest_of(&x, facets(c)).is_some_and(|near| near.distance <= reach)
         };
         self.candidates.iter().filter(lies).map(|candidate| candidate.particle).collect()

@@ -46,6 +46,11 @@ impl ToolMotion {
         self.legs[self.leg(time)].at(time)
     }
 
+    /// The speeds in the order of time.
+    pub(crate) fn speeds(&self) -> Vec<f64> {
+        self.legs.iter().map(|leg| speed(&leg.velocity)).collect()
+    }
+
     /// Speed at `time`.
     pub(crate) fn speed(&self, time: f64) -> f64 {
         speed(&self.legs[self.leg(time)].velocity)
@@ -71,7 +76,7 @@ impl ToolMotion {
     }
 }
 
-pub(crate) fn speed(velocity: &Vector) -> f64 {
+fn speed(velocity: &Vector) -> f64 {
     velocity[0].hypot(velocity[1]).hypot(velocity[2])
 }
 

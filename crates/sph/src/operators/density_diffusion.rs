@@ -162,9 +162,9 @@ impl<const D: usize> Engine<D> {
 mod tests {
     use super::*;
     use crate::setup::{
-        Body, Dimension, Material, Setup, Shape, TemperatureTables, Tool, ToolSurface,
-        VelocityField,
+        Body, Dimension, Material, Setup, Shape, TemperatureTables, Tool, VelocityField,
     };
+    use sphcut_geometry::tool_surface::ToolSurface;
     use sphcut_physics::Values;
     use sphcut_physics::elasticity::ElasticModuli;
     use sphcut_physics::{flow_stress, friction};

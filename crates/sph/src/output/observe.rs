@@ -10,9 +10,10 @@ use crate::output::account::Account;
 use crate::output::observation::{CHANNELS, ChannelId, CheckpointState, Sample, Snapshot};
 use crate::particles::motion::Motion;
 use crate::particles::window::{Rest, Retired};
-use crate::setup::{Setup, ToolSurface, Vector as Vector3};
+use crate::setup::{Setup, Vector as Vector3};
 use crate::tensor::{Matrix, Vector, dot};
-use crate::tool_heat::ToolHeat;
+use sphcut_geometry::tool_surface::ToolSurface;
+use sphcut_tool_heat::HeatedTool;
 
 impl<const D: usize> Engine<D> {
     /// Kinetic energy with the inertia as scaled.
@@ -149,9 +150,9 @@ impl<const D: usize> Engine<D> {
         set(ChannelId::HeatContent, heat - account.initial_heat);
         set(ChannelId::HeatSupplied, account.heat_supplied);
         if let Some(heat) = &self.tool_heat {
-            set(ChannelId::HeatIntoTool, heat.books.contact);
-            set(ChannelId::ToolFrictionHeat, heat.books.friction);
-            set(ChannelId::ToolBoundaryHeat, heat.books.boundary);
+            set(ChannelId::HeatIntoTool, heat.ledger.contact);
+            set(ChannelId::ToolFrictionHeat, heat.ledger.friction);
+            set(ChannelId::ToolBoundaryHeat, heat.ledger.boundary);
             set(ChannelId::ToolHeatContent, heat.content());
             set(ChannelId::ToolMaxTemperature, heat.hottest());
             set(ChannelId::ToolOuterRise, heat.outer_rise());
@@ -345,7 +346,7 @@ impl<const D: usize> Engine<D> {
         if let Some(tool) = self.tool.as_ref().filter(|tool| tool.holder.size() > 0) {
             real("tool_holder", tool.holder.to_vec());
         }
-        for (name, values) in self.tool_heat.iter().flat_map(ToolHeat::checkpoint) {
+        for (name, values) in self.tool_heat.iter().flat_map(HeatedTool::checkpoint) {
             real(name, values);
         }
         let window = self.window_state();
@@ -422,7 +423,11 @@ impl<const D: usize> Engine<D> {
         engine.restore_clock(&reader)?;
         engine.restore_touches(&reader)?;
         if let Some(heat) = &mut engine.tool_heat {
-            heat.restore(|name| state.real(name), count)?;
+            heat.restore(|name| state.real(name), count).map_err(|name| {
+                SetupError::Checkpoint {
+                    reason: format!("`{name}` is missing or does not fit the tool"),
+                }
+            })?;
         }
         Ok(engine)
     }

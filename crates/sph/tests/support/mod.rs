@@ -1,10 +1,11 @@
 //! The small cut that several tests share.
 
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress, friction};
 use sphcut_sph::setup::{
     Body, CuttingFrame, Dimension, Discretisation, Lattice, Material, Setup, Shape, Support,
-    TemperatureTables, Tool, ToolSurface, VelocityField,
+    TemperatureTables, Tool, VelocityField,
 };
 use sphcut_sph::{CheckpointState, Sample, Simulation, options};
 

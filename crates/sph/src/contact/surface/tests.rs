@@ -1,5 +1,5 @@
 use super::*;
-use crate::setup::ToolSurface;
+use sphcut_geometry::tool_surface::{IndexedSurface, ToolSurface};
 
 fn shares(footings: &[Footing], spacing: f64, dimension: usize) -> Vec<Share> {
     let mut surface = ContactSurface::new(spacing, dimension);
@@ -153,8 +153,7 @@ fn around_a_corner_the_mirrored_contact_is_the_mirror_of_the_contact() {
     // Three have the corner of a square as their foot, one stands on either side; told in an order that says nothing.
     let corners: [Vector3; 4] = [[0.0; 3], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [0.0, 10.0, 0.0]];
     let square = corners.map(|corner| [corner[0], corner[1]]).to_vec();
-    let outline =
-        crate::contact::tool_surface::Surface::new(&ToolSurface::Polygon(square)).unwrap();
+    let outline = IndexedSurface::new(&ToolSurface::Polygon(square)).unwrap();
     let facets: Vec<u32> = (0..4).collect();
     let there = [[0.3, -0.4], [9.0, -0.4], [10.4, -0.1], [10.1, -0.4], [10.3, -0.3], [10.4, 1.5]];
     let found = |mirror: &dyn Fn([f64; 2]) -> [f64; 2]| {

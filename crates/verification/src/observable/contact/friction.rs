@@ -3,7 +3,8 @@
 use crate::evidence::Evidence;
 use crate::observable::solid::energy::energy_put_in;
 use crate::observable::{Observable, argument};
-use sphcut_sph::setup::{Dimension, ToolSurface, Vector};
+use sphcut_geometry::tool_surface::ToolSurface;
+use sphcut_sph::setup::{Dimension, Vector};
 use sphcut_sph::{ChannelId, Sample, Snapshot};
 
 /// Tangential over normal impulse of the wall on the body.

@@ -5,8 +5,8 @@ use super::temperature_profile::error_function;
 use crate::evidence::Evidence;
 use crate::observable::{Arguments, Observable, argument};
 use sphcut_physics::TemperatureTable;
-use sphcut_sph::setup::{OuterBoundary, ThermalMaterial, ToolHeat};
 use sphcut_sph::{ChannelId, Snapshot};
+use sphcut_tool_heat::{OuterBoundary, ThermalMaterial, ToolHeat};
 
 /// A hot body and a cold tool with a contact conductance between them.
 pub(crate) const TOOL_CONTACT_ERROR: Observable = Observable {

@@ -1,7 +1,7 @@
 //! The outline of the mesh as a line: where a particle touches it, and which nodes that heats.
 
-use super::mesh::ToolMesh;
-use super::outline::{Point, between, length, segment_distance};
+use crate::mesh::PlaneMesh;
+use crate::outline::{Point, between, length, segment_distance};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 /// One side of the outline.
@@ -35,7 +35,7 @@ pub(crate) struct Rim {
 }
 
 impl Rim {
-    pub(crate) fn new(mesh: &ToolMesh) -> Self {
+    pub(crate) fn new(mesh: &PlaneMesh) -> Self {
         let count = mesh.rim.len();
         let place = |k: usize| mesh.nodes[mesh.rim[k % count] as usize];
         let mut start = vec![0.0];

@@ -6,7 +6,7 @@
 //! that two tetrahedra share both take that from the corner with the smaller number. At last the points of
 //! the surface are projected onto it, unless that would flatten a tetrahedron.
 
-type Vector = [f64; 3];
+use crate::description::Vector;
 
 /// Cuts nearer to an end than this share of the edge move the end: long edges, and those between the centre
 /// of a cell and its corners.
@@ -19,38 +19,38 @@ const LEAST_PROJECTED: f64 = 0.25;
 
 /// Tetrahedra of positive orientation.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Solid {
-    pub(super) nodes: Vec<Vector>,
-    pub(super) elements: Vec<[u32; 4]>,
+pub(crate) struct Solid {
+    pub(crate) nodes: Vec<Vector>,
+    pub(crate) elements: Vec<[u32; 4]>,
     /// Whether a node lies on the surface.
-    pub(super) is_surface: Vec<bool>,
+    pub(crate) is_surface: Vec<bool>,
 }
 
-pub(super) fn minus(a: &Vector, b: &Vector) -> Vector {
+pub(crate) fn minus(a: &Vector, b: &Vector) -> Vector {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
+pub(crate) fn dot(a: &Vector, b: &Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn cross(a: &Vector, b: &Vector) -> Vector {
+pub(crate) fn cross(a: &Vector, b: &Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Volume of a tetrahedron, positive where d lies on the side of a b c from which these run clockwise.
-pub(super) fn volume([a, b, c, d]: [&Vector; 4]) -> f64 {
+pub(crate) fn volume([a, b, c, d]: [&Vector; 4]) -> f64 {
     dot(&cross(&minus(b, a), &minus(c, a)), &minus(d, a)) / 6.0
 }
 
 /// What is to be divided.
-pub(super) struct Background {
-    pub(super) points: Vec<Vector>,
+pub(crate) struct Background {
+    pub(crate) points: Vec<Vector>,
     /// Whether a point is the centre of a cell, not a corner.
-    pub(super) is_centre: Vec<bool>,
+    pub(crate) is_centre: Vec<bool>,
     /// Positive inside.
-    pub(super) level: Vec<f64>,
-    pub(super) elements: Vec<[u32; 4]>,
+    pub(crate) level: Vec<f64>,
+    pub(crate) elements: Vec<[u32; 4]>,
 }
 
 /// A background under division.
@@ -66,7 +66,7 @@ struct Stuffing<'a> {
 
 /// The part of the background where `level` is positive. `project` gives the place on the surface next
 /// to a point of it.
-pub(super) fn stuff(background: Background, project: impl Fn(&Vector) -> Vector) -> Solid {
+pub(crate) fn stuff(background: Background, project: impl Fn(&Vector) -> Vector) -> Solid {
     let Background { points, is_centre, level, elements: background } = background;
     let mut stuffing =
         Stuffing { points, is_centre, level, cuts: Vec::new(), background: &background };
@@ -273,7 +273,7 @@ impl Stuffing<'_> {
 }
 
 impl Solid {
-    pub(super) fn corners(&self, element: &[u32; 4]) -> [&Vector; 4] {
+    pub(crate) fn corners(&self, element: &[u32; 4]) -> [&Vector; 4] {
         element.each_ref().map(|node| &self.nodes[*node as usize])
     }
 
@@ -289,7 +289,7 @@ impl Solid {
     }
 
     /// Triangles that bound the elements, seen from outside counter-clockwise.
-    pub(super) fn boundary(&self) -> Vec<[u32; 3]> {
+    pub(crate) fn boundary(&self) -> Vec<[u32; 3]> {
         let mut faces: Vec<([u32; 3], [u32; 3])> = Vec::new();
         for [a, b, c, d] in &self.elements {
             for face in [[*b, *c, *d], [*a, *d, *c], [*a, *b, *d], [*a, *c, *b]] {

@@ -7,9 +7,8 @@
 //! is filled with points of a quadtree and triangulated. In a Delaunay mesh no pair of nodes conducts
 //! from cold to hot as long as no angle opposite the boundary is obtuse.
 
-use super::outline::{Outline, Point, SizeField, between, double_area, length};
-use crate::error::SetupError;
-use crate::setup::ToolHeat;
+use crate::description::{ToolHeat, ToolHeatError, unusable};
+use crate::outline::{MeshOutline, Point, SizeField, between, double_area, length};
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 /// Layers of elements across a coating.
@@ -19,7 +18,7 @@ const CLEARANCE: f64 = 0.6;
 /// Deepest subdivision of the quadtree: 2^16 cells across.
 const DEEPEST: usize = 16;
 /// Most nodes of a mesh.
-pub(super) const MOST_NODES: usize = 300_000;
+pub(crate) const MOST_NODES: usize = 300_000;
 
 /// What an element is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +29,7 @@ pub(crate) enum Layer {
 
 /// The mesh in the tool's own frame.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ToolMesh {
+pub(crate) struct PlaneMesh {
     pub(crate) nodes: Vec<Point>,
     /// Counter-clockwise.
     pub(crate) elements: Vec<[u32; 3]>,
@@ -54,20 +53,16 @@ impl HasPosition for Vertex {
     }
 }
 
-pub(super) fn unusable(reason: impl Into<String>) -> SetupError {
-    SetupError::ToolHeat { reason: reason.into() }
-}
-
-impl ToolMesh {
+impl PlaneMesh {
     /// Meshes the polygon `corners`.
     ///
     /// # Errors
     /// A coating that is thicker than the shape allows; more nodes than can be.
-    pub(crate) fn new(corners: &[Point], heat: &ToolHeat) -> Result<Self, SetupError> {
+    pub(crate) fn new(corners: &[Point], heat: &ToolHeat) -> Result<Self, ToolHeatError> {
         let size = SizeField::new(corners, heat);
-        let outline = Outline::new(corners, heat, &size);
-        let thickness = heat.coating.as_ref().map_or(0.0, |coating| coating.thickness);
-        let inner = Outline {
+        let outline = MeshOutline::new(corners, heat, &size);
+        let thickness = heat.coating_thickness();
+        let inner = MeshOutline {
             points: (0..outline.points.len()).map(|k| inset(&outline, k, thickness)).collect(),
             is_outer: outline.is_outer.clone(),
         };
@@ -86,7 +81,7 @@ impl ToolMesh {
     }
 
     /// Triangulates the nodes there are inside the closed line of the first ones.
-    fn fill(&mut self, boundary: &Outline) -> Result<(), SetupError> {
+    fn fill(&mut self, boundary: &MeshOutline) -> Result<(), ToolHeatError> {
         let count = boundary.points.len();
         let vertices = self
             .nodes
@@ -116,7 +111,7 @@ impl ToolMesh {
     }
 
     /// Adds the coating between the outline and the inner boundary, whose nodes come first.
-    fn coat(&mut self, outline: &Outline, inner: &Outline) -> Result<(), SetupError> {
+    fn coat(&mut self, outline: &MeshOutline, inner: &MeshOutline) -> Result<(), ToolHeatError> {
         let count = outline.points.len();
         // Nodes from the inner boundary to the surface, one after the other.
         let mut columns: Vec<Vec<u32>> = (0..count as u32).map(|k| vec![k]).collect();
@@ -182,7 +177,7 @@ impl ToolMesh {
 /// middle to speak of.
 fn sides_of(
     triangulation: &ConstrainedDelaunayTriangulation<Vertex>,
-    boundary: &Outline,
+    boundary: &MeshOutline,
 ) -> Vec<([u32; 3], bool)> {
     let faces = triangulation.num_inner_faces();
     // Numbers of inner faces begin at 1: face 0 is the outside of all.
@@ -226,12 +221,12 @@ fn sides_of(
         .collect()
 }
 
-pub(super) fn too_thick() -> SetupError {
+pub(crate) fn too_thick() -> ToolHeatError {
     unusable("the coating is too thick for the shape: thinner than the edge radius it must be")
 }
 
 /// Where point `k` of the outline lies on the boundary of the substrate.
-fn inset(outline: &Outline, k: usize, thickness: f64) -> Point {
+fn inset(outline: &MeshOutline, k: usize, thickness: f64) -> Point {
     let here = outline.points[k];
     let before = between(outline.points[outline.previous(k)], here);
     let after = between(here, outline.points[outline.next(k)]);
@@ -260,7 +255,7 @@ fn inset(outline: &Outline, k: usize, thickness: f64) -> Point {
 }
 
 /// A side that turned round was overtaken by its neighbours.
-fn check_sides(outline: &Outline, inner: &Outline) -> Result<(), SetupError> {
+fn check_sides(outline: &MeshOutline, inner: &MeshOutline) -> Result<(), ToolHeatError> {
     for k in 0..outline.points.len() {
         let outer = between(outline.points[k], outline.points[outline.next(k)]);
         let side = between(inner.points[k], inner.points[outline.next(k)]);
@@ -272,7 +267,7 @@ fn check_sides(outline: &Outline, inner: &Outline) -> Result<(), SetupError> {
 }
 
 /// Centres of the cells of a quadtree as fine as `size` asks for.
-fn inside_points(boundary: &Outline, size: &SizeField) -> Result<Vec<Point>, SetupError> {
+fn inside_points(boundary: &MeshOutline, size: &SizeField) -> Result<Vec<Point>, ToolHeatError> {
     let low = |axis: usize| boundary.points.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
     let high =
         |axis: usize| boundary.points.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
@@ -292,7 +287,7 @@ fn divide_cell(
     centre: Point,
     width: f64,
     levels: usize,
-    boundary: &Outline,
+    boundary: &MeshOutline,
     size: &SizeField,
     found: &mut Vec<Point>,
 ) {

@@ -1,43 +1,63 @@
 //! The mesh of the tool and its surface, in the plane or in space.
 
-use super::ToolMeshFacts;
-use super::conduction::Conduction;
-use super::mesh::{self, ToolMesh, unusable};
-use super::outline::double_area;
-use super::rim::Rim;
-use super::skin::Skin;
-use super::solid::{SolidMesh, SolidParts, solid};
-use crate::error::SetupError;
-use crate::setup::{Tool, ToolHeat as Description, ToolSurface, Vector};
+use crate::conduction::Conduction;
+use crate::description::{ToolHeat, ToolHeatError, Vector, unusable};
+use crate::mesh::{COATING_LAYERS, Layer, PlaneMesh};
+use crate::outline::double_area;
+use crate::rim::Rim;
+use crate::skin::Skin;
+use crate::solid::{SolidMesh, SolidParts, solid};
+use sphcut_geometry::tool_surface::ToolSurface;
+
+/// What the mesh is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToolMeshFacts {
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of triangles; in space of tetrahedra and of prisms of the coating.
+    pub elements: usize,
+    /// Those of the coating.
+    pub coating_elements: usize,
+    /// Layers of elements across the coating; 0 without one.
+    pub coating_layers: usize,
+    /// Thickness of the coating in m; 0 without one.
+    pub coating_thickness: f64,
+    /// Their area in m^2, or volume in m^3.
+    pub extent: f64,
+    /// Time step of the tool in s.
+    pub time_step: f64,
+}
 
 /// What a particle's contact and a picture need of the mesh.
 #[derive(Debug)]
-pub(super) enum Body {
-    Plane { mesh: ToolMesh, rim: Rim },
+pub(crate) enum ToolBody {
+    Plane { mesh: PlaneMesh, rim: Rim },
     Space { mesh: SolidMesh, skin: Skin },
 }
 
 /// A body with its equations and the extent of outer sides at each node.
-pub(super) struct Made {
-    pub(super) body: Body,
-    pub(super) conduction: Conduction,
-    pub(super) outer: Vec<f64>,
+pub(crate) struct Made {
+    pub(crate) body: ToolBody,
+    pub(crate) conduction: Conduction,
+    pub(crate) outer: Vec<f64>,
 }
 
-impl Body {
+impl ToolBody {
     /// # Errors
     /// A half space; a mesh that cannot be made.
-    pub(super) fn make(tool: &Tool, heat: &Description) -> Result<Made, SetupError> {
-        match &tool.surface {
+    pub(crate) fn make(surface: &ToolSurface, heat: &ToolHeat) -> Result<Made, ToolHeatError> {
+        match surface {
             ToolSurface::Polygon(corners) => {
-                let mesh = ToolMesh::new(corners, heat)?;
+                let mesh = PlaneMesh::new(corners, heat)?;
                 let conduction = Conduction::new(&mesh, heat);
                 let rim = Rim::new(&mesh);
                 let outer = rim.lengths(&mesh.rim_is_outer, mesh.nodes.len());
                 Ok(Made { body: Self::Plane { mesh, rim }, conduction, outer })
             }
             ToolSurface::Triangles { .. } => {
-                let SolidParts { mesh, skin, conduction, outer } = solid(&tool.surface, heat)?;
+                let SolidParts { mesh, skin, conduction, outer } = solid(surface, heat)?;
                 Ok(Made { body: Self::Space { mesh, skin }, conduction, outer })
             }
             ToolSurface::HalfSpace { .. } => {
@@ -46,7 +66,7 @@ impl Body {
         }
     }
 
-    pub(super) fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         match self {
             Self::Plane { mesh, .. } => mesh.nodes.len(),
             Self::Space { mesh, .. } => mesh.nodes.len(),
@@ -54,7 +74,7 @@ impl Body {
     }
 
     /// Numbers of a place that mean something.
-    pub(super) fn place_axes(&self) -> usize {
+    pub(crate) fn place_axes(&self) -> usize {
         match self {
             Self::Plane { .. } => 1,
             Self::Space { .. } => 3,
@@ -62,7 +82,7 @@ impl Body {
     }
 
     /// What a particle of `spacing` covers: a length in the plane, an area in space.
-    pub(super) fn patch(&self, spacing: f64) -> f64 {
+    pub(crate) fn patch(&self, spacing: f64) -> f64 {
         match self {
             Self::Plane { .. } => spacing,
             Self::Space { .. } => spacing * spacing,
@@ -70,7 +90,7 @@ impl Body {
     }
 
     /// Width of a patch of `area`: the length itself in the plane, in space the side of a square as large.
-    pub(super) fn width(&self, area: f64) -> f64 {
+    pub(crate) fn width(&self, area: f64) -> f64 {
         match self {
             Self::Plane { .. } => area,
             Self::Space { .. } => area.sqrt(),
@@ -79,7 +99,7 @@ impl Body {
 
     /// Where `position` (tool frame) touches: in the plane the place along the outline, in space the
     /// position itself.
-    pub(super) fn place(&self, position: &Vector) -> Vector {
+    pub(crate) fn place(&self, position: &Vector) -> Vector {
         match self {
             Self::Plane { rim, .. } => [rim.foot([position[0], position[1]]), 0.0, 0.0],
             Self::Space { .. } => *position,
@@ -87,7 +107,7 @@ impl Body {
     }
 
     /// The way from one such place to another.
-    pub(super) fn way(&self, from: &Vector, to: &Vector) -> Vector {
+    pub(crate) fn way(&self, from: &Vector, to: &Vector) -> Vector {
         match self {
             Self::Plane { rim, .. } => [rim.way(from[0], to[0]), 0.0, 0.0],
             Self::Space { .. } => std::array::from_fn(|k| to[k] - from[k]),
@@ -95,7 +115,7 @@ impl Body {
     }
 
     /// Adds the shares of the nodes that a particle of `width` at `middle` covers.
-    pub(super) fn footprint(&self, middle: &Vector, width: f64, shares: &mut Vec<(u32, f64)>) {
+    pub(crate) fn footprint(&self, middle: &Vector, width: f64, shares: &mut Vec<(u32, f64)>) {
         match self {
             Self::Plane { rim, .. } => rim.footprint(middle[0], width, shares),
             Self::Space { skin, .. } => skin.footprint(middle, width, shares),
@@ -103,9 +123,9 @@ impl Body {
     }
 
     /// All but the time step.
-    pub(super) fn facts(&self, heat: &Description) -> ToolMeshFacts {
-        let coating_layers = if heat.coating.is_some() { mesh::COATING_LAYERS } else { 0 };
-        let coating_thickness = heat.coating.as_ref().map_or(0.0, |coating| coating.thickness);
+    pub(crate) fn facts(&self, heat: &ToolHeat) -> ToolMeshFacts {
+        let coating_layers = if heat.coating.is_some() { COATING_LAYERS } else { 0 };
+        let coating_thickness = heat.coating_thickness();
         let facts = |elements, coating_elements, extent| ToolMeshFacts {
             dimension: if self.place_axes() == 3 { 3 } else { 2 },
             nodes: self.nodes(),
@@ -122,7 +142,7 @@ impl Body {
                     let [a, b, c] = element.map(|node| mesh.nodes[node as usize]);
                     0.5 * double_area(a, b, c)
                 };
-                let coated = mesh.layer.iter().filter(|layer| **layer == mesh::Layer::Coating);
+                let coated = mesh.layer.iter().filter(|layer| **layer == Layer::Coating);
                 let whole = mesh.elements.iter().map(area).sum();
                 facts(mesh.elements.len(), coated.count(), whole)
             }
@@ -133,7 +153,7 @@ impl Body {
     }
 
     /// Nodes moved by `displacement` and the triangles to show: all of the plane, the surface in space.
-    pub(super) fn picture(&self, displacement: Vector) -> (Vec<Vector>, Vec<u32>) {
+    pub(crate) fn picture(&self, displacement: Vector) -> (Vec<Vector>, Vec<u32>) {
         let moved = |x: Vector| std::array::from_fn(|k| x[k] + displacement[k]);
         match self {
             Self::Plane { mesh, .. } => (
@@ -148,7 +168,7 @@ impl Body {
     }
 
     /// Bytes of the arrays beside the equations.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         match self {
             Self::Plane { mesh, .. } => mesh.nodes.len() * 4 * size_of::<[f64; 2]>(),
             Self::Space { mesh, skin } => {

@@ -1,8 +1,37 @@
 //! The surface of a rigid tool with its spatial index: which of its points is nearest.
 
-use crate::error::SetupError;
-use crate::setup::{ToolSurface, Vector as Vector3};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
+
+type Vector3 = [f64; 3];
+
+/// The surface of a rigid tool. Normals point out of the tool.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ToolSurface {
+    /// Closed polygon in the plane, counter-clockwise: the tool lies to the left of each side.
+    Polygon(Vec<[f64; 2]>),
+    /// Closed triangle mesh, vertices of each triangle counter-clockwise seen from outside.
+    Triangles {
+        /// Vertex coordinates.
+        vertices: Vec<[f64; 3]>,
+        /// Indices of the vertices of each triangle.
+        triangles: Vec<[usize; 3]>,
+    },
+    /// A half space that is all tool: a wall.
+    HalfSpace {
+        /// A point of the wall.
+        point: [f64; 3],
+        /// Unit normal out of the wall.
+        normal: [f64; 3],
+    },
+}
+
+/// This surface bounds no tool.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("the tool's surface is unusable: {reason}")]
+pub struct ToolSurfaceError {
+    /// What is wrong, with the number of the facet.
+    pub reason: String,
+}
 
 /// One flat piece of the tool's surface in the tool's own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,12 +63,8 @@ impl RTreeObject for Facet {
     }
 }
 
-pub(crate) fn sub(a: &Vector3, b: &Vector3) -> Vector3 {
+fn sub(a: &Vector3, b: &Vector3) -> Vector3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(crate) fn sum(a: &Vector3, b: &Vector3) -> Vector3 {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 fn dot3(a: &Vector3, b: &Vector3) -> f64 {
@@ -50,7 +75,7 @@ fn cross(a: &Vector3, b: &Vector3) -> Vector3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(crate) fn along(a: &Vector3, factor: f64, direction: &Vector3) -> Vector3 {
+fn along(a: &Vector3, factor: f64, direction: &Vector3) -> Vector3 {
     [a[0] + factor * direction[0], a[1] + factor * direction[1], a[2] + factor * direction[2]]
 }
 
@@ -90,16 +115,16 @@ impl Facet {
 
 /// The nearest point of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Nearest {
+pub struct NearestPoint {
     /// Distance in m, negative inside the tool.
-    pub(crate) distance: f64,
+    pub distance: f64,
     /// Unit normal out of the tool.
-    pub(crate) normal: Vector3,
+    pub normal: Vector3,
 }
 
 /// The surface of a rigid tool with its spatial index.
 #[derive(Debug)]
-pub(crate) struct Surface {
+pub struct IndexedSurface {
     facets: Vec<Facet>,
     tree: RTree<IndexedFacet>,
     low: Vector3,
@@ -130,20 +155,21 @@ impl PointDistance for IndexedFacet {
 
 /// The nearest point of the surface with the facet it lies on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Foot {
+pub struct SurfaceFoot {
     /// Where it is.
-    pub(crate) place: Vector3,
+    pub place: Vector3,
     /// Distance in m, negative inside the tool, and the normal there.
-    pub(crate) nearest: Nearest,
-    pub(crate) facet: u32,
+    pub nearest: NearestPoint,
+    /// Its number.
+    pub facet: u32,
 }
 
-impl Surface {
+impl IndexedSurface {
     /// From the description of the setup.
     ///
     /// # Errors
     /// Fewer than three corners, a degenerate or inward-facing facet, an open surface.
-    pub(crate) fn new(surface: &ToolSurface) -> Result<Self, SetupError> {
+    pub fn new(surface: &ToolSurface) -> Result<Self, ToolSurfaceError> {
         let facets = match surface {
             ToolSurface::Polygon(corners) => polygon_facets(corners)?,
             ToolSurface::Triangles { vertices, triangles } => triangle_facets(vertices, triangles)?,
@@ -155,7 +181,7 @@ impl Surface {
     }
 
     /// Without the facets marked; only distances from it mean something.
-    pub(crate) fn without(&self, is_left_out: &[bool]) -> Self {
+    pub fn without(&self, is_left_out: &[bool]) -> Self {
         let kept = self.facets.iter().zip(is_left_out).filter(|(_, left_out)| !**left_out);
         Self::of_facets(kept.map(|(facet, _)| *facet).collect())
     }
@@ -187,7 +213,7 @@ impl Surface {
     }
 
     /// Length of a closed outline in m; infinity of a half space. Without meaning in space.
-    pub(crate) fn perimeter(&self) -> f64 {
+    pub fn perimeter(&self) -> f64 {
         let last = self.facets.len() - 1;
         let facet = &self.facets[last];
         if facet.kind == FacetKind::Plane {
@@ -200,7 +226,7 @@ impl Surface {
     /// Length along the outline at `foot` of `x` in m, of a half space from its point; and at a corner of the
     /// outline, where many have their foot, the angle about it that orders them the same way, otherwise 0.
     /// Without meaning in space.
-    pub(crate) fn station(&self, x: &Vector3, foot: &Foot) -> (f64, f64) {
+    pub fn station(&self, x: &Vector3, foot: &SurfaceFoot) -> (f64, f64) {
         let number = foot.facet as usize;
         let facet = &self.facets[number];
         let along = |normal: &Vector3, way: &Vector3| way[1] * normal[0] - way[0] * normal[1];
@@ -221,12 +247,12 @@ impl Surface {
     }
 
     /// Whether `x` (tool frame) lies within `reach` of the surface's bounding box.
-    pub(crate) fn is_near(&self, x: &Vector3, reach: f64) -> bool {
+    pub fn is_near(&self, x: &Vector3, reach: f64) -> bool {
         (0..3).all(|k| x[k] >= self.low[k] - reach && x[k] <= self.high[k] + reach)
     }
 
     /// Facets within `reach` of `x`, in the order of their index.
-    pub(crate) fn facets_near(&self, x: &Vector3, reach: f64, found: &mut Vec<u32>) {
+    pub fn facets_near(&self, x: &Vector3, reach: f64, found: &mut Vec<u32>) {
         let range = AABB::from_corners(
             [x[0] - reach, x[1] - reach, x[2] - reach],
             [x[0] + reach, x[1] + reach, x[2] + reach],
@@ -242,13 +268,13 @@ impl Surface {
         found[first..].sort_unstable();
     }
 
-    /// Nearest point among the facets listed.
-    pub(crate) fn nearest_of(&self, x: &Vector3, facets: &[u32]) -> Option<Nearest> {
+    /// NearestPoint point among the facets listed.
+    pub fn nearest_of(&self, x: &Vector3, facets: &[u32]) -> Option<NearestPoint> {
         self.foot_of(x, facets).map(|foot| foot.nearest)
     }
 
-    /// Nearest point of the whole surface, found in its tree.
-    pub(crate) fn foot(&self, x: &Vector3) -> Foot {
+    /// NearestPoint point of the whole surface, found in its tree.
+    pub fn foot(&self, x: &Vector3) -> SurfaceFoot {
         let facet = self.tree.nearest_neighbor(x).expect("a surface has at least one facet");
         // All that are as near but for rounding: they decide together on which side x lies.
         let reach = (1.0 + 1e-9) * facet.distance_2(x).sqrt() + 1e-12;
@@ -258,12 +284,12 @@ impl Surface {
     }
 
     /// Smallest and largest coordinates.
-    pub(crate) fn bounds(&self) -> [Vector3; 2] {
+    pub fn bounds(&self) -> [Vector3; 2] {
         [self.low, self.high]
     }
 
-    /// Nearest point among the facets listed, with the facet it lies on.
-    pub(crate) fn foot_of(&self, x: &Vector3, facets: &[u32]) -> Option<Foot> {
+    /// NearestPoint point among the facets listed, with the facet it lies on.
+    pub fn foot_of(&self, x: &Vector3, facets: &[u32]) -> Option<SurfaceFoot> {
         let mut best: Option<(f64, Vector3, u32)> = None;
         for &index in facets {
             let facet = &self.facets[index as usize];
@@ -293,23 +319,23 @@ impl Surface {
             } else {
                 facet.normal
             };
-            let nearest = Nearest { distance: side * length, normal };
-            Foot { place: sub(x, &d), nearest, facet: index }
+            let nearest = NearestPoint { distance: side * length, normal };
+            SurfaceFoot { place: sub(x, &d), nearest, facet: index }
         })
     }
 
-    /// Nearest point of the whole surface; for checks, not for the time loop.
-    pub(crate) fn nearest(&self, x: &Vector3) -> Nearest {
+    /// NearestPoint point of the whole surface; for checks, not for the time loop.
+    pub fn nearest(&self, x: &Vector3) -> NearestPoint {
         let all: Vec<u32> = (0..self.facets.len() as u32).collect();
         self.nearest_of(x, &all).expect("a surface has at least one facet")
     }
 }
 
-fn unusable(reason: String) -> SetupError {
-    SetupError::ToolSurface { reason }
+fn unusable(reason: String) -> ToolSurfaceError {
+    ToolSurfaceError { reason }
 }
 
-fn polygon_facets(corners: &[[f64; 2]]) -> Result<Vec<Facet>, SetupError> {
+fn polygon_facets(corners: &[[f64; 2]]) -> Result<Vec<Facet>, ToolSurfaceError> {
     if corners.len() < 3 {
         return Err(unusable(format!("{} corners; a polygon needs three", corners.len())));
     }
@@ -340,7 +366,7 @@ fn polygon_facets(corners: &[[f64; 2]]) -> Result<Vec<Facet>, SetupError> {
 fn triangle_facets(
     vertices: &[Vector3],
     triangles: &[[usize; 3]],
-) -> Result<Vec<Facet>, SetupError> {
+) -> Result<Vec<Facet>, ToolSurfaceError> {
     let mut edges = std::collections::BTreeMap::new();
     let mut volume = 0.0;
     let mut facets = Vec::with_capacity(triangles.len());
@@ -391,7 +417,7 @@ mod tests {
     fn a_facet_is_near_by_its_distance_and_not_by_its_box() {
         let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-        let surface = Surface::new(&ToolSurface::Triangles { vertices, triangles }).unwrap();
+        let surface = IndexedSurface::new(&ToolSurface::Triangles { vertices, triangles }).unwrap();
         let near = |x: Vector3, reach: f64| {
             let mut found = Vec::new();
             surface.facets_near(&x, reach, &mut found);

@@ -10,16 +10,15 @@
 //! it only: along it the substrate below conducts (k L) / (k_c d) times as much over a width L, some
 //! thousand times for 3 um of AlTiN on carbide over 0.1 mm. The edge of a coating where the tool is cut off is insulated.
 
-use super::conduction::{Conduction, Link};
-use super::mesh::{COATING_LAYERS, MOST_NODES, too_thick, unusable};
-use super::octree::{Cube, Octree};
-use super::outline::{COARSEST, GROWTH};
-use super::skin::Skin;
-use super::stuffing::{Background, Solid, cross, dot, minus, stuff, volume};
-use crate::contact::tool_surface::Surface;
-use crate::error::SetupError;
-use crate::setup::{ToolHeat, ToolSurface, Vector};
+use crate::conduction::{Conduction, Link};
+use crate::description::{ToolHeat, ToolHeatError, Vector, unusable};
+use crate::mesh::{COATING_LAYERS, MOST_NODES, too_thick};
+use crate::octree::{Cube, Octree};
+use crate::outline::{COARSEST, GROWTH};
+use crate::skin::Skin;
+use crate::stuffing::{Background, Solid, cross, dot, minus, stuff, volume};
 use rayon::prelude::*;
+use sphcut_geometry::tool_surface::{IndexedSurface, ToolSurface};
 
 /// A cell is divided while it is wider than this many of the wanted sizes: halves are then as far from
 /// it as the whole.
@@ -36,7 +35,7 @@ pub(crate) struct SolidMesh {
     pub(crate) prisms: usize,
     /// Of the substrate and the coating, in m^3.
     pub(crate) volume: f64,
-    /// Surface of the whole tool: nodes of its triangles.
+    /// IndexedSurface of the whole tool: nodes of its triangles.
     pub(crate) surface: Vec<[u32; 3]>,
 }
 
@@ -50,22 +49,22 @@ pub(crate) struct SolidParts {
 }
 
 /// The tool's surface in two parts.
-struct Shape<'a> {
-    surface: &'a Surface,
+struct SurfaceParts<'a> {
+    surface: &'a IndexedSurface,
     /// The facets that particles can touch.
-    touchable: Surface,
+    touchable: IndexedSurface,
     /// Those at which the tool is cut off, if any.
-    cut_off: Option<Surface>,
+    cut_off: Option<IndexedSurface>,
     thickness: f64,
     heat: &'a ToolHeat,
     largest: f64,
 }
 
-impl Shape<'_> {
+impl SurfaceParts<'_> {
     /// Distances of a point inside from the sides of the substrate: those below a coating, and those where
     /// the tool is cut off.
     fn distances(&self, x: &Vector) -> [f64; 2] {
-        let away = |surface: &Surface| surface.foot(x).nearest.distance.abs();
+        let away = |surface: &IndexedSurface| surface.foot(x).nearest.distance.abs();
         let cut_off = self.cut_off.as_ref().map_or(f64::INFINITY, away);
         [away(&self.touchable) - self.thickness, cut_off]
     }
@@ -124,11 +123,14 @@ impl Shape<'_> {
 ///
 /// # Errors
 /// A surface of other than triangles; a mesh that cannot be made.
-pub(crate) fn solid(description: &ToolSurface, heat: &ToolHeat) -> Result<SolidParts, SetupError> {
+pub(crate) fn solid(
+    description: &ToolSurface,
+    heat: &ToolHeat,
+) -> Result<SolidParts, ToolHeatError> {
     let ToolSurface::Triangles { triangles, .. } = description else {
         return Err(unusable("in space it needs a tool with a closed surface, no half space"));
     };
-    let surface = Surface::new(description)?;
+    let surface = IndexedSurface::new(description).map_err(|fault| unusable(fault.reason))?;
     let mut is_outer = vec![false; triangles.len()];
     for side in &heat.outer_sides {
         *is_outer.get_mut(*side).ok_or_else(|| unusable(format!("there is no facet {side}")))? =
@@ -140,21 +142,21 @@ pub(crate) fn solid(description: &ToolSurface, heat: &ToolHeat) -> Result<SolidP
     let [low, high] = surface.bounds();
     let extent = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
     let is_inner: Vec<bool> = is_outer.iter().map(|outer| !outer).collect();
-    let shape = Shape {
+    let parts = SurfaceParts {
         touchable: surface.without(&is_outer),
         cut_off: is_outer.contains(&true).then(|| surface.without(&is_inner)),
         surface: &surface,
-        thickness: heat.coating.as_ref().map_or(0.0, |coating| coating.thickness),
+        thickness: heat.coating_thickness(),
         heat,
         largest: (COARSEST * extent).max(heat.element_size),
     };
-    let solid = shape.fill([low, high])?;
-    shape.coat(solid)
+    let solid = parts.fill([low, high])?;
+    parts.coat(solid)
 }
 
-impl Shape<'_> {
+impl SurfaceParts<'_> {
     /// Tetrahedra over the substrate.
-    fn fill(&self, bounds: [Vector; 2]) -> Result<Solid, SetupError> {
+    fn fill(&self, bounds: [Vector; 2]) -> Result<Solid, ToolHeatError> {
         let too_many = || {
             unusable(format!(
                 "its mesh would have more than {MOST_NODES} nodes: choose a larger element size or a \
@@ -184,7 +186,7 @@ impl Shape<'_> {
     }
 
     /// The whole tool from its substrate.
-    fn coat(&self, solid: Solid) -> Result<SolidParts, SetupError> {
+    fn coat(&self, solid: Solid) -> Result<SolidParts, ToolHeatError> {
         let boundary = solid.boundary();
         let third = |nodes: &[Vector], triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|node| nodes[node as usize]);

@@ -1,51 +1,9 @@
-//! Heat in the tool: conduction by finite elements, coupled to the particles that touch it.
-//!
-//! A particle covers its share A of the tool's surface ([`crate::contact::surface`]: a length in the plane; in space
-//! taken as a square) about its foot, and exchanges
-//! ```text
-//! q = h (T_particle - T_tool),   1/h = 1/h_c + dx / (2 k)
-//! ```
-//! with the tool there: h_c is the contact conductance, the second term the way from the
-//! particle's centre to its surface through its own material, without which a good contact would have
-//! its temperature half a spacing inside the workpiece. Of the heat of friction the tool takes the share
-//! that the particle does not.
-//!
-//! The tool makes steps of its own, some tens of those of the particles. In between, times and places of
-//! contact and the heat of friction are gathered for each particle; a step then solves the tool
-//! implicitly in both its temperatures and those of the particles in contact,
-//! ```text
-//! Q = G c / (G + c) sum_a w_a (T_particle - T_a'),   G = h sum A dt
-//! ```
-//! (c: heat capacity of the particle, t: time in contact, w_a: share of node a in what is covered, T_a':
-//! its temperature after the step), and moves exactly this heat from the particle to the nodes. It is
-//! stable for any conductance, and the heat that leaves the workpiece is that which enters the tool, to
-//! rounding. The error is of first order in the step, which `interval` bounds.
-//!
-//! Neglected: radiation, cooling of free surfaces, heat of the coating's interface with the substrate,
-//! deformation of the tool.
+//! The tool as a body that conducts heat, step by step.
 
-mod body;
-mod conduction;
-mod coupling;
-mod mesh;
-mod octree;
-mod outline;
-mod rim;
-mod skin;
-mod solid;
-#[cfg(test)]
-mod space_tests;
-mod stuffing;
-#[cfg(test)]
-mod tests;
-
-pub(crate) use coupling::in_tool;
-
-use crate::contact::tool_motion::speed;
-use crate::error::SetupError;
-use crate::setup::{OuterBoundary, Tool, ToolHeat as Description, Vector};
-use body::{Body, Made};
-use conduction::{Conduction, Flow, Load};
+use crate::body::{Made, ToolBody, ToolMeshFacts};
+use crate::conduction::{Conduction, Flow, Load};
+use crate::description::{OuterBoundary, ToolHeat, ToolHeatError, Vector};
+use sphcut_geometry::tool_surface::ToolSurface;
 
 /// Way of a particle along the tool in one step of the tool, in spacings.
 const LONGEST_WAY: f64 = 0.1;
@@ -58,59 +16,39 @@ const LEAST_WIDTH: f64 = 0.1;
 
 /// What a particle did at the surface since the last step of the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Exposure {
+pub(crate) struct Exposure {
     /// Time in contact in s.
-    duration: f64,
+    pub(crate) duration: f64,
     /// Sum of time and area in m^2 s (m s in 2D).
-    coverage: f64,
-    /// Where it was first: see [`Body::place`].
-    place: Vector,
+    pub(crate) coverage: f64,
+    /// Where it was first: see [`ToolBody::place`].
+    pub(crate) place: Vector,
     /// Sum of time and way from there, in m s.
-    drift: Vector,
+    pub(crate) drift: Vector,
     /// Heat of friction for the tool in J (J/m in 2D).
-    friction: f64,
+    pub(crate) friction: f64,
 }
 
 /// A particle as the tool sees it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Partner {
-    pub(crate) temperature: f64,
-    /// J/K (J/(m K) in 2D).
-    pub(crate) capacity: f64,
-    /// W/(m K).
-    pub(crate) conductivity: f64,
+pub struct ContactPartner {
+    /// In K.
+    pub temperature: f64,
+    /// Heat capacity in J/K (J/(m K) in 2D).
+    pub capacity: f64,
+    /// In W/(m K).
+    pub conductivity: f64,
 }
 
 /// Heat since the start in J (J/m in 2D).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Books {
+pub struct HeatLedger {
     /// Through the contact from the particles.
-    pub(crate) contact: f64,
+    pub contact: f64,
     /// Of friction.
-    pub(crate) friction: f64,
+    pub friction: f64,
     /// Through the outer boundary, negative where it leaves.
-    pub(crate) boundary: f64,
-}
-
-/// What the mesh is like.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ToolMeshFacts {
-    /// 2 or 3.
-    pub dimension: usize,
-    /// Number of nodes.
-    pub nodes: usize,
-    /// Number of triangles; in space of tetrahedra and of prisms of the coating.
-    pub elements: usize,
-    /// Those of the coating.
-    pub coating_elements: usize,
-    /// Layers of elements across the coating; 0 without one.
-    pub coating_layers: usize,
-    /// Thickness of the coating in m; 0 without one.
-    pub coating_thickness: f64,
-    /// Their area in m^2, or volume in m^3.
-    pub extent: f64,
-    /// Time step of the tool in s.
-    pub time_step: f64,
+    pub boundary: f64,
 }
 
 /// A particle's exchange during a step of the tool.
@@ -126,17 +64,17 @@ struct Exchange {
 
 /// The tool as a body that conducts heat.
 #[derive(Debug)]
-pub(crate) struct ToolHeat {
-    body: Body,
-    conduction: Conduction,
-    temperature: Vec<f64>,
+pub struct HeatedTool {
+    pub(crate) body: ToolBody,
+    pub(crate) conduction: Conduction,
+    pub(crate) temperature: Vec<f64>,
     /// Its initial value.
     start: Vec<f64>,
-    description: Description,
+    description: ToolHeat,
     /// Length (2D) or area of outer sides at each node in m or m^2.
-    outer: Vec<f64>,
+    pub(crate) outer: Vec<f64>,
     /// Shortest step over the whole path in s.
-    pub(crate) interval: f64,
+    pub interval: f64,
     /// Step at the start of the path in s.
     first_interval: f64,
     /// Longest step by the diffusion of a particle's heat in s.
@@ -144,10 +82,11 @@ pub(crate) struct ToolHeat {
     /// Width that a particle of a resting lattice covers in m.
     width: f64,
     /// Time since the last step in s.
-    pending: f64,
+    pub(crate) pending: f64,
     /// By particle, rising.
-    exposures: Vec<(u32, Exposure)>,
-    pub(crate) books: Books,
+    pub(crate) exposures: Vec<(u32, Exposure)>,
+    /// What passed since the start.
+    pub ledger: HeatLedger,
     load: Load,
     flow: Flow,
     partners: Vec<Exchange>,
@@ -155,15 +94,20 @@ pub(crate) struct ToolHeat {
     leaving: Vec<(u32, f64)>,
 }
 
-impl ToolHeat {
-    /// The tool at its initial temperature, for particles of `spacing`.
+impl HeatedTool {
+    /// The tool at its initial temperature, for particles of `spacing`; `speeds` are those of its path, the first at the
+    /// start.
     ///
     /// # Errors
     /// A half space; a mesh that cannot be made.
-    pub(crate) fn new(tool: &Tool, heat: &Description, spacing: f64) -> Result<Self, SetupError> {
-        let Made { body, conduction, outer } = Body::make(tool, heat)?;
+    pub fn new(
+        surface: &ToolSurface,
+        heat: &ToolHeat,
+        speeds: &[f64],
+        spacing: f64,
+    ) -> Result<Self, ToolHeatError> {
+        let Made { body, conduction, outer } = ToolBody::make(surface, heat)?;
         let longest_interval = longest_interval(heat, spacing);
-        let changes = tool.velocity_changes.iter().map(|change| speed(&change.velocity));
         let interval = |speed: f64| longest_way(speed, spacing).min(longest_interval);
         let mut temperature = vec![heat.temperature; body.nodes()];
         if let OuterBoundary::Fixed(fixed) = heat.outer {
@@ -174,8 +118,8 @@ impl ToolHeat {
             }
         }
         Ok(Self {
-            interval: interval(changes.fold(speed(&tool.velocity), f64::max)),
-            first_interval: interval(speed(&tool.velocity)),
+            interval: interval(speeds.iter().copied().fold(0.0, f64::max)),
+            first_interval: interval(speeds.first().copied().unwrap_or(0.0)),
             longest_interval,
             body,
             conduction,
@@ -185,7 +129,7 @@ impl ToolHeat {
             width: spacing,
             pending: 0.0,
             exposures: Vec::new(),
-            books: Books::default(),
+            ledger: HeatLedger::default(),
             description: heat.clone(),
             load: Load::default(),
             flow: Flow::default(),
@@ -196,23 +140,23 @@ impl ToolHeat {
     }
 
     /// What the mesh is like.
-    pub(crate) fn facts(&self) -> ToolMeshFacts {
+    pub fn facts(&self) -> ToolMeshFacts {
         ToolMeshFacts { time_step: self.first_interval, ..self.body.facts(&self.description) }
     }
 
     /// Bytes of the arrays.
-    pub(crate) fn memory(&self) -> usize {
+    pub fn memory(&self) -> usize {
         self.conduction.memory() + self.body.memory()
     }
 
     /// Notes that `particle` of a resting lattice touches at `position` (tool frame) for `duration` and rubs
     /// `friction` of heat into the tool.
-    pub(crate) fn touch(&mut self, particle: u32, position: &Vector, duration: f64, friction: f64) {
+    pub fn touch(&mut self, particle: u32, position: &Vector, duration: f64, friction: f64) {
         self.touch_on(self.body.patch(self.width), particle, position, duration, friction);
     }
 
     /// The same of one that covers `area`.
-    pub(crate) fn touch_on(
+    pub fn touch_on(
         &mut self,
         area: f64,
         particle: u32,
@@ -243,11 +187,11 @@ impl ToolHeat {
             *drift += duration * way;
         }
         exposure.friction += friction;
-        self.books.friction += friction;
+        self.ledger.friction += friction;
     }
 
     /// Whether a step is due after another `elapsed` of time at `speed` of the tool.
-    pub(crate) fn is_due_after(&mut self, elapsed: f64, speed: f64) -> bool {
+    pub fn is_due_after(&mut self, elapsed: f64, speed: f64) -> bool {
         self.pending += elapsed;
         // A step in space costs more than one in the plane: a tool that returns touches nothing.
         let is_idle = self.exposures.is_empty() && self.body.place_axes() == 3;
@@ -258,7 +202,7 @@ impl ToolHeat {
 
     /// A step of the tool over the time pending; `look` tells about a particle. Returns the heat
     /// that leaves each particle in J (J/m in 2D).
-    pub(crate) fn step(&mut self, look: impl Fn(u32) -> Partner) -> &[(u32, f64)] {
+    pub fn step(&mut self, look: impl Fn(u32) -> ContactPartner) -> &[(u32, f64)] {
         let duration = std::mem::take(&mut self.pending);
         self.load.clear(self.body.nodes(), duration);
         self.bound();
@@ -275,13 +219,13 @@ impl ToolHeat {
             self.leaving.push((partner.particle, left));
             first = partner.end;
         }
-        self.books.contact += self.leaving.iter().map(|(_, heat)| heat).sum::<f64>();
-        self.books.boundary += self.boundary_heat();
+        self.ledger.contact += self.leaving.iter().map(|(_, heat)| heat).sum::<f64>();
+        self.ledger.boundary += self.boundary_heat();
         &self.leaving
     }
 
     /// Puts the contacts since the last step on the nodes.
-    fn gather(&mut self, look: impl Fn(u32) -> Partner) {
+    fn gather(&mut self, look: impl Fn(u32) -> ContactPartner) {
         self.partners.clear();
         self.shares.clear();
         let load = &mut self.load;
@@ -354,7 +298,7 @@ impl ToolHeat {
 
     /// Heat above the initial state in J (J/m in 2D), with the heat of friction that waits for the next
     /// step.
-    pub(crate) fn content(&self) -> f64 {
+    pub fn content(&self) -> f64 {
         let stored: f64 = self
             .temperature
             .iter()
@@ -366,7 +310,7 @@ impl ToolHeat {
     }
 
     /// Largest change of temperature at the outer sides in K.
-    pub(crate) fn outer_rise(&self) -> f64 {
+    pub fn outer_rise(&self) -> f64 {
         let changes =
             self.temperature.iter().zip(&self.start).map(|(now, start)| (now - start).abs());
         let outer = changes.zip(&self.outer).filter(|(_, extent)| **extent > 0.0);
@@ -374,7 +318,7 @@ impl ToolHeat {
     }
 
     /// Highest temperature in K.
-    pub(crate) fn hottest(&self) -> f64 {
+    pub fn hottest(&self) -> f64 {
         self.temperature.iter().copied().fold(0.0, f64::max)
     }
 }
@@ -385,10 +329,10 @@ fn longest_way(speed: f64, spacing: f64) -> f64 {
 }
 
 /// Longest step by the diffusion of its heat.
-fn longest_interval(heat: &Description, spacing: f64) -> f64 {
-    let materials = std::iter::once(&heat.substrate)
-        .chain(heat.coating.as_ref().map(|coating| &coating.material));
-    let diffusivity = materials
+fn longest_interval(heat: &ToolHeat, spacing: f64) -> f64 {
+    let diffusivity = heat
+        .materials()
+        .into_iter()
         .map(|m| m.thermal_conductivity.max() / (m.density * m.specific_heat.min()))
         .fold(0.0, f64::max);
     LONGEST_DIFFUSION * spacing * spacing / diffusivity

@@ -7,28 +7,28 @@
 //! middle of the larger face. The tetrahedra fill the cube without gaps (as in Labelle and Shewchuk, ACM
 //! Transactions on Graphics 26, 2007, 57).
 
+use crate::description::Vector;
 use std::collections::BTreeSet;
 
 /// Deepest subdivision: coordinates have 21 bits.
 const DEEPEST: u32 = 19;
 /// Most nodes of a background.
-pub(super) const MOST_POINTS: usize = 1_500_000;
+pub(crate) const MOST_POINTS: usize = 1_500_000;
 
-type Vector = [f64; 3];
 /// Place in units of half the smallest cell.
 type Place = [u32; 3];
 
 /// How the tree is to be divided.
-pub(super) struct Cube {
-    pub(super) low: Vector,
-    pub(super) smallest: f64,
+pub(crate) struct Cube {
+    pub(crate) low: Vector,
+    pub(crate) smallest: f64,
     /// Halvings from the whole cube to the smallest cell.
-    pub(super) levels: u32,
+    pub(crate) levels: u32,
 }
 
 impl Cube {
     /// About the box, with room at each side; `None` where it would need too many halvings.
-    pub(super) fn about([low, high]: [Vector; 2], smallest: f64) -> Option<Self> {
+    pub(crate) fn about([low, high]: [Vector; 2], smallest: f64) -> Option<Self> {
         let extent = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
         let levels = (0..=DEEPEST).find(|n| smallest * f64::from(1 << n) >= 1.3 * extent)?;
         let width = smallest * f64::from(1_u32 << levels);
@@ -53,7 +53,7 @@ fn key(place: Place) -> u64 {
 }
 
 /// The tree.
-pub(super) struct Octree {
+pub(crate) struct Octree {
     cube: Cube,
     /// Cells that are divided, by level.
     divided: Vec<BTreeSet<u64>>,
@@ -72,7 +72,7 @@ enum Neighbour {
 
 impl Octree {
     /// Divides cells as long as `is_coarse(centre, width)`; `None` beyond the most points.
-    pub(super) fn new(cube: Cube, is_coarse: impl Fn(&Vector, f64) -> bool) -> Option<Self> {
+    pub(crate) fn new(cube: Cube, is_coarse: impl Fn(&Vector, f64) -> bool) -> Option<Self> {
         let levels = cube.levels as usize;
         let root = Cell { corner: [0; 3], level: 0 };
         let mut tree = Self {
@@ -110,7 +110,7 @@ impl Octree {
     }
 
     /// Positions of the points.
-    pub(super) fn positions(&self) -> Vec<Vector> {
+    pub(crate) fn positions(&self) -> Vec<Vector> {
         let mask = (1 << 21) - 1;
         let part = |key: u64, shift: u32| (key >> shift & mask) as u32;
         let place = |key: &u64| [part(*key, 42), part(*key, 21), part(*key, 0)];
@@ -118,7 +118,7 @@ impl Octree {
     }
 
     /// Whether each point is the centre of a cell.
-    pub(super) fn are_centres(&self) -> Vec<bool> {
+    pub(crate) fn are_centres(&self) -> Vec<bool> {
         let mut are_centres = vec![false; self.points.len()];
         for leaf in &self.leaves {
             are_centres[self.number(self.centre(*leaf)) as usize] = true;
@@ -218,7 +218,7 @@ impl Octree {
     }
 
     /// Gives every tetrahedron, in either orientation.
-    pub(super) fn each_tetrahedron(&self, mut take: impl FnMut([u32; 4])) {
+    pub(crate) fn each_tetrahedron(&self, mut take: impl FnMut([u32; 4])) {
         for leaf in &self.leaves {
             let centre = self.number(self.centre(*leaf));
             for axis in 0..3 {

@@ -1,7 +1,7 @@
 //! The surface of the tool in space that particles can touch: which nodes a contact heats.
 
-use super::stuffing::{cross, dot, minus};
-use crate::setup::Vector;
+use crate::description::Vector;
+use crate::stuffing::{cross, dot, minus};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 /// A point of the plane that the square lies in.

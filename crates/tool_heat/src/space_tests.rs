@@ -1,8 +1,10 @@
 //! Known answers for the tool in space.
 
-use super::tests::{self, coating, column, description, integrated, tool};
-use super::*;
-use crate::setup::{Coating, ThermalMaterial, ToolSurface};
+use crate::body::ToolBody;
+use crate::description::Vector;
+use crate::tests::{self, coating, description, integrated};
+use crate::{Coating, ContactPartner, HeatedTool, OuterBoundary, ThermalMaterial, ToolHeat};
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::TemperatureTable;
 use std::f64::consts::PI;
 
@@ -17,17 +19,18 @@ fn block(low: Vector, high: Vector) -> ToolSurface {
     ToolSurface::Triangles { vertices, triangles }
 }
 
-fn tool_of(surface: ToolSurface) -> Tool {
-    Tool { surface, ..tool(&column(1e-3)) }
+/// A tool that does not move yet.
+fn heated(surface: &ToolSurface, heat: &ToolHeat) -> HeatedTool {
+    HeatedTool::new(surface, heat, &[0.0], 10e-6).unwrap()
 }
 
 /// A block below y = 0, `width` wide; facets 6 and 7 look up.
-fn pillar(width: f64, depth: f64) -> Tool {
-    tool_of(block([-0.5 * width, -depth, -0.5 * width], [0.5 * width, 0.0, 0.5 * width]))
+fn pillar(width: f64, depth: f64) -> ToolSurface {
+    block([-0.5 * width, -depth, -0.5 * width], [0.5 * width, 0.0, 0.5 * width])
 }
 
-fn described(coating: Option<Coating>, element_size: f64) -> Description {
-    Description {
+fn described(coating: Option<Coating>, element_size: f64) -> ToolHeat {
+    ToolHeat {
         outer_sides: vec![0, 1, 2, 3, 4, 5, 8, 9, 10, 11],
         fine_centre: [0.0; 3],
         fine_reach: 50e-6,
@@ -37,11 +40,11 @@ fn described(coating: Option<Coating>, element_size: f64) -> Description {
 
 /// As in the plane: a flux on the upper face of a block 200 um wide; the mean over 40 um of its middle, which
 /// the sides do not reach.
-fn surface_under_flux(heat: &Description, flux: f64, time: f64, steps: u32) -> f64 {
-    let heat = Description { contact_conductance: 1e-12, ..heat.clone() };
-    let mut body = ToolHeat::new(&pillar(200e-6, 0.3e-3), &heat, 10e-6).unwrap();
+fn surface_under_flux(heat: &ToolHeat, flux: f64, time: f64, steps: u32) -> f64 {
+    let heat = ToolHeat { contact_conductance: 1e-12, ..heat.clone() };
+    let mut body = heated(&pillar(200e-6, 0.3e-3), &heat);
     let step = time / f64::from(steps);
-    let partner = Partner { temperature: 300.0, capacity: 1.0, conductivity: 50.0 };
+    let partner = ContactPartner { temperature: 300.0, capacity: 1.0, conductivity: 50.0 };
     for _ in 0..steps {
         for particle in 0..400 {
             let place = |k: u32| -95e-6 + 10e-6 * f64::from(k);
@@ -102,9 +105,9 @@ fn a_coating_of_stacks_warms_as_its_images_say_and_as_the_meshed_one_in_the_plan
 fn a_steady_block_is_a_row_of_resistances() {
     // As in the plane: 1e-7 + 1e-5 + 3e-6/5 + 197e-6/80 = 13.1625e-6 m^2 K/W between 500 and 300 K.
     let heat =
-        Description { outer: OuterBoundary::Fixed(300.0), ..described(Some(coating(3e-6)), 10e-6) };
-    let mut body = ToolHeat::new(&pillar(200e-6, 200e-6), &heat, 10e-6).unwrap();
-    let Body::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
+        ToolHeat { outer: OuterBoundary::Fixed(300.0), ..described(Some(coating(3e-6)), 10e-6) };
+    let mut body = heated(&pillar(200e-6, 200e-6), &heat);
+    let ToolBody::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
     let far: Vec<bool> = mesh.nodes.iter().map(|node| node[1] <= -199.9e-6).collect();
     // Only the far end is held.
     for (area, is_far) in body.outer.iter_mut().zip(far) {
@@ -112,7 +115,7 @@ fn a_steady_block_is_a_row_of_resistances() {
             *area = 0.0;
         }
     }
-    let partner = Partner { temperature: 500.0, capacity: 1e9, conductivity: 50.0 };
+    let partner = ContactPartner { temperature: 500.0, capacity: 1e9, conductivity: 50.0 };
     let mut middle = 0.0;
     for _ in 0..60 {
         for particle in 0..400 {
@@ -131,14 +134,14 @@ fn a_steady_block_is_a_row_of_resistances() {
     let flux = middle / (4.0 * 1e-10 * 1e-3);
     // Linear elements are exact; the sharp edges of the block are cut off by a part of an element.
     assert!((flux / 15.194_682e6 - 1.0).abs() < 2e-3, "{flux}");
-    let balance = body.books.contact + body.books.boundary - body.content();
-    assert!(balance.abs() < 1e-11 * body.books.contact, "{balance}");
+    let balance = body.ledger.contact + body.ledger.boundary - body.content();
+    assert!(balance.abs() < 1e-11 * body.ledger.contact, "{balance}");
 }
 
 #[test]
 fn heat_is_conserved_in_space_with_properties_that_depend_on_temperature() {
     let table = |pairs: &[(f64, f64)]| TemperatureTable::new(pairs).unwrap();
-    let heat = Description {
+    let heat = ToolHeat {
         substrate: ThermalMaterial {
             density: 15_000.0,
             specific_heat: table(&[(300.0, 180.0), (500.0, 260.0), (900.0, 300.0)]),
@@ -156,7 +159,7 @@ fn heat_is_conserved_in_space_with_properties_that_depend_on_temperature() {
         contact_conductance: 1e9,
         ..described(None, 8e-6)
     };
-    let mut body = ToolHeat::new(&tool_of(tilted()), &heat, 10e-6).unwrap();
+    let mut body = heated(&tilted(), &heat);
     let mut particles = [900.0; 20];
     let capacity = 3.8e6 * 1e-15;
     let mut given = 0.0;
@@ -166,7 +169,7 @@ fn heat_is_conserved_in_space_with_properties_that_depend_on_temperature() {
             body.touch(particle, &place, 4e-7, 1e-10);
         }
         body.is_due_after(4e-7, 0.0);
-        let look = |particle: u32| Partner {
+        let look = |particle: u32| ContactPartner {
             temperature: particles[particle as usize],
             capacity,
             conductivity: 50.0,
@@ -180,29 +183,29 @@ fn heat_is_conserved_in_space_with_properties_that_depend_on_temperature() {
     let lost = capacity * particles.iter().map(|t| 900.0 - t).sum::<f64>();
     let moved: f64 = capacity * particles.iter().map(|t| (900.0 - t).abs()).sum::<f64>();
     assert!((lost - given).abs() < 1e-11 * moved, "{lost} {given}");
-    assert!((body.books.contact - given).abs() < 1e-11 * moved);
-    let entered = body.books.contact + body.books.friction + body.books.boundary;
-    let passed = moved + body.books.friction - body.books.boundary;
+    assert!((body.ledger.contact - given).abs() < 1e-11 * moved);
+    let entered = body.ledger.contact + body.ledger.friction + body.ledger.boundary;
+    let passed = moved + body.ledger.friction - body.ledger.boundary;
     assert!((body.content() - entered).abs() < 1e-11 * passed, "{} {entered}", body.content());
-    assert!(body.books.boundary < 0.0 && body.books.friction > 0.0);
+    assert!(body.ledger.boundary < 0.0 && body.ledger.friction > 0.0);
 }
 
 #[test]
 fn a_sudden_contact_lets_temperatures_undershoot_by_next_to_nothing() {
     // Of the tetrahedra at the surface some have obtuse angles: nodes there conduct from cold to hot a little.
-    for tool in [pillar(200e-6, 0.3e-3), tool_of(tilted())] {
+    for tool in [pillar(200e-6, 0.3e-3), tilted()] {
         for duration in [1e-12, 1e-8, 1e-6, 1e-4] {
-            let heat = Description {
+            let heat = ToolHeat {
                 contact_conductance: 1e10,
                 fine_reach: 0.3e-3,
                 outer_sides: Vec::new(),
                 ..described(None, 5e-6)
             };
-            let mut body = ToolHeat::new(&tool, &heat, 10e-6).unwrap();
+            let mut body = heated(&tool, &heat);
             body.touch(0, &[0.03e-3, 0.0, 0.05e-3], duration, 0.0);
             body.is_due_after(duration, 0.0);
             let partner =
-                Partner { temperature: 1300.0, capacity: 3.8e6 * 1e-15, conductivity: 50.0 };
+                ContactPartner { temperature: 1300.0, capacity: 3.8e6 * 1e-15, conductivity: 50.0 };
             let leaving = body.step(|_| partner);
             let after = 1300.0 - leaving[0].1 / partner.capacity;
             assert!((300.0..1300.0).contains(&after), "{after}");
@@ -216,7 +219,7 @@ fn a_sudden_contact_lets_temperatures_undershoot_by_next_to_nothing() {
 #[test]
 fn squares_side_by_side_give_every_node_what_belongs_to_it() {
     let heat = described(Some(coating(3e-6)), 7e-6);
-    let body = ToolHeat::new(&pillar(200e-6, 0.3e-3), &heat, 10e-6).unwrap();
+    let body = heated(&pillar(200e-6, 0.3e-3), &heat);
     let mut areas = vec![0.0; body.body.nodes()];
     let mut shares = Vec::new();
     for (i, k) in (0..20).flat_map(|i| (0..20).map(move |k| (i, k))) {
@@ -227,7 +230,7 @@ fn squares_side_by_side_give_every_node_what_belongs_to_it() {
         assert!((whole - 1.0).abs() < 1e-14, "{whole}");
         shares.iter().for_each(|(node, share)| areas[*node as usize] += 1e-10 * share);
     }
-    let Body::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
+    let ToolBody::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
     let mut thirds = vec![0.0; areas.len()];
     for triangle in &mesh.surface {
         let [a, b, c] = triangle.map(|node| mesh.nodes[node as usize]);
@@ -249,9 +252,8 @@ fn squares_side_by_side_give_every_node_what_belongs_to_it() {
 #[test]
 fn the_mesh_of_a_turned_block_fills_it() {
     for (size, tolerance) in [(20e-6, 4e-3), (10e-6, 1e-3)] {
-        let heat =
-            Description { fine_reach: 2e-3, outer_sides: Vec::new(), ..described(None, size) };
-        let body = ToolHeat::new(&tool_of(tilted()), &heat, 10e-6).unwrap();
+        let heat = ToolHeat { fine_reach: 2e-3, outer_sides: Vec::new(), ..described(None, size) };
+        let body = heated(&tilted(), &heat);
         // Sharp edges are cut off by a part of an element: 12 of 0.4 mm by some 0.15 size^2, 0.45 and 0.11 %.
         let exact = 0.4e-3_f64.powi(3);
         assert!(
@@ -259,7 +261,7 @@ fn the_mesh_of_a_turned_block_fills_it() {
             "{}",
             body.facts().extent / exact
         );
-        let Body::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
+        let ToolBody::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
         // The surface is closed.
         let mut sides: Vec<[u32; 2]> =
             mesh.surface.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]).collect();

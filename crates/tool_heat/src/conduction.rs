@@ -16,9 +16,9 @@
 //!   undershoot under the sudden flux of a particle that comes into contact.
 //! - First order in time, second in the element length.
 
-use super::mesh::{Layer, ToolMesh};
-use super::outline::double_area;
-use crate::setup::{ThermalMaterial, ToolHeat};
+use crate::description::ToolHeat;
+use crate::mesh::{Layer, PlaneMesh};
+use crate::outline::double_area;
 use sphcut_physics::TemperatureTable;
 
 /// Residual, over that of no change at all, at which the iteration ends.
@@ -176,16 +176,10 @@ impl Capacity {
     }
 }
 
-/// Substrate and coating.
-fn materials(heat: &ToolHeat) -> Vec<&ThermalMaterial> {
-    let coating = heat.coating.as_ref().map(|coating| &coating.material);
-    std::iter::once(&heat.substrate).chain(coating).collect()
-}
-
 impl Conduction {
     /// Of triangles.
-    pub(crate) fn new(mesh: &ToolMesh, heat: &ToolHeat) -> Self {
-        let materials = materials(heat);
+    pub(crate) fn new(mesh: &PlaneMesh, heat: &ToolHeat) -> Self {
+        let materials = heat.materials();
         let place = |layer: &Layer| usize::from(*layer == Layer::Coating);
         let mut mass = vec![[0.0; 2]; mesh.nodes.len()];
         let mut sides: Vec<([u32; 2], usize, usize)> = Vec::new();
@@ -229,7 +223,7 @@ impl Conduction {
     }
 
     fn of(edges: Vec<Edge>, shape: Shape, mass: &[[f64; 2]], heat: &ToolHeat) -> Self {
-        let materials = materials(heat);
+        let materials = heat.materials();
         let capacity = mass.iter().map(|masses| {
             let parts: Vec<_> = masses
                 .iter()

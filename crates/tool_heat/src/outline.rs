@@ -1,15 +1,15 @@
 //! The outline of the tool as finite elements see it: short chords of an arc merged, long sides
 //! divided, fine where particles can touch.
 
-use crate::setup::ToolHeat;
+use crate::description::ToolHeat;
 
 /// A point or vector of the plane.
 pub(crate) type Point = [f64; 2];
 
 /// Growth of the element size per length away from where it is smallest.
-pub(super) const GROWTH: f64 = 0.25;
+pub(crate) const GROWTH: f64 = 0.25;
 /// Largest element over the extent of the tool.
-pub(super) const COARSEST: f64 = 0.1;
+pub(crate) const COARSEST: f64 = 0.1;
 /// Corners sharper than this are kept, in rad.
 const SHARP: f64 = 20.0 / 180.0 * std::f64::consts::PI;
 /// Chords of an arc are merged while they turn by less than this, in rad.
@@ -17,7 +17,7 @@ const MERGED: f64 = 12.0 / 180.0 * std::f64::consts::PI;
 
 /// The closed outline, counter-clockwise; side k leads from point k to the next.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Outline {
+pub(crate) struct MeshOutline {
     pub(crate) points: Vec<Point>,
     /// Whether the model of the tool is cut off at side k.
     pub(crate) is_outer: Vec<bool>,
@@ -94,7 +94,7 @@ impl SizeField {
     }
 }
 
-impl Outline {
+impl MeshOutline {
     /// The polygon `corners` with sides of about the length that `size` asks for.
     pub(crate) fn new(corners: &[Point], heat: &ToolHeat, size: &SizeField) -> Self {
         let merged = Self::merged(corners, heat, size);
@@ -210,7 +210,7 @@ impl Outline {
 }
 
 /// Whether the outline goes straight on at a point.
-fn is_straight(outline: &Outline, k: usize) -> bool {
+fn is_straight(outline: &MeshOutline, k: usize) -> bool {
     let here = outline.points[k];
     let (before, after) = (outline.points[outline.previous(k)], outline.points[outline.next(k)]);
     let scale = length(between(before, here)) * length(between(here, after));

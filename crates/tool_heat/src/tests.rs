@@ -1,9 +1,10 @@
-use super::mesh::ToolMesh;
-use super::outline::{self, Point, double_area};
-use super::rim::Rim;
-use super::*;
-use crate::setup::{Coating, ThermalMaterial, ToolSurface};
-use sphcut_physics::{TemperatureTable, Values, friction};
+use crate::body::ToolBody;
+use crate::mesh::{Layer, PlaneMesh};
+use crate::outline::{self, Point, double_area};
+use crate::rim::Rim;
+use crate::{Coating, ContactPartner, HeatedTool, OuterBoundary, ThermalMaterial, ToolHeat};
+use sphcut_geometry::tool_surface::ToolSurface;
+use sphcut_physics::TemperatureTable;
 use std::f64::consts::PI;
 
 fn constant(value: f64) -> TemperatureTable {
@@ -28,23 +29,15 @@ pub(super) fn coating(thickness: f64) -> Coating {
     Coating { thickness, material: material(5.0, 4000.0, 800.0) }
 }
 
-pub(super) fn tool(corners: &[Point]) -> Tool {
-    let law = friction::find("coulomb").unwrap();
-    Tool {
-        surface: ToolSurface::Polygon(corners.to_vec()),
-        velocity: [0.0; 3],
-        velocity_changes: Vec::new(),
-        edge_radius: None,
-        friction: law,
-        friction_values: Values::resolve(law.parameters, &[("friction_coefficient", 0.0)]).unwrap(),
-        heat: None,
-    }
+/// The tool of this outline that does not move yet.
+fn heated(corners: &[Point], heat: &ToolHeat) -> HeatedTool {
+    HeatedTool::new(&ToolSurface::Polygon(corners.to_vec()), heat, &[0.0], 10e-6).unwrap()
 }
 
-fn plane(heat: &ToolHeat) -> (&ToolMesh, &Rim) {
-    match &heat.body {
-        Body::Plane { mesh, rim } => (mesh, rim),
-        Body::Space { .. } => panic!("a plane tool"),
+fn plane(tool: &HeatedTool) -> (&PlaneMesh, &Rim) {
+    match &tool.body {
+        ToolBody::Plane { mesh, rim } => (mesh, rim),
+        ToolBody::Space { .. } => panic!("a plane tool"),
     }
 }
 
@@ -53,8 +46,8 @@ pub(super) fn column(depth: f64) -> [Point; 4] {
     [[0.0, -depth], [40e-6, -depth], [40e-6, 0.0], [0.0, 0.0]]
 }
 
-pub(super) fn description(coating: Option<Coating>, element_size: f64) -> Description {
-    Description {
+pub(super) fn description(coating: Option<Coating>, element_size: f64) -> ToolHeat {
+    ToolHeat {
         substrate: carbide(),
         coating,
         temperature: 300.0,
@@ -86,12 +79,12 @@ fn cutting_tool() -> (Vec<Point>, Vec<usize>) {
 
 /// Heats the upper end of the column with the flux `flux` in W/m^2 for `time` in `steps` steps and
 /// returns the temperature in its middle.
-pub(super) fn surface_under_flux(heat: &Description, flux: f64, time: f64, steps: u32) -> f64 {
-    let heat = Description { contact_conductance: 1e-12, ..heat.clone() };
+pub(super) fn surface_under_flux(heat: &ToolHeat, flux: f64, time: f64, steps: u32) -> f64 {
+    let heat = ToolHeat { contact_conductance: 1e-12, ..heat.clone() };
     let corners = column(2e-3);
-    let mut body = ToolHeat::new(&tool(&corners), &heat, 10e-6).unwrap();
+    let mut body = heated(&corners, &heat);
     let step = time / f64::from(steps);
-    let partner = Partner { temperature: 300.0, capacity: 1.0, conductivity: 50.0 };
+    let partner = ContactPartner { temperature: 300.0, capacity: 1.0, conductivity: 50.0 };
     for _ in 0..steps {
         for particle in 0..4 {
             let place = [5e-6 + 10e-6 * f64::from(particle), 0.0, 0.0];
@@ -108,7 +101,7 @@ pub(super) fn surface_under_flux(heat: &Description, flux: f64, time: f64, steps
     // All heat is still in the column.
     let supplied = flux * 40e-6 * time;
     assert!((body.content() - supplied).abs() < 1e-11 * supplied, "{}", body.content());
-    assert!((body.books.friction - supplied).abs() < 1e-11 * supplied);
+    assert!((body.ledger.friction - supplied).abs() < 1e-11 * supplied);
     mean
 }
 
@@ -178,13 +171,13 @@ fn a_steady_column_is_a_row_of_resistances() {
     // Particles that stay at 500 K, the far end held at 300 K: half a spacing of 50 W/(m K), the
     // contact, 3 um of coating, 197 um of carbide:
     // 1e-7 + 1e-5 + 3e-6/5 + 197e-6/80 = 13.1625e-6 m^2 K/W, q = 200/13.1625e-6 = 15.194682 MW/m^2.
-    let heat = Description {
+    let heat = ToolHeat {
         outer_sides: vec![0, 1, 3],
         outer: OuterBoundary::Fixed(300.0),
         ..description(Some(coating(3e-6)), 4e-6)
     };
     let corners = column(200e-6);
-    let mut body = ToolHeat::new(&tool(&corners), &heat, 10e-6).unwrap();
+    let mut body = heated(&corners, &heat);
     // Only the far end is held.
     let far: Vec<bool> = plane(&body).0.nodes.iter().map(|node| node[1] <= -199.9e-6).collect();
     for (length, is_far) in body.outer.iter_mut().zip(far) {
@@ -192,8 +185,8 @@ fn a_steady_column_is_a_row_of_resistances() {
             *length = 0.0;
         }
     }
-    let partner = Partner { temperature: 500.0, capacity: 1e9, conductivity: 50.0 };
-    let step = |body: &mut ToolHeat| {
+    let partner = ContactPartner { temperature: 500.0, capacity: 1e9, conductivity: 50.0 };
+    let step = |body: &mut HeatedTool| {
         for particle in 0..4 {
             body.touch(particle, &[5e-6 + 10e-6 * f64::from(particle), 0.0, 0.0], 1e-3, 0.0);
         }
@@ -209,8 +202,8 @@ fn a_steady_column_is_a_row_of_resistances() {
         // Exact for linear elements; the iteration ends at 1e-9.
         assert!((flux / 15.194_682e6 - 1.0).abs() < 1e-6, "{flux}");
     }
-    let balance = body.books.contact + body.books.boundary - body.content();
-    assert!(balance.abs() < 1e-11 * body.books.contact, "{balance}");
+    let balance = body.ledger.contact + body.ledger.boundary - body.content();
+    assert!(balance.abs() < 1e-11 * body.ledger.contact, "{balance}");
 }
 
 #[test]
@@ -230,7 +223,7 @@ fn heat_is_conserved_with_properties_that_depend_on_temperature() {
         },
     };
     let (corners, outer_sides) = cutting_tool();
-    let heat = Description {
+    let heat = ToolHeat {
         substrate: varying,
         outer_sides,
         outer: OuterBoundary::Convective { film_coefficient: 1e5, ambient: 280.0 },
@@ -239,7 +232,7 @@ fn heat_is_conserved_with_properties_that_depend_on_temperature() {
         fine_reach: 0.5e-3,
         ..description(Some(hard), 5e-6)
     };
-    let mut body = ToolHeat::new(&tool(&corners), &heat, 10e-6).unwrap();
+    let mut body = heated(&corners, &heat);
     let mut particles = [900.0; 20];
     let capacity = 3.8e6 * 1e-10;
     let mut given = 0.0;
@@ -249,7 +242,7 @@ fn heat_is_conserved_with_properties_that_depend_on_temperature() {
             body.touch(particle, &place, 4e-7, 1e-5);
         }
         body.is_due_after(4e-7, 0.0);
-        let look = |particle: u32| Partner {
+        let look = |particle: u32| ContactPartner {
             temperature: particles[particle as usize],
             capacity,
             conductivity: 50.0,
@@ -261,10 +254,10 @@ fn heat_is_conserved_with_properties_that_depend_on_temperature() {
     }
     let lost = capacity * particles.iter().map(|t| 900.0 - t).sum::<f64>();
     assert!((lost - given).abs() < 1e-12 * given);
-    assert!((body.books.contact - given).abs() < 1e-12 * given);
-    let entered = body.books.contact + body.books.friction + body.books.boundary;
+    assert!((body.ledger.contact - given).abs() < 1e-12 * given);
+    let entered = body.ledger.contact + body.ledger.friction + body.ledger.boundary;
     assert!((body.content() - entered).abs() < 1e-11 * entered, "{} {entered}", body.content());
-    assert!(body.books.boundary < 0.0 && body.books.friction > 0.0);
+    assert!(body.ledger.boundary < 0.0 && body.ledger.friction > 0.0);
     let coldest = body.temperature.iter().copied().fold(f64::INFINITY, f64::min);
     // Friction heats beyond the particles, but nothing is colder than ambient.
     assert!(coldest >= 280.0, "{coldest}");
@@ -273,7 +266,7 @@ fn heat_is_conserved_with_properties_that_depend_on_temperature() {
 #[test]
 fn a_step_of_any_length_keeps_temperatures_between_those_of_its_surroundings() {
     let (corners, outer_sides) = cutting_tool();
-    let heat = Description {
+    let heat = ToolHeat {
         outer_sides,
         contact_conductance: 1e10,
         fine_centre: [0.0; 3],
@@ -281,10 +274,10 @@ fn a_step_of_any_length_keeps_temperatures_between_those_of_its_surroundings() {
         ..description(None, 5e-6)
     };
     for duration in [1e-12, 1e-8, 1e-4] {
-        let mut body = ToolHeat::new(&tool(&corners), &heat, 10e-6).unwrap();
+        let mut body = heated(&corners, &heat);
         body.touch(0, &[18e-6, 60e-6, 0.0], duration, 0.0);
         body.is_due_after(duration, 0.0);
-        let partner = Partner { temperature: 1300.0, capacity: 3.8e-4, conductivity: 50.0 };
+        let partner = ContactPartner { temperature: 1300.0, capacity: 3.8e-4, conductivity: 50.0 };
         let leaving = body.step(|_| partner);
         let after = 1300.0 - leaving[0].1 / partner.capacity;
         assert!((300.0..1300.0).contains(&after), "{after}");
@@ -299,13 +292,13 @@ fn a_step_of_any_length_keeps_temperatures_between_those_of_its_surroundings() {
 fn the_mesh_of_a_cutting_tool_fills_it_and_conducts_downhill() {
     let (corners, outer_sides) = cutting_tool();
     for thickness in [None, Some(3e-6)] {
-        let heat = Description {
+        let heat = ToolHeat {
             outer_sides: outer_sides.clone(),
             fine_centre: [0.0; 3],
             fine_reach: 0.5e-3,
             ..description(thickness.map(coating), 5e-6)
         };
-        let body = ToolHeat::new(&tool(&corners), &heat, 10e-6).unwrap();
+        let body = heated(&corners, &heat);
         let facts = body.facts();
         let exact: f64 = (0..corners.len())
             .map(|k| double_area([0.0; 2], corners[k], corners[(k + 1) % corners.len()]))
@@ -323,7 +316,7 @@ fn the_mesh_of_a_cutting_tool_fills_it_and_conducts_downhill() {
         assert!(facts.nodes < 4000, "{}", facts.nodes);
         if thickness.is_some() {
             let coated: f64 = areas(plane(&body).0)
-                .filter(|(_, layer)| *layer == mesh::Layer::Coating)
+                .filter(|(_, layer)| *layer == Layer::Coating)
                 .map(|(area, _)| area)
                 .sum();
             // Two faces of 2 mm and the arc at its middle radius: 18.5 um times 102 deg.
@@ -333,7 +326,7 @@ fn the_mesh_of_a_cutting_tool_fills_it_and_conducts_downhill() {
     }
 }
 
-fn areas(mesh: &ToolMesh) -> impl Iterator<Item = (f64, mesh::Layer)> + '_ {
+fn areas(mesh: &PlaneMesh) -> impl Iterator<Item = (f64, Layer)> + '_ {
     mesh.elements.iter().zip(&mesh.layer).map(|(element, layer)| {
         let [a, b, c] = element.map(|node| mesh.nodes[node as usize]);
         (0.5 * double_area(a, b, c), *layer)
@@ -341,8 +334,8 @@ fn areas(mesh: &ToolMesh) -> impl Iterator<Item = (f64, mesh::Layer)> + '_ {
 }
 
 /// Smallest angle of the triangles inside in deg.
-fn smallest_angle(mesh: &ToolMesh) -> f64 {
-    let inside = |(_, layer): &(&[u32; 3], &mesh::Layer)| **layer == mesh::Layer::Substrate;
+fn smallest_angle(mesh: &PlaneMesh) -> f64 {
+    let inside = |(_, layer): &(&[u32; 3], &Layer)| **layer == Layer::Substrate;
     let mut smallest = 180.0_f64;
     for (element, _) in mesh.elements.iter().zip(&mesh.layer).filter(inside) {
         let corners = element.map(|node| mesh.nodes[node as usize]);
