@@ -3,12 +3,13 @@
 //!
 //! `cargo run --release -p sphcut-analytic --example table`
 
-use sphcut_analytic::{ActiveEffect, Channel, Condition, Cut, Physics, predict, solution};
+use sphcut_analytic::{ActiveEffect, Cut, Observables, Physics, predict, solution};
+use sphcut_physics::CuttingCondition;
 use std::hint::black_box;
 use std::time::Instant;
 
 fn main() -> Result<(), sphcut_analytic::Error> {
-    let names: Vec<&str> = Channel::ALL.iter().map(|channel| channel.key()).collect();
+    let names: Vec<&str> = Observables::CHANNELS.iter().map(|channel| channel.key()).collect();
     println!(
         "physics,cutting_speed,uncut_chip_thickness,{},sticking_share,rate_constant,layer",
         names.join(",")
@@ -24,15 +25,17 @@ fn main() -> Result<(), sphcut_analytic::Error> {
         cut.physics = physics;
         for speed in [30.0, 50.0, 75.0, 100.0, 125.0, 150.0, 175.0, 200.0, 250.0, 300.0, 400.0] {
             for thickness in [0.02, 0.04, 0.06, 0.09, 0.12, 0.15, 0.2, 0.25] {
-                let condition = Condition::new(speed / 60.0, thickness * 1e-3);
+                let condition = CuttingCondition::new(speed / 60.0, thickness * 1e-3);
                 let found = match predict(&cut, &condition, &[]) {
                     Ok(found) => found,
                     // Oxley's closure has no answer where the cut is slow and thin.
                     Err(_) => continue,
                 };
                 let inside = solution(&cut, &condition, &[])?;
-                let values: Vec<String> =
-                    Channel::ALL.iter().map(|channel| found.get(*channel).to_string()).collect();
+                let values: Vec<String> = Observables::CHANNELS
+                    .iter()
+                    .map(|channel| found.get(*channel).to_string())
+                    .collect();
                 println!(
                     "{name},{},{},{},{},{},{}",
                     condition.cutting_speed,
@@ -59,7 +62,7 @@ fn cost(name: &str, cut: &Cut) -> Result<(), sphcut_analytic::Error> {
         let repeats = if cut.physics == Physics::OXLEY { 20 } else { 5000 };
         let start = Instant::now();
         for repeat in 0..repeats {
-            let condition = Condition::new(3.0 + 1e-4 * f64::from(repeat), 0.2e-3);
+            let condition = CuttingCondition::new(3.0 + 1e-4 * f64::from(repeat), 0.2e-3);
             black_box(predict(cut, &condition, effects).ok());
         }
         let each = start.elapsed().as_secs_f64() / f64::from(repeats) * 1e6;

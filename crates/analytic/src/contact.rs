@@ -1,8 +1,9 @@
 //! The rake face: contact length, secondary zone, interface temperature, Zorev's zones.
 
+use crate::heat;
 use crate::physics::{FrictionSpeed, Heat, ShearAngle};
 use crate::shear_zone::{Material, ShearZone};
-use crate::{Condition, heat};
+use sphcut_physics::CuttingCondition;
 use sphcut_physics::flow_stress::FlowState;
 use sphcut_physics::friction::{ContactState, FrictionLaw, SpeedDependent, TemperatureDependent};
 
@@ -51,7 +52,7 @@ impl Contact {
     /// The contact below `zone`, whose friction is that which the balance of forces demands.
     pub fn below(
         material: &Material,
-        condition: &Condition,
+        condition: &CuttingCondition,
         zone: &ShearZone,
         (rate_constant, layer, pressure_exponent): (f64, f64, f64),
         conductance: Conductance,
@@ -96,7 +97,7 @@ impl Contact {
 /// P = F v_ch: friction power; r_c: rise of the chip for unit power; r_t: that of the tool ([`heat::tool_rise`]).
 fn interface_temperature(
     material: &Material,
-    condition: &Condition,
+    condition: &CuttingCondition,
     zone: &ShearZone,
     (length, layer): (f64, f64),
     conductance: Conductance,

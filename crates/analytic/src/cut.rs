@@ -2,7 +2,7 @@
 
 use crate::{Error, Physics};
 use sphcut_physics::flow_stress::{FlowStressEntry, FlowStressModel, JohnsonCook};
-use sphcut_physics::{Quantity, Values};
+use sphcut_physics::{Channel, CuttingCondition, ToolGeometry, Values};
 
 /// `value + slope (T - temperature)`; never below a tenth of `value`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -154,8 +154,16 @@ impl Cut {
         }
     }
 
+    /// The same with what a tool has of its own.
+    pub(crate) fn with_tool(&self, tool: &ToolGeometry) -> Self {
+        let mut cut = self.clone();
+        cut.tool.rake_angle = tool.rake_angle.unwrap_or(cut.tool.rake_angle);
+        cut.tool.edge_radius = tool.edge_radius.unwrap_or(cut.tool.edge_radius);
+        cut
+    }
+
     /// Refuses what the equations cannot take.
-    pub(crate) fn check(&self, condition: &Condition) -> Result<(), Error> {
+    pub(crate) fn check(&self, condition: &CuttingCondition) -> Result<(), Error> {
         let positive = [
             ("cutting speed", condition.cutting_speed),
             ("uncut chip thickness", condition.uncut_chip_thickness),
@@ -191,27 +199,6 @@ impl Cut {
     }
 }
 
-/// One cutting condition.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Condition {
-    /// v_c in m/s.
-    pub cutting_speed: f64,
-    /// h in m.
-    pub uncut_chip_thickness: f64,
-    /// Length that the edge has cut before, in m.
-    pub cut_length: f64,
-    /// Place in the order of the runs, 0 for the first.
-    pub run_order: f64,
-}
-
-impl Condition {
-    /// With a fresh edge, first in order.
-    #[must_use]
-    pub const fn new(cutting_speed: f64, uncut_chip_thickness: f64) -> Self {
-        Self { cutting_speed, uncut_chip_thickness, cut_length: 0.0, run_order: 0.0 }
-    }
-}
-
 /// What can be measured of a cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observables {
@@ -231,65 +218,19 @@ pub struct Observables {
     pub shear_angle: f64,
 }
 
-/// One number of [`Observables`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Channel {
-    /// F_c.
-    CuttingForce,
-    /// F_f.
-    FeedForce,
-    /// Mean temperature of the contact.
-    InterfaceTemperature,
-    /// Temperature of the shear plane.
-    ShearPlaneTemperature,
-    /// Chip thickness.
-    ChipThickness,
-    /// Contact length.
-    ContactLength,
-    /// phi.
-    ShearAngle,
-}
-
-impl Channel {
-    /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::CuttingForce,
-        Self::FeedForce,
-        Self::InterfaceTemperature,
-        Self::ShearPlaneTemperature,
-        Self::ChipThickness,
-        Self::ContactLength,
-        Self::ShearAngle,
+impl Observables {
+    /// What the closed form says of a cut.
+    pub const CHANNELS: [Channel; 7] = [
+        Channel::CuttingForce,
+        Channel::FeedForce,
+        Channel::InterfaceTemperature,
+        Channel::ShearPlaneTemperature,
+        Channel::ChipThickness,
+        Channel::ContactLength,
+        Channel::ShearAngle,
     ];
 
-    /// Its name in tables.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::CuttingForce => "cutting_force",
-            Self::FeedForce => "feed_force",
-            Self::InterfaceTemperature => "interface_temperature",
-            Self::ShearPlaneTemperature => "shear_plane_temperature",
-            Self::ChipThickness => "chip_thickness",
-            Self::ContactLength => "contact_length",
-            Self::ShearAngle => "shear_angle",
-        }
-    }
-
-    /// What it is.
-    #[must_use]
-    pub const fn quantity(self) -> Quantity {
-        match self {
-            Self::CuttingForce | Self::FeedForce => Quantity::Force,
-            Self::InterfaceTemperature | Self::ShearPlaneTemperature => Quantity::Temperature,
-            Self::ChipThickness | Self::ContactLength => Quantity::Length,
-            Self::ShearAngle => Quantity::Angle,
-        }
-    }
-}
-
-impl Observables {
-    /// The number of a channel.
+    /// The value of a channel; not a number of those that are not among [`Self::CHANNELS`].
     #[must_use]
     pub const fn get(&self, channel: Channel) -> f64 {
         match channel {
@@ -300,6 +241,7 @@ impl Observables {
             Channel::ChipThickness => self.chip_thickness,
             Channel::ContactLength => self.contact_length,
             Channel::ShearAngle => self.shear_angle,
+            Channel::PassiveForce | Channel::Springback => f64::NAN,
         }
     }
 }

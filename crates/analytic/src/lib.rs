@@ -10,9 +10,10 @@
 //! chip, no transient.
 //!
 //! ```
-//! use sphcut_analytic::{ActiveEffect, Condition, Cut, predict};
+//! use sphcut_analytic::{ActiveEffect, Cut, predict};
+//! use sphcut_physics::CuttingCondition;
 //! let cut = Cut::aisi_1045();
-//! let condition = Condition::new(2.5, 0.1e-3);
+//! let condition = CuttingCondition::new(2.5, 0.1e-3);
 //! let plain = predict(&cut, &condition, &[])?;
 //! let worn = ActiveEffect::new("viscous_drag", &[("drag_coefficient", 0.2)])?;
 //! let changed = predict(&cut, &condition, &[worn])?;
@@ -35,7 +36,7 @@ mod shear_zone;
 mod solve;
 
 pub use contact::Contact;
-pub use cut::{Channel, Condition, Cut, FlowStress, Linear, Observables, Tool, Workpiece};
+pub use cut::{Cut, FlowStress, Linear, Observables, Tool, Workpiece};
 pub use effects::{ActiveEffect, EFFECTS, Effect, REFERENCE_SPEED, THERMAL_SPAN, find};
 pub use error::Error;
 pub use physics::{

@@ -5,9 +5,9 @@ use crate::effects::{Action, BUILT_UP_WIDTH, REFERENCE_SPEED, THERMAL_SPAN};
 use crate::physics::Ploughing;
 use crate::shear_zone::Material;
 use crate::solve::{Solution, System};
-use crate::{ActiveEffect, Condition, Cut, EFFECTS, Error, Linear, Observables, edge};
-use sphcut_physics::Values;
+use crate::{ActiveEffect, Cut, EFFECTS, Error, Linear, Observables, edge};
 use sphcut_physics::effects::{self as catalogue, ChosenEffect, EffectContext, HeatShare};
+use sphcut_physics::{CuttingCondition, Values};
 use std::cell::Cell;
 
 /// Most rounds of the balance of feed force and deflection.
@@ -50,11 +50,10 @@ struct Instrument {
 /// shear angle.
 pub fn predict(
     cut: &Cut,
-    condition: &Condition,
+    condition: &CuttingCondition,
     effects: &[ActiveEffect],
 ) -> Result<Observables, Error> {
-    cut.check(condition)?;
-    let changed = Changed::new(cut, effects)?;
+    let changed = Changed::new(cut, condition, effects)?;
     let observables = changed.compliant(condition)?;
     Ok(changed.instrument.shown(&observables, condition.run_order))
 }
@@ -65,17 +64,22 @@ pub fn predict(
 /// As [`predict`].
 pub fn solution(
     cut: &Cut,
-    condition: &Condition,
+    condition: &CuttingCondition,
     effects: &[ActiveEffect],
 ) -> Result<Solution, Error> {
-    cut.check(condition)?;
-    Ok(Changed::new(cut, effects)?.solve(condition)?.0)
+    Ok(Changed::new(cut, condition, effects)?.solve(condition)?.0)
 }
 
 impl Changed {
-    fn new(cut: &Cut, effects: &[ActiveEffect]) -> Result<Self, Error> {
+    fn new(
+        cut: &Cut,
+        condition: &CuttingCondition,
+        effects: &[ActiveEffect],
+    ) -> Result<Self, Error> {
+        let cut = cut.with_tool(&condition.tool);
+        cut.check(condition)?;
         let mut changed = Self {
-            cut: cut.clone(),
+            cut,
             chosen: Vec::new(),
             heat_share: None,
             friction_exponent: None,
@@ -132,7 +136,7 @@ impl Changed {
     }
 
     /// The cut on a machine that gives way: `h = h_cmd - F_f/K` by the secant method.
-    fn compliant(&self, condition: &Condition) -> Result<Observables, Error> {
+    fn compliant(&self, condition: &CuttingCondition) -> Result<Observables, Error> {
         let Some(stiffness) = self.stiffness else { return self.observables(condition) };
         let commanded = condition.uncut_chip_thickness;
         let mut there = *condition;
@@ -162,7 +166,7 @@ impl Changed {
     }
 
     /// Forces of chip, edge and wear land.
-    fn observables(&self, condition: &Condition) -> Result<Observables, Error> {
+    fn observables(&self, condition: &CuttingCondition) -> Result<Observables, Error> {
         let (solution, sliding) = self.solve(condition)?;
         let (zone, contact) = (&solution.zone, &solution.contact);
         let friction = sliding.coefficient(condition.cutting_speed, zone.temperature);
@@ -187,7 +191,7 @@ impl Changed {
     }
 
     /// Zone and contact, with a built-up edge as large as the contact without it is cold.
-    fn solve(&self, condition: &Condition) -> Result<(Solution, Sliding), Error> {
+    fn solve(&self, condition: &CuttingCondition) -> Result<(Solution, Sliding), Error> {
         let smallest = edge::SEPARATION * self.cut.tool.edge_radius;
         let thickness = condition.uncut_chip_thickness;
         if thickness <= smallest {
@@ -202,7 +206,11 @@ impl Changed {
         self.with_rake(condition, rake)
     }
 
-    fn with_rake(&self, condition: &Condition, rake: f64) -> Result<(Solution, Sliding), Error> {
+    fn with_rake(
+        &self,
+        condition: &CuttingCondition,
+        rake: f64,
+    ) -> Result<(Solution, Sliding), Error> {
         let mut cut = self.cut.clone();
         cut.tool.rake_angle = rake;
         let context = EffectContext { uncut_chip_thickness: Some(condition.uncut_chip_thickness) };

@@ -2,7 +2,8 @@
 
 use crate::physics::{Heat, ShearAngle};
 use crate::root;
-use crate::{Condition, Cut, heat};
+use crate::{Cut, heat};
+use sphcut_physics::CuttingCondition;
 use sphcut_physics::effects::HeatShare;
 use sphcut_physics::flow_stress::{FlowState, FlowStressModel};
 use std::cell::Cell;
@@ -74,7 +75,12 @@ pub struct Material<'a> {
 
 impl ShearZone {
     /// The zone at phi with C_O.
-    pub fn at(material: &Material, condition: &Condition, phi: f64, rate_constant: f64) -> Self {
+    pub fn at(
+        material: &Material,
+        condition: &CuttingCondition,
+        phi: f64,
+        rate_constant: f64,
+    ) -> Self {
         let cut = material.cut;
         let rake = cut.tool.rake_angle;
         let (speed, thickness) = (condition.cutting_speed, condition.uncut_chip_thickness);
@@ -149,7 +155,7 @@ impl ShearZone {
 /// T_AB and dT: the root of `T - T_0 - eta dT(T)`, which rises where the strength falls with temperature.
 fn plane_temperature(
     material: &Material,
-    condition: &Condition,
+    condition: &CuttingCondition,
     state: &FlowState,
     tan_phi: f64,
     swept: f64,

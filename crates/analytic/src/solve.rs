@@ -1,10 +1,11 @@
 //! The shear angle that the closure asks for.
 
+use crate::Error;
 use crate::contact::{Conductance, Contact, Sliding};
 use crate::physics::{Closure, RateConstant, SecondaryLayer};
 use crate::root;
 use crate::shear_zone::{Material, ShearZone};
-use crate::{Condition, Error};
+use sphcut_physics::CuttingCondition;
 use std::f64::consts::FRAC_PI_4;
 
 /// Smallest shear angle looked at, in rad: chips 20 times as thick as the layer cut are no chips.
@@ -43,11 +44,16 @@ pub struct System<'a> {
 }
 
 impl System<'_> {
-    fn zone(&self, condition: &Condition, phi: f64, rate_constant: f64) -> ShearZone {
+    fn zone(&self, condition: &CuttingCondition, phi: f64, rate_constant: f64) -> ShearZone {
         ShearZone::at(&self.material, condition, phi, rate_constant)
     }
 
-    fn contact(&self, condition: &Condition, zone: &ShearZone, given: (f64, f64, f64)) -> Contact {
+    fn contact(
+        &self,
+        condition: &CuttingCondition,
+        zone: &ShearZone,
+        given: (f64, f64, f64),
+    ) -> Contact {
         Contact::below(&self.material, condition, zone, given, self.conductance)
     }
 
@@ -57,7 +63,7 @@ impl System<'_> {
     }
 
     /// The cut with the closure of its physics.
-    pub fn solve(&self, condition: &Condition) -> Result<Solution, Error> {
+    pub fn solve(&self, condition: &CuttingCondition) -> Result<Solution, Error> {
         let found = match self.material.cut.physics.closure {
             Closure::Zorev { pressure_exponent, layer } => {
                 self.zorev(condition, pressure_exponent, layer)
@@ -77,7 +83,7 @@ impl System<'_> {
     }
 
     /// The angle at which friction between chip and tool, `F/N` of [`Sliding::apparent`], is what equilibrium of the chip demands.
-    fn zorev(&self, condition: &Condition, xi: f64, layer: f64) -> Option<Solution> {
+    fn zorev(&self, condition: &CuttingCondition, xi: f64, layer: f64) -> Option<Solution> {
         let rate_constant = self.material.cut.rate_constant;
         let given = (rate_constant, layer, xi);
         let excess = |phi: f64| {
@@ -99,7 +105,7 @@ impl System<'_> {
     /// Oxley's closure: phi within C_O within delta.
     fn oxley(
         &self,
-        condition: &Condition,
+        condition: &CuttingCondition,
         rate_constant: RateConstant,
         layer: SecondaryLayer,
     ) -> Option<Solution> {
@@ -122,7 +128,7 @@ impl System<'_> {
 
     /// C_O with which N/(l b) is `k_AB (1 + pi/2 - 2 gamma - 2 C_O n)`, the stress at the edge from the shear plane;
     /// where the two never meet, the end of the range at which they are closer.
-    fn equal_normal_stress(&self, condition: &Condition, layer: f64) -> Option<Solution> {
+    fn equal_normal_stress(&self, condition: &CuttingCondition, layer: f64) -> Option<Solution> {
         let at = |rate_constant: f64| self.highest_angle(condition, rate_constant, layer);
         let error = |rate_constant: f64| {
             at(rate_constant).map_or(f64::NAN, |found| {
@@ -143,7 +149,7 @@ impl System<'_> {
     /// The highest phi at which `F/(l b)` is `k_chip`: on the way down from where the rake face bears nothing.
     fn highest_angle(
         &self,
-        condition: &Condition,
+        condition: &CuttingCondition,
         rate_constant: f64,
         layer: f64,
     ) -> Option<Solution> {

@@ -2,19 +2,19 @@
 
 use approx::assert_relative_eq;
 use sphcut_analytic::{
-    ActiveEffect, Channel, Condition, Cut, EFFECTS, Effect, Error, Family, Observables, Physics,
-    Scale, find, predict,
+    ActiveEffect, Cut, EFFECTS, Effect, Error, Family, Observables, Physics, Scale, find, predict,
 };
+use sphcut_physics::{Channel, CuttingCondition};
 
-fn conditions() -> Vec<Condition> {
+fn conditions() -> Vec<CuttingCondition> {
     let mut conditions = Vec::new();
     for (order, speed) in [0.5, 1.5, 3.0, 6.0].into_iter().enumerate() {
         for (place, thickness) in [0.03e-3, 0.1e-3, 0.25e-3].into_iter().enumerate() {
             let run_order = f64::from(u32::try_from(3 * order + place).unwrap());
-            conditions.push(Condition {
+            conditions.push(CuttingCondition {
                 cut_length: 50.0 * run_order,
                 run_order,
-                ..Condition::new(speed, thickness)
+                ..CuttingCondition::new(speed, thickness)
             });
         }
     }
@@ -60,7 +60,7 @@ fn all(cut: &Cut, effects: &[ActiveEffect]) -> Vec<Observables> {
 /// Largest relative change over conditions and channels.
 fn largest_change(changed: &[Observables], plain: &[Observables]) -> f64 {
     let changes = changed.iter().zip(plain).flat_map(|(changed, plain)| {
-        Channel::ALL.map(|channel| (changed.get(channel) / plain.get(channel) - 1.0).abs())
+        Observables::CHANNELS.map(|channel| (changed.get(channel) / plain.get(channel) - 1.0).abs())
     });
     changes.fold(0.0, f64::max)
 }
@@ -144,7 +144,7 @@ fn the_signatures_are_those_of_the_catalogue() {
     let cut = cut(Physics::LIBRARY);
     let at = |key: &str, speed: f64, thickness: f64| {
         let active: Vec<ActiveEffect> = find(key).map(middle).into_iter().collect();
-        predict(&cut, &Condition::new(speed, thickness), &active).unwrap()
+        predict(&cut, &CuttingCondition::new(speed, thickness), &active).unwrap()
     };
     let ratio = |key: &str, speed, thickness, channel: Channel| {
         at(key, speed, thickness).get(channel) / at("", speed, thickness).get(channel)
@@ -186,11 +186,11 @@ fn the_signatures_are_those_of_the_catalogue() {
 #[test]
 fn wear_and_drift_grow_with_what_they_count() {
     let cut = cut(Physics::LIBRARY);
-    let fresh = Condition::new(2.0, 1e-4);
+    let fresh = CuttingCondition::new(2.0, 1e-4);
     let plain = predict(&cut, &fresh, &[]).unwrap();
     let wear = ActiveEffect::new("flank_wear", &[("wear_per_length", 1e-7)]).unwrap();
     let gained = |cut_length: f64| {
-        let found = predict(&cut, &Condition { cut_length, ..fresh }, &[wear]).unwrap();
+        let found = predict(&cut, &CuttingCondition { cut_length, ..fresh }, &[wear]).unwrap();
         (found.cutting_force - plain.cutting_force, found.feed_force - plain.feed_force)
     };
     assert_eq!(gained(0.0), (0.0, 0.0));
@@ -198,7 +198,7 @@ fn wear_and_drift_grow_with_what_they_count() {
     assert!(gained(1000.0).0 < 0.55 * gained(1000.0).1);
     let drift =
         ActiveEffect::new("drift", &[("cutting_drift", 0.3), ("feed_drift", -0.2)]).unwrap();
-    let last = predict(&cut, &Condition { run_order: 10.0, ..fresh }, &[drift]).unwrap();
+    let last = predict(&cut, &CuttingCondition { run_order: 10.0, ..fresh }, &[drift]).unwrap();
     assert_relative_eq!(last.cutting_force - plain.cutting_force, 3.0, max_relative = 1e-9);
     assert_relative_eq!(last.feed_force - plain.feed_force, -2.0, max_relative = 1e-9);
 }
@@ -208,9 +208,9 @@ fn wear_and_drift_grow_with_what_they_count() {
 fn a_machine_that_gives_way_cuts_what_is_left() {
     let cut = cut(Physics::LIBRARY);
     let soft = ActiveEffect::new("compliance", &[("stiffness", 1e7)]).unwrap();
-    let found = predict(&cut, &Condition::new(2.0, 2e-4), &[soft]).unwrap();
+    let found = predict(&cut, &CuttingCondition::new(2.0, 2e-4), &[soft]).unwrap();
     let left = 2e-4 - found.feed_force / 1e7;
-    let stiff = predict(&cut, &Condition::new(2.0, left), &[]).unwrap();
+    let stiff = predict(&cut, &CuttingCondition::new(2.0, left), &[]).unwrap();
     assert_relative_eq!(stiff.feed_force, found.feed_force, max_relative = 1e-9);
     assert!(left < 1.9e-4);
 }

@@ -2,14 +2,14 @@
 
 use approx::assert_relative_eq;
 use sphcut_analytic::{
-    Closure, Condition, Cut, Error, FlowStress, Linear, Physics, ShearAngle, Solution, predict,
-    solution,
+    Closure, Cut, Error, FlowStress, Linear, Physics, ShearAngle, Solution, predict, solution,
 };
+use sphcut_physics::CuttingCondition;
 use sphcut_physics::flow_stress::JohnsonCook;
 use sphcut_physics::shear_plane::ShearPlane;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-const CONDITION: Condition = Condition::new(2.5, 0.12e-3);
+const CONDITION: CuttingCondition = CuttingCondition::new(2.5, 0.12e-3);
 
 /// A rigid, ideally plastic solid of 600 MPa that nothing softens, with a sharp tool.
 fn ideal(rake_angle: f64, friction_coefficient: f64) -> Cut {
@@ -95,7 +95,7 @@ fn the_power_of_the_cut_is_that_of_plane_and_contact() {
             cut.tool.rake_angle = rake.to_radians();
             cut.friction_coefficient = 0.5;
             // Oxley's closure has no answer for this steel where the cut is slow or thin.
-            let condition = Condition::new(6.0, 0.25e-3);
+            let condition = CuttingCondition::new(6.0, 0.25e-3);
             let zone = solution(&cut, &condition, &[]).unwrap().zone;
             let power =
                 zone.shear_force * zone.shear_speed + zone.rake_friction() * zone.chip_speed;
@@ -149,7 +149,7 @@ fn the_shear_plane_is_a_special_case() {
         width_of_cut: cut.width_of_cut,
     };
     // R tan phi <= 10, where both take the same line of Boothroyd's fit.
-    let condition = Condition::new(0.5, 0.1e-3);
+    let condition = CuttingCondition::new(0.5, 0.1e-3);
     let expected = plane.cut(0.5, 0.1e-3, 0.2);
     let found = solution(&cut, &condition, &[]).unwrap();
     assert_eq!(found.sticking_share, 0.0);
@@ -178,8 +178,8 @@ fn without_rate_and_size_forces_scale_with_the_cut() {
     law.rate_coefficient = 0.0;
     cut.friction_coefficient = 0.6;
     cut.tool.edge_radius = 0.0;
-    let small = predict(&cut, &Condition::new(4.0, 0.05e-3), &[]).unwrap();
-    let large = predict(&cut, &Condition::new(1.0, 0.2e-3), &[]).unwrap();
+    let small = predict(&cut, &CuttingCondition::new(4.0, 0.05e-3), &[]).unwrap();
+    let large = predict(&cut, &CuttingCondition::new(1.0, 0.2e-3), &[]).unwrap();
     assert_relative_eq!(large.cutting_force, 4.0 * small.cutting_force, max_relative = 1e-8);
     assert_relative_eq!(large.feed_force, 4.0 * small.feed_force, max_relative = 1e-7);
     assert_relative_eq!(large.chip_thickness, 4.0 * small.chip_thickness, max_relative = 1e-8);
@@ -208,7 +208,7 @@ fn the_chip_carries_the_power_that_nothing_else_takes() {
     let mut cut = ideal(0.05, 0.3);
     (cut.taylor_quinney, cut.plane_heat_share) = (1.0, 1.0);
     // At R tan phi above 100 Boothroyd's share of the workpiece is none.
-    let condition = Condition::new(20.0, 0.5e-3);
+    let condition = CuttingCondition::new(20.0, 0.5e-3);
     let zone = solution(&cut, &condition, &[]).unwrap().zone;
     let flow = cut.workpiece.density * 20.0 * 0.5e-3 * cut.width_of_cut;
     let carried = flow * 500.0 * zone.temperature_rise + zone.rake_friction() * zone.chip_speed;
@@ -224,7 +224,8 @@ fn the_answer_is_smooth_over_the_range() {
             let mut before: Option<f64> = None;
             for step in 0..=400 {
                 let speed = 0.5 * (6.67_f64 / 0.5).powf(f64::from(step) / 400.0);
-                let force = predict(&cut, &Condition::new(speed, 0.1e-3), &[]).unwrap().feed_force;
+                let force =
+                    predict(&cut, &CuttingCondition::new(speed, 0.1e-3), &[]).unwrap().feed_force;
                 if let Some(before) = before {
                     // A step of 0.65 % in speed; forces go with less than its first power.
                     assert!(
@@ -243,8 +244,9 @@ fn the_answer_is_smooth_over_the_range() {
 #[test]
 fn forces_are_of_the_measured_size() {
     let cut = Cut::aisi_1045();
-    let force =
-        |thickness| predict(&cut, &Condition::new(2.5, thickness), &[]).unwrap().cutting_force;
+    let force = |thickness| {
+        predict(&cut, &CuttingCondition::new(2.5, thickness), &[]).unwrap().cutting_force
+    };
     let slope = (force(0.15e-3) - force(0.06e-3)) / 0.09e-3;
     assert!((slope / 6318e3 - 1.0).abs() < 0.2, "{slope}");
 }
@@ -253,19 +255,19 @@ fn forces_are_of_the_measured_size() {
 fn nonsense_is_refused() {
     let cut = Cut::aisi_1045();
     for (speed, thickness) in [(0.0, 1e-4), (-1.0, 1e-4), (1.0, f64::NAN), (f64::INFINITY, 1e-4)] {
-        let error = predict(&cut, &Condition::new(speed, thickness), &[]).unwrap_err();
+        let error = predict(&cut, &CuttingCondition::new(speed, thickness), &[]).unwrap_err();
         assert!(matches!(error, Error::NotPositive { .. }), "{error}");
     }
     // 20 um edge: 5.86 um are pressed under it.
-    let error = predict(&cut, &Condition::new(2.0, 5.8e-6), &[]).unwrap_err();
+    let error = predict(&cut, &CuttingCondition::new(2.0, 5.8e-6), &[]).unwrap_err();
     assert!(matches!(error, Error::NoChip { .. }), "{error}");
-    assert!(predict(&cut, &Condition::new(2.0, 5.9e-6), &[]).is_ok());
+    assert!(predict(&cut, &CuttingCondition::new(2.0, 5.9e-6), &[]).is_ok());
     let mut backwards = cut.clone();
     backwards.tool.rake_angle = FRAC_PI_2;
     assert!(matches!(predict(&backwards, &CONDITION, &[]), Err(Error::RakeAngle { .. })));
     let mut frictionless = cut;
     frictionless.physics.closure = Closure::OXLEY;
     // Slow and thin: the chip is stronger than any shear stress that equilibrium allows.
-    let error = predict(&frictionless, &Condition::new(0.5, 0.02e-3), &[]).unwrap_err();
+    let error = predict(&frictionless, &CuttingCondition::new(0.5, 0.02e-3), &[]).unwrap_err();
     assert!(matches!(error, Error::NoShearAngle { .. }), "{error}");
 }

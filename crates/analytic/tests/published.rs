@@ -9,9 +9,9 @@
 //! eta = 0.9, which public implementations of the paper carry, it is 20 K less.
 
 use sphcut_analytic::{
-    Closure, Condition, Cut, FlowStress, Linear, Physics, RateConstant, SecondaryLayer, Solution,
-    solution,
+    Closure, Cut, FlowStress, Linear, Physics, RateConstant, SecondaryLayer, Solution, solution,
 };
+use sphcut_physics::CuttingCondition;
 use sphcut_physics::flow_stress::JohnsonCook;
 
 struct Row {
@@ -100,7 +100,7 @@ fn cut(row: &Row, rate_constant: RateConstant, layer: SecondaryLayer) -> Cut {
 }
 
 fn found(row: &Row, rate_constant: RateConstant, layer: SecondaryLayer) -> Solution {
-    let condition = Condition::new(row.speed, row.thickness);
+    let condition = CuttingCondition::new(row.speed, row.thickness);
     solution(&cut(row, rate_constant, layer), &condition, &[]).unwrap()
 }
 

@@ -2,8 +2,9 @@
 //! another batch of steel, a dynamometer with gain, offset and drift, 3 % of noise and one concealed effect:
 //! `cargo run --release -p sphcut-diagnose --example diagnosis_example > scenarios/diagnosis/cuts.csv`
 
-use sphcut_analytic::{ActiveEffect, Condition, Cut, FlowStress, predict};
+use sphcut_analytic::{ActiveEffect, Cut, FlowStress, predict};
 use sphcut_greybox::Random;
+use sphcut_physics::CuttingCondition;
 
 /// What is concealed.
 const CONCEALED: (&str, &str, f64) = ("speed_dependent_friction", "speed_exponent", 0.25);
@@ -31,7 +32,7 @@ fn main() {
     let offsets = [3.0 * random.normal(), 3.0 * random.normal()];
     println!("v_c [m/min],h [mm],order,F_c [N],F_f [N],chip_thickness [mm]");
     for (order, (speed, thickness)) in plan.iter().enumerate() {
-        let condition = Condition::new(speed / 60.0, thickness * 1e-3);
+        let condition = CuttingCondition::new(speed / 60.0, thickness * 1e-3);
         let seen = predict(&cut, &condition, &active).expect("a cut within the model");
         let drift = 0.01 * (order as f64 / 39.0 - 0.5);
         let mut noise = || (NOISE * random.normal()).exp();

@@ -1,14 +1,13 @@
 //! The file of a diagnosis, carried out.
 
 use crate::DiagnosisCase;
-use crate::data::channel::Channel;
 use crate::data::recordings::{Recording, Recordings};
 use crate::error::DiagnoseError;
 use crate::inference::commissioning::{Batch, Comparison};
 use crate::inference::problem::InstrumentPriors;
-use crate::model::predictor::{Condition, Predictor, ToolShape};
+use crate::model::predictor::Predictor;
 use crate::session::{Diagnosis, Request, diagnose};
-use sphcut_input::{CutTableRow, MEASURED};
+use sphcut_input::CutTableRow;
 
 /// The recordings of a case and what they say against `model`.
 ///
@@ -72,49 +71,18 @@ fn range(case: &DiagnosisCase) -> Option<[[f64; 2]; 2]> {
     }))
 }
 
-/// The cut of a row of a table.
-#[must_use]
-pub fn condition_of(row: &CutTableRow) -> Condition {
-    Condition {
-        cutting_speed: row.cutting_speed,
-        uncut_chip_thickness: row.uncut_chip_thickness,
-        cut_length: row.cut_length.unwrap_or(0.0),
-        run_order: row.order.unwrap_or(0.0),
-        tool: ToolShape { rake_angle: row.rake_angle, edge_radius: row.edge_radius },
-    }
-}
-
 /// The lines of a table as recordings of what `model` predicts.
 fn recordings(
     rows: &[CutTableRow],
     model: &dyn Predictor,
     section: &'static str,
 ) -> Result<Recordings, DiagnoseError> {
-    let cuts = rows.iter().map(|row| {
-        let mut recording = Recording {
-            condition: condition_of(row),
-            count: row.count,
-            values: [None; MEASURED.len()],
-            deviations: [None; MEASURED.len()],
-        };
-        for (k, key) in MEASURED.iter().enumerate() {
-            let channel = Channel::from_key(key).expect("a test compares the names of both");
-            recording.values[channel.index()] = row.values[k];
-            recording.deviations[channel.index()] = row.deviations[k];
-        }
-        recording
+    let cuts = rows.iter().map(|row| Recording {
+        condition: row.condition(),
+        count: row.count,
+        values: row.values,
+        deviations: row.deviations,
     });
     Recordings::new(cuts.collect(), model.channels())
         .map_err(|reason| DiagnoseError::Table { section, reason: Box::new(reason) })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_column_of_the_table_is_a_channel() {
-        let channels: Vec<&str> = crate::CHANNELS.iter().map(|c| c.key()).collect();
-        assert_eq!(channels, MEASURED);
-    }
 }

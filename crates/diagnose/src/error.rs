@@ -1,6 +1,6 @@
 //! What keeps a diagnosis from being made.
 
-use crate::data::channel::Channel;
+use sphcut_physics::Channel;
 use std::fmt;
 
 /// Why recordings cannot be diagnosed.
@@ -98,13 +98,13 @@ impl fmt::Display for DiagnoseError {
                 "the noise of {} is unknown: its repeats have {freedom:.0} degrees of freedom, {needed:.0} are \
                  needed; repeat some conditions in random order, or state the standard deviations in a column \
                  `{}_sd`",
-                channel.key(),
-                channel.key()
+                channel.symbol(),
+                channel.symbol()
             ),
             Self::NotPositive { channel, recording, value } => write!(
                 f,
                 "recording {recording}: {} = {value} has no logarithm; leave the cell empty",
-                channel.key()
+                channel.symbol()
             ),
             Self::NoPrediction { cutting_speed, uncut_chip_thickness, channel } => write!(
                 f,

@@ -7,9 +7,10 @@ use crate::inference::attribute::Hypothesis;
 use crate::inference::commissioning::BiasOrigin;
 use crate::inference::fit::Fit;
 use crate::inference::verdict::Verdict;
-use crate::model::predictor::{Condition, Predictor, ToolShape};
+use crate::model::predictor::Predictor;
 use crate::session::Diagnosis;
 use serde_json::{Value, json};
+use sphcut_physics::{CuttingCondition, ToolGeometry};
 
 /// Version of the schema of `diagnosis.json`.
 const SCHEMA_VERSION: &str = "1.0";
@@ -77,7 +78,7 @@ pub fn diagnosis_json(
         "seed": provenance.seed,
         "recordings": recordings.all().len(),
         "noise": recordings.noise().iter().map(|noise| json!({
-            "channel": noise.channel.key(),
+            "channel": noise.channel.symbol(),
             "deviation": noise.deviation,
             "constant_part": noise.parts[0],
             "share": noise.parts[1],
@@ -111,14 +112,14 @@ pub fn diagnosis_json(
         "estimates": found.fits.iter().map(|fit| estimates(found, fit, predictor)).collect::<Vec<_>>(),
         "nuisances": nuisances(found, predictor),
         "channels": finding.gates.iter().map(|gate| json!({
-            "channel": gate.channel.key(),
+            "channel": gate.channel.symbol(),
             "chi_square": gate.chi_square,
             "degrees_of_freedom": gate.freedom,
             "chance": gate.chance,
             "followed": gate.passed,
         })).collect::<Vec<_>>(),
         "bias": found.biases.iter().map(|(channel, bias)| json!({
-            "channel": channel.key(),
+            "channel": channel.symbol(),
             "amplitude": bias.amplitude,
             "length": bias.length,
             "origin": match bias.origin {
@@ -128,17 +129,17 @@ pub fn diagnosis_json(
             },
         })).collect::<Vec<_>>(),
         "scatter_between_conditions": found.setups.iter().map(|setup| json!({
-            "channel": setup.channel.key(), "deviation": setup.deviation,
+            "channel": setup.channel.symbol(), "deviation": setup.deviation,
         })).collect::<Vec<_>>(),
         "where": found.location.contrasts.iter().map(|contrast| json!({
-            "channel": contrast.channel.key(),
+            "channel": contrast.channel.symbol(),
             "pattern": contrast.pattern,
             "score": contrast.score,
             "chance": contrast.chance,
             "discovered": contrast.discovered,
         })).collect::<Vec<_>>(),
         "maps": found.location.maps.iter().map(|(channel, points)| json!({
-            "channel": channel.key(),
+            "channel": channel.symbol(),
             "cutting_speed": points.iter().map(|p| p.cutting_speed).collect::<Vec<_>>(),
             "uncut_chip_thickness": points.iter().map(|p| p.uncut_chip_thickness).collect::<Vec<_>>(),
             "score": points.iter().map(|p| p.score).collect::<Vec<_>>(),
@@ -146,7 +147,7 @@ pub fn diagnosis_json(
         "particle_solver": found.rerun.as_ref().map(|rerun| json!({
             "conditions": rerun.conditions,
             "channels": rerun.channels.iter().map(|one| json!({
-                "channel": one.channel.key(),
+                "channel": one.channel.symbol(),
                 "values": one.values,
                 "as_simulated": one.errors[0],
                 "fitted_again": one.errors[1],
@@ -167,7 +168,7 @@ pub fn diagnosis_json(
             "cuts": next.conditions.iter().map(condition).collect::<Vec<_>>(),
             "expected_probability_of_the_right_one": { "now": next.expected[0], "after": next.expected[1] },
             "with_one_more_channel": next.with_channel.iter().map(|(channel, p)| json!({
-                "channel": channel.key(), "after": p,
+                "channel": channel.symbol(), "after": p,
             })).collect::<Vec<_>>(),
         })),
     });
@@ -196,7 +197,7 @@ pub fn held_out_csv(found: &Diagnosis, recordings: &Recordings) -> String {
                 value.recording + 1,
                 condition.cutting_speed,
                 condition.uncut_chip_thickness,
-                value.channel.key(),
+                value.channel.symbol(),
                 value.channel.unit(),
             );
             let shown =
@@ -210,12 +211,12 @@ pub fn held_out_csv(found: &Diagnosis, recordings: &Recordings) -> String {
     text
 }
 
-fn condition(condition: &Condition) -> Value {
+fn condition(condition: &CuttingCondition) -> Value {
     let mut own = json!({
         "cutting_speed": condition.cutting_speed,
         "uncut_chip_thickness": condition.uncut_chip_thickness,
     });
-    let ToolShape { rake_angle, edge_radius } = condition.tool;
+    let ToolGeometry { rake_angle, edge_radius } = condition.tool;
     for (key, part) in [("rake_angle", rake_angle), ("edge_radius", edge_radius)] {
         if let Some(value) = part {
             own[key] = json!(value);
@@ -275,7 +276,7 @@ fn held(held: &Held) -> Value {
         "ratio_interval": [held.ratio[1], held.ratio[2]],
         "improves": held.improves(),
         "channels": held.channels.iter().map(|(channel, [refitted, repaired])| json!({
-            "channel": channel.key(), "nuisances_fitted_again": refitted, "repaired": repaired,
+            "channel": channel.symbol(), "nuisances_fitted_again": refitted, "repaired": repaired,
         })).collect::<Vec<_>>(),
         "grey_box": held.grey_box.iter().map(|(method, error)| json!({
             "method": method.key(), "error": error,

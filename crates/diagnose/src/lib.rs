@@ -40,13 +40,12 @@ pub mod series;
 mod session;
 mod wear;
 
-pub use case::{condition_of, diagnose_case, diagnose_case_as};
+pub use case::{diagnose_case, diagnose_case_as};
 pub use check::held_out::{Held, HeldValue, Part, does_it_help};
 pub use check::rerun::{
     Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions, unseen_fits,
 };
 pub use check::self_test::{PositiveControl, Rate, Simulator};
-pub use data::channel::{CHANNELS, Channel};
 pub use data::recordings::{Noise, NoiseSource, Recording, Recordings};
 pub use error::DiagnoseError;
 pub use file::{
@@ -68,9 +67,7 @@ pub use model::closed_form_cut::closed_form_cut;
 pub use model::paired::{
     Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support,
 };
-pub use model::predictor::{
-    Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior, ToolShape,
-};
+pub use model::predictor::{Active, Effect, EffectParameter, Nuisance, Predictor, Prior};
 pub use patch::{patch, scenario_patch};
 pub use plan::next_experiment::{NextExperiment, Rival, next_experiment};
 pub use session::{Diagnosis, Estimate, Request, diagnose};

@@ -116,7 +116,7 @@ pub fn scenario_patch(scenario: &Scenario, change: &Change) -> Result<String, Di
 mod tests {
     use super::*;
     use crate::model::paired::{PairedScenario, changes};
-    use crate::model::predictor::Condition;
+    use sphcut_physics::CuttingCondition;
     use sphcut_scenario::{LoadOptions, ScenarioPatch, load, parse};
     use sphcut_sweep::Sweep;
     use std::collections::BTreeSet;
@@ -152,13 +152,8 @@ mod tests {
             let mut all = scenario.description.iter();
             all.find(|e| e.section == "process" && e.key == key).unwrap().number.unwrap()
         };
-        let condition = Condition {
-            cutting_speed: number("cutting_speed"),
-            uncut_chip_thickness: number("uncut_chip_thickness"),
-            cut_length: 0.0,
-            run_order: 0.0,
-            tool: crate::ToolShape::default(),
-        };
+        let condition =
+            CuttingCondition::new(number("cutting_speed"), number("uncut_chip_thickness"));
         let base = PairedScenario::of(&scenario, 30.0).unwrap();
         let all = changes(&[("initial_yield", 0.08), ("friction_coefficient", 0.15)], true);
         let keys = base.keys(true);

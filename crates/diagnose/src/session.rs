@@ -3,7 +3,6 @@
 use crate::check::held_out::{Held, does_it_help};
 use crate::check::rerun::Rerun;
 use crate::check::self_test::{PositiveControl, Rate, Simulator};
-use crate::data::channel::Channel;
 use crate::data::recordings::{Recordings, groups, tools};
 use crate::error::DiagnoseError;
 use crate::inference::attribute::{Attribution, Hypothesis, attribute};
@@ -14,9 +13,10 @@ use crate::inference::problem::{InstrumentPriors, Problem};
 use crate::inference::setups::SetupScatter;
 use crate::inference::templates::Templates;
 use crate::inference::verdict::{Finding, Verdict, judge};
-use crate::model::predictor::{Active, Condition, Predictor, ToolShape};
+use crate::model::predictor::{Active, Predictor};
 use crate::plan::next_experiment::{NextExperiment, Rival, next_experiment};
 use nalgebra::{DMatrix, DVector};
+use sphcut_physics::{Channel, CuttingCondition, ToolGeometry};
 
 /// Candidates of the next experiment along v_c and h.
 const CANDIDATES: usize = 7;
@@ -253,9 +253,9 @@ fn next(
 }
 
 /// A grid, even in the logarithms, of cuts with every tool of the recordings and the edge as it is at their end.
-fn candidates(request: &Request<'_>) -> Vec<Condition> {
+fn candidates(request: &Request<'_>) -> Vec<CuttingCondition> {
     let all = request.recordings.all();
-    let of = |axis: fn(&Condition) -> f64| {
+    let of = |axis: fn(&CuttingCondition) -> f64| {
         let values = groups(all).into_iter().map(move |group| axis(&all[group[0]].condition));
         let ends =
             values.fold([f64::INFINITY, 0.0_f64], |[low, high], x| [low.min(x), high.max(x)]);
@@ -269,7 +269,7 @@ fn candidates(request: &Request<'_>) -> Vec<Condition> {
     };
     let places = (0..CANDIDATES).flat_map(|i| (0..CANDIDATES).map(move |j| (i, j)));
     let places: Vec<(usize, usize)> = places.collect();
-    let cut = |tool: ToolShape, (i, j): (usize, usize)| Condition {
+    let cut = |tool: ToolGeometry, (i, j): (usize, usize)| CuttingCondition {
         cutting_speed: at(speeds, i),
         uncut_chip_thickness: at(sizes, j),
         cut_length: last,

@@ -46,6 +46,6 @@ pub use importance::{Permutation, Sobol};
 pub use metrics::{Estimate, Outcomes, Scores, bias, difference, scores};
 pub use model_file::{Correction, GreyBox, Prediction, Taught};
 pub use noise::{NoiseFloor, NoiseSource, noise_floor};
-pub use pairing::{Condition, ForceKind, ForceRow, PairedRow, Pairs, pair};
+pub use pairing::{ForceKind, ForceRow, PairedCondition, PairedRow, Pairs, pair};
 pub use random::Random;
 pub use samples::{Input, Samples};

@@ -64,7 +64,7 @@ impl ForceKind {
 
 /// A pair of v_c and h that was measured, with its simulation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Condition {
+pub struct PairedCondition {
     /// v_c in m/s and h in m, means of the measured rows.
     pub input: Input,
     /// The level of v_c and that of h, counted from the lowest.
@@ -90,7 +90,7 @@ pub struct Pairs {
     /// Rows, by condition and then in the order of the table.
     pub rows: Vec<PairedRow>,
     /// Conditions, by v_c and then by h.
-    pub conditions: Vec<Condition>,
+    pub conditions: Vec<PairedCondition>,
     /// Simulated conditions that nobody measured: inputs and forces.
     pub only_simulated: Vec<(Input, [f64; 2])>,
     /// Whether repeats were condensed to the means of their conditions.
@@ -142,7 +142,7 @@ pub(crate) fn pair_at_least(
             continue;
         };
         let condition = pairs.conditions.len();
-        pairs.conditions.push(Condition {
+        pairs.conditions.push(PairedCondition {
             input,
             levels: [levels.0, levels.1],
             simulated: mean_forces(&runs),
@@ -173,7 +173,7 @@ fn check_count(found: usize, needed: usize) -> Result<(), GreyBoxError> {
 }
 
 /// Levels that were measured are counted from 0 without gaps.
-fn renumber(conditions: &mut [Condition]) {
+fn renumber(conditions: &mut [PairedCondition]) {
     for axis in 0..2 {
         let mut used: Vec<usize> = conditions.iter().map(|c| c.levels[axis]).collect();
         used.sort_unstable();

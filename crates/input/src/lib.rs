@@ -22,8 +22,7 @@ pub use files::OutsideFiles;
 pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem, Source};
 pub use tables::{
-    CutTableRow, ForceTableRow, MEASURED, MeasuredForces, MeasuredSpringback, SeriesRow,
-    read_cut_table, read_force_table, read_measured_forces, read_measured_springback,
-    read_series_table,
+    CutTableRow, ForceTableRow, MeasuredForces, MeasuredSpringback, SeriesRow, read_cut_table,
+    read_force_table, read_measured_forces, read_measured_springback, read_series_table,
 };
 pub use units::UnitError;

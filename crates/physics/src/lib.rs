@@ -9,6 +9,8 @@
 
 pub mod candidate;
 pub mod catalogue;
+mod channel;
+mod cutting_condition;
 pub mod effects;
 pub mod elasticity;
 pub mod equation_of_state;
@@ -22,6 +24,8 @@ pub mod radial_return;
 pub mod shear_plane;
 pub mod temperature_table;
 
+pub use channel::Channel;
+pub use cutting_condition::{CuttingCondition, ToolGeometry};
 pub use parameter::{Parameter, ParameterError, Range, Values};
 pub use quantity::Quantity;
 pub use temperature_table::{ROOM_TEMPERATURE, TemperatureTable};

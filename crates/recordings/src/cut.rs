@@ -5,52 +5,17 @@ use super::raw::{RawTable, TimeSource};
 use super::spectrum::{Peak, RevolutionLine, Spectrum, without_revolution};
 use super::zero::{self, ZeroLine, combine};
 use super::{Fault, LowPass, NotSteady, Response};
+use sphcut_physics::Channel;
 use sphcut_postprocess::statistics::mean;
 use sphcut_postprocess::steady::{
     Examination, MINIMUM_CORRELATION_LENGTHS, examine, mean_interval, t_quantile,
 };
 
-/// A component of the force.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Component {
-    /// F_c.
-    Cutting,
-    /// F_f.
-    Feed,
-    /// F_p.
-    Passive,
-}
-
-impl Component {
-    /// All, in the order of tables.
-    pub const ALL: [Self; 3] = [Self::Cutting, Self::Feed, Self::Passive];
-
-    /// As in tables.
-    #[must_use]
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Cutting => "F_c",
-            Self::Feed => "F_f",
-            Self::Passive => "F_p",
-        }
-    }
-
-    /// As in sentences and in the settings.
-    #[must_use]
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::Cutting => "cutting_force",
-            Self::Feed => "feed_force",
-            Self::Passive => "passive_force",
-        }
-    }
-}
-
 /// A channel of the record.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
+pub struct ForceChannel {
     /// What it measures.
-    pub component: Component,
+    pub component: Channel,
     /// Its name in the file.
     pub name: String,
     /// Force in N that the number 1 of the file means.
@@ -77,7 +42,7 @@ pub struct Settings {
     /// The clock of the files.
     pub time: TimeSource,
     /// The forces; the cutting force is among them.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ForceChannel>,
     /// Name of the trigger channel.
     pub trigger: Option<String>,
     /// How the cut is found.
@@ -121,7 +86,7 @@ pub struct Conditions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComponentResult {
     /// Which.
-    pub component: Component,
+    pub component: Channel,
     /// Mean force in N.
     pub mean: f64,
     /// Half width of its 95 % interval: correlation of the force and error of the zero.
@@ -166,7 +131,7 @@ pub struct CutResult {
 impl CutResult {
     /// One component.
     #[must_use]
-    pub fn component(&self, component: Component) -> Option<&ComponentResult> {
+    pub fn component(&self, component: Channel) -> Option<&ComponentResult> {
         self.components.iter().find(|found| found.component == component)
     }
 }
@@ -268,7 +233,7 @@ fn low_pass(settings: &Settings, rate: f64) -> Result<Option<LowPass>, Fault> {
 }
 
 /// Samples at the end of the range; without a known range, extreme values that repeat exactly.
-fn clipping(channel: &Channel, force: &[f64], rate: f64) -> Option<Fault> {
+fn clipping(channel: &ForceChannel, force: &[f64], rate: f64) -> Option<Fault> {
     let found = |level: f64, start: usize, samples: usize| Fault::Clipped {
         channel: channel.name.clone(),
         level,
@@ -305,7 +270,7 @@ fn find_cut(
         let index = |time: f64| ((time * rate).round().max(0.0) as usize).min(samples);
         return Ok(Span { entry: index(entry), exit: index(exit) });
     }
-    let cutting = settings.channels.iter().position(|c| c.component == Component::Cutting);
+    let cutting = settings.channels.iter().position(|c| c.component == Channel::CuttingForce);
     let cutting = cutting.unwrap_or(0);
     match (&settings.detection, trigger) {
         (Detection::Trigger { level }, Some(trigger)) => detection::triggered(trigger, *level),
@@ -326,7 +291,7 @@ fn find_cut(
 
 /// A channel with its zero taken out.
 struct Prepared {
-    component: Component,
+    component: Channel,
     name: String,
     zero: ZeroLine,
     /// Zero taken out, nothing else.
@@ -337,7 +302,7 @@ struct Prepared {
 
 impl Prepared {
     fn new(
-        channel: &Channel,
+        channel: &ForceChannel,
         mut plain: Vec<f64>,
         air: [Option<(usize, usize)>; 2],
         rate: f64,
@@ -400,7 +365,7 @@ fn steady_window(
     result: &mut CutResult,
 ) -> Span {
     let (rate, conditions) = (result.rate, &result.conditions);
-    let tested = || channels.iter().filter(|c| c.component != Component::Passive);
+    let tested = || channels.iter().filter(|c| c.component != Channel::PassiveForce);
     let part = |channel: &Prepared| channel.force[inside.entry..inside.exit].to_vec();
     let levels = tested().map(|channel| mean(&part(channel)).abs());
     // A small feed force need not be known better, in newtons, than the cutting force.
@@ -468,11 +433,13 @@ fn judge(found: &ComponentResult, name: &str) -> Vec<Fault> {
     let (channel, mean) = (name.to_owned(), found.mean);
     if mean + found.ci95 < 0.0 {
         match found.component {
-            Component::Cutting => {
+            Channel::CuttingForce => {
                 faults.push(Fault::WrongSign { channel: channel.clone(), mean });
             }
-            Component::Feed => faults.push(Fault::NegativeFeed { channel: channel.clone(), mean }),
-            Component::Passive => {}
+            Channel::FeedForce => {
+                faults.push(Fault::NegativeFeed { channel: channel.clone(), mean })
+            }
+            _ => {}
         }
     }
     if let Some(drift) = found.zero.drift().filter(|drift| drift.abs() > LARGE_DRIFT * mean.abs()) {

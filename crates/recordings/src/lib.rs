@@ -24,7 +24,7 @@ mod tests;
 mod zero;
 
 pub use cut::{
-    Channel, Component, ComponentResult, Conditions, CutResult, Settings, Unsteady, evaluate_cut,
+    ComponentResult, Conditions, CutResult, ForceChannel, Settings, Unsteady, evaluate_cut,
 };
 pub use detection::{Detection, Span};
 pub use fault::{Fault, NotSteady};
@@ -32,7 +32,7 @@ pub use file::{
     RecordingChannel, RecordingCut, RecordingFile, Recordings, ResponseLine, load_recordings,
 };
 pub use filter::LowPass;
-pub use pooled::{Condition, Pooled, PooledForce, Repeatability, pool};
+pub use pooled::{Pooled, PooledCuts, PooledForce, Repeatability, pool};
 pub use raw::{Channels, RawColumn, RawTable, TimeSource};
 pub use response::Response;
 pub use spectrum::{Peak, RevolutionLine, Spectrum};

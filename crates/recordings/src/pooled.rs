@@ -1,6 +1,7 @@
 //! Repeats of the same conditions taken together.
 
-use super::cut::{Component, CutResult};
+use super::cut::CutResult;
+use sphcut_physics::Channel;
 use sphcut_postprocess::steady::t_quantile;
 
 /// Conditions that differ by less are the same.
@@ -10,7 +11,7 @@ const SAME: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PooledForce {
     /// Which.
-    pub component: Component,
+    pub component: Channel,
     /// Mean of the cuts in N.
     pub mean: f64,
     /// Standard deviation of the mean of one cut in N: of the repeats, or of the force within the cut
@@ -22,7 +23,7 @@ pub struct PooledForce {
 
 /// All cuts at one set of conditions.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Condition {
+pub struct PooledCuts {
     /// v_c in m/s.
     pub cutting_speed: f64,
     /// h in m.
@@ -43,7 +44,7 @@ pub struct Condition {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repeatability {
     /// Which.
-    pub component: Component,
+    pub component: Channel,
     /// Standard deviation of repeated cuts as a share of their mean.
     pub relative: f64,
     /// Degrees of freedom: cuts less conditions, over the conditions that were repeated.
@@ -54,7 +55,7 @@ pub struct Repeatability {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Pooled {
     /// In the order of the first cut of each.
-    pub conditions: Vec<Condition>,
+    pub conditions: Vec<PooledCuts>,
     /// For each component; empty if nothing was repeated.
     pub repeatability: Vec<Repeatability>,
 }
@@ -76,7 +77,7 @@ pub fn pool(cuts: &[CutResult]) -> Pooled {
         }
     }
     let repeatability: Vec<Repeatability> =
-        Component::ALL.into_iter().filter_map(|c| repeatability(c, &groups, cuts)).collect();
+        Channel::FORCES.into_iter().filter_map(|c| repeatability(c, &groups, cuts)).collect();
     let conditions =
         groups.into_iter().map(|group| condition(group, cuts, &repeatability)).collect();
     Pooled { conditions, repeatability }
@@ -94,7 +95,7 @@ fn same(a: &CutResult, b: &CutResult) -> bool {
 }
 
 /// Means of one component over the cuts of a group; empty if a cut lacks it.
-fn means(component: Component, group: &[usize], cuts: &[CutResult]) -> Vec<f64> {
+fn means(component: Channel, group: &[usize], cuts: &[CutResult]) -> Vec<f64> {
     let found: Vec<f64> = group
         .iter()
         .filter_map(|&index| cuts[index].component(component).map(|c| c.mean))
@@ -103,7 +104,7 @@ fn means(component: Component, group: &[usize], cuts: &[CutResult]) -> Vec<f64> 
 }
 
 fn repeatability(
-    component: Component,
+    component: Channel,
     groups: &[Vec<usize>],
     cuts: &[CutResult],
 ) -> Option<Repeatability> {
@@ -124,10 +125,10 @@ fn repeatability(
     })
 }
 
-fn condition(group: Vec<usize>, cuts: &[CutResult], repeats: &[Repeatability]) -> Condition {
+fn condition(group: Vec<usize>, cuts: &[CutResult], repeats: &[Repeatability]) -> PooledCuts {
     let first = &cuts[group[0]].conditions;
     let count = group.len() as f64;
-    let forces = Component::ALL.into_iter().filter_map(|component| {
+    let forces = Channel::FORCES.into_iter().filter_map(|component| {
         let found = means(component, &group, cuts);
         if found.is_empty() {
             return None;
@@ -153,7 +154,7 @@ fn condition(group: Vec<usize>, cuts: &[CutResult], repeats: &[Repeatability]) -
     let order = over(&|index| f64::from(cuts[index].conditions.order));
     let timed = group.iter().all(|&index| cuts[index].conditions.time.is_some());
     let time = timed.then(|| over(&|index| cuts[index].conditions.time.unwrap_or(0.0)));
-    Condition {
+    PooledCuts {
         cutting_speed: first.cutting_speed,
         uncut_chip_thickness: first.uncut_chip_thickness,
         width_of_cut: first.width_of_cut,

@@ -1,8 +1,9 @@
 //! The tables `forces.csv` and `cuts.csv`, and `recordings.json`.
 
-use super::cut::{Component, CutResult};
+use super::cut::CutResult;
 use super::pooled::Pooled;
 use serde_json::{Value, json};
+use sphcut_physics::Channel;
 use std::fmt::Write;
 
 const M_PER_MIN: f64 = 60.0;
@@ -11,15 +12,15 @@ const MM: f64 = 1e3;
 pub const SCHEMA_VERSION: &str = "1.0";
 
 /// The components that every cut of the table has.
-fn components(pooled: &Pooled) -> Vec<Component> {
-    let has = |component: &Component| {
+fn components(pooled: &Pooled) -> Vec<Channel> {
+    let has = |component: &Channel| {
         !pooled.conditions.is_empty()
             && pooled
                 .conditions
                 .iter()
                 .all(|condition| condition.forces.iter().any(|f| f.component == *component))
     };
-    Component::ALL.into_iter().filter(has).collect()
+    Channel::FORCES.into_iter().filter(has).collect()
 }
 
 /// A number as short as its digits allow: units other than SI would leave rounding behind.
@@ -42,7 +43,7 @@ pub fn forces_csv(pooled: &Pooled) -> String {
     head.extend(timed.then(|| "time [s]".to_owned()));
     let mut text = head.join(",") + "\n";
     for condition in &pooled.conditions {
-        let force = |component: &Component| {
+        let force = |component: &Channel| {
             condition.forces.iter().find(|f| f.component == *component).expect("every one has it")
         };
         let mut row =
@@ -64,7 +65,7 @@ pub fn cuts_csv(cuts: &[CutResult]) -> String {
     let mut text = "cut,accepted,v_c [m/min],h [mm],b [mm],order,time [s],entry [s],exit [s],\
                     window start [s],window end [s]"
         .to_owned();
-    for component in Component::ALL {
+    for component in Channel::FORCES {
         let f = component.symbol();
         write!(text, ",{f} [N],{f} ci95 [N],{f} deviation [N],{f} drift [N]").expect("a string");
     }
@@ -83,7 +84,7 @@ pub fn cuts_csv(cuts: &[CutResult]) -> String {
             cut.window.map(|window| time(window.entry)),
             cut.window.map(|window| time(window.exit)),
         ];
-        for component in Component::ALL {
+        for component in Channel::FORCES {
             let found = cut.component(component);
             row.extend([
                 found.map(|c| c.mean),

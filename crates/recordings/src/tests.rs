@@ -1,10 +1,11 @@
 //! Records with a known truth.
 
 use super::*;
+use sphcut_physics::Channel;
 use sphcut_postprocess::synthetic::SyntheticChannel;
 
 fn settings() -> Settings {
-    let channel = |component: Component, name: &str| Channel {
+    let channel = |component: Channel, name: &str| ForceChannel {
         component,
         name: name.to_owned(),
         scale: 1.0,
@@ -13,7 +14,7 @@ fn settings() -> Settings {
     };
     Settings {
         time: TimeSource { sampling_rate: Some(2000.0), ..TimeSource::default() },
-        channels: vec![channel(Component::Cutting, "Fx"), channel(Component::Feed, "Fy")],
+        channels: vec![channel(Channel::CuttingForce, "Fx"), channel(Channel::FeedForce, "Fy")],
         trigger: None,
         detection: Detection::Automatic { smoothing: 0.02 },
         guard: 0.02,
@@ -65,7 +66,7 @@ fn a_record_gives_its_forces_back() {
     let cut = evaluate_cut(&record(1), &settings(), &conditions());
     assert!(cut.accepted, "{:?}", cut.faults);
     assert!(cut.faults.is_empty(), "{:?}", cut.faults);
-    for (component, truth) in [(Component::Cutting, 500.0), (Component::Feed, 250.0)] {
+    for (component, truth) in [(Channel::CuttingForce, 500.0), (Channel::FeedForce, 250.0)] {
         let found = cut.component(component).unwrap();
         assert!((found.mean - truth).abs() < 2.0 * found.ci95, "{component:?}: {}", found.mean);
         assert!(found.ci95 < 0.01 * truth, "{component:?}: {}", found.ci95);

@@ -1,9 +1,10 @@
 //! A published table of segment means (turning, seven tools, 1 s each) is read as channels; it has no air
 //! cut, so it gives no force of its own.
 
+use sphcut_physics::Channel;
 use sphcut_recordings::formats::{CsvLayout, read_csv};
 use sphcut_recordings::{
-    Channel, Component, Conditions, Detection, Fault, Settings, TimeSource, Unsteady, evaluate_cut,
+    Conditions, Detection, Fault, ForceChannel, Settings, TimeSource, Unsteady, evaluate_cut,
 };
 use std::path::Path;
 
@@ -29,8 +30,8 @@ fn the_published_table_loads_and_says_what_it_lacks() {
     }
     let settings = Settings {
         time: TimeSource { sampling_rate: Some(1.0), ..TimeSource::default() },
-        channels: vec![Channel {
-            component: Component::Cutting,
+        channels: vec![ForceChannel {
+            component: Channel::CuttingForce,
             name: "F_c_MEAN_N".to_owned(),
             scale: 1.0,
             full_scale: None,

@@ -2,10 +2,9 @@
 
 use super::Truths;
 use super::truth::{Hidden, Instrument, Middle, NUISANCES, OPPONENTS, Outside, Truth, base, batch};
-use sphcut_analytic::{
-    ActiveEffect, Channel, Condition, EFFECTS, Effect, Observables, Physics, Scale, predict,
-};
+use sphcut_analytic::{ActiveEffect, EFFECTS, Effect, Observables, Physics, Scale, predict};
 use sphcut_greybox::Random;
+use sphcut_physics::{Channel, CuttingCondition};
 
 /// Raw changes in which effects are hidden, as shares: weak, middle, strong.
 pub const STRATA: [(f64, f64); 3] = [(0.02, 0.05), (0.05, 0.10), (0.10, 0.25)];
@@ -75,7 +74,7 @@ pub struct Plan {
 /// One recorded cut: values and stated standard deviations by place of the channel in [`Case::channels`].
 #[derive(Debug, Clone)]
 pub struct Recorded {
-    pub condition: Condition,
+    pub condition: CuttingCondition,
     pub values: Vec<Option<(f64, f64)>>,
     /// Logarithm of what the noise made of each value; the instruments' errors are no noise.
     pub noise: Vec<f64>,
@@ -140,19 +139,19 @@ fn plans(seed: u64, count: usize, wanted: Wanted) -> Vec<Plan> {
 }
 
 /// Narrow: the range of the grey-box paper, 11 speeds and 5 thicknesses; wide: 8 and 5, even in the logarithms.
-fn conditions(is_wide: bool, random: &mut Random) -> Vec<Condition> {
+fn conditions(is_wide: bool, random: &mut Random) -> Vec<CuttingCondition> {
     let spread = |low: f64, high: f64, index: usize, count: usize| {
         let share = index as f64 / (count - 1) as f64;
         if is_wide { low * (high / low).powf(share) } else { low + (high - low) * share }
     };
     let (speeds, low, high) = if is_wide { (8, 30.0, 400.0) } else { (11, 100.0, 200.0) };
     let (thin, thick) = if is_wide { (0.02, 0.25) } else { (0.06, 0.15) };
-    let mut all: Vec<Condition> = Vec::new();
+    let mut all: Vec<CuttingCondition> = Vec::new();
     for _ in 0..REPEATS {
         for i in 0..speeds {
             for j in 0..5 {
                 let speed = spread(low, high, i, speeds) / 60.0;
-                all.push(Condition::new(speed, spread(thin, thick, j, 5) * 1e-3));
+                all.push(CuttingCondition::new(speed, spread(thin, thick, j, 5) * 1e-3));
             }
         }
     }
@@ -212,7 +211,7 @@ fn case(name: String, plan: Plan, mut random: Random) -> Result<Case, String> {
     Ok(Case { name, plan, channels, recordings, commissioning, hidden, strength, nuisances })
 }
 
-pub(super) fn middle(conditions: &[Condition], observed: &[Observables]) -> Middle {
+pub(super) fn middle(conditions: &[CuttingCondition], observed: &[Observables]) -> Middle {
     let of = |values: &mut dyn Iterator<Item = f64>| {
         let ends = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value), high.max(value))
@@ -228,7 +227,7 @@ pub(super) fn middle(conditions: &[Condition], observed: &[Observables]) -> Midd
 
 /// How strong something hidden shows.
 struct Gauge<'a> {
-    conditions: &'a [Condition],
+    conditions: &'a [CuttingCondition],
     plain: &'a [Observables],
     channels: &'a [Channel],
 }
@@ -365,7 +364,7 @@ impl Bench<'_> {
     fn record(
         &self,
         truth: &Truth,
-        cuts: &[Condition],
+        cuts: &[CuttingCondition],
         has_gaps: bool,
         random: &mut Random,
     ) -> Result<Vec<Recorded>, String> {

@@ -3,25 +3,13 @@
 use super::draw::{Case, Recorded, STRATA};
 use super::truth::{NUISANCES, base};
 use serde_json::{Value, json};
-use sphcut_analytic::{Channel, Linear, find};
+use sphcut_analytic::{Linear, find};
+use sphcut_physics::Channel;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// The shipped material that [`base`] is of.
 const MATERIAL: &str = "aisi1045_table5";
-
-/// Name, unit and SI value of the unit of a channel's column.
-const fn column(channel: Channel) -> (&'static str, &'static str, f64) {
-    match channel {
-        Channel::CuttingForce => ("F_c", "N", 1.0),
-        Channel::FeedForce => ("F_f", "N", 1.0),
-        Channel::InterfaceTemperature => ("T_interface", "K", 1.0),
-        Channel::ShearPlaneTemperature => ("T_shear_plane", "K", 1.0),
-        Channel::ChipThickness => ("chip_thickness", "mm", 1e-3),
-        Channel::ContactLength => ("contact_length", "mm", 1e-3),
-        Channel::ShearAngle => ("shear_angle", "rad", 1.0),
-    }
-}
 
 /// Name and text of every file of a case; nothing in them depends on what is hidden but the values.
 pub fn of(case: &Case) -> Vec<(&'static str, String)> {
@@ -78,7 +66,7 @@ fn cut_toml() -> String {
 pub fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
     let mut text = "v_c [m/min],h [mm],order,cut_length [m]".to_owned();
     for channel in channels {
-        let (name, unit, _) = column(*channel);
+        let (name, unit) = (channel.symbol(), channel.display_unit().0);
         let _ = write!(text, ",{name} [{unit}],{name}_sd [{unit}]");
     }
     text.push('\n');
@@ -93,7 +81,7 @@ pub fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
             condition.cut_length
         );
         for (channel, value) in channels.iter().zip(&cut.values) {
-            let unit = column(*channel).2;
+            let unit = channel.display_unit().1;
             match value {
                 Some((value, deviation)) => {
                     let _ = write!(text, ",{:.6e},{:.3e}", value / unit, deviation / unit);
@@ -146,7 +134,7 @@ fn noise_drawn(case: &Case) -> Value {
             .iter()
             .map(|cut| json!((cut.noise[place] * 1e6).round() / 1e6))
             .collect();
-        (column(*channel).0.to_owned(), Value::Array(own))
+        (channel.symbol().to_owned(), Value::Array(own))
     };
     Value::Object(case.channels.iter().enumerate().map(of).collect())
 }

@@ -99,7 +99,7 @@ fn each(held: &Held) -> Value {
         let errors =
             [value.plain[2], value.plain[1]].into_iter().chain(value.grey_box.iter().copied());
         let errors: Vec<f64> = errors.map(|error| (error * 1e6).round() / 1e6).collect();
-        json!([value.recording, value.channel.key(), errors])
+        json!([value.recording, value.channel.symbol(), errors])
     };
     held.each.iter().map(of).collect()
 }
@@ -153,7 +153,7 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
         })
         .collect();
     let gates: Vec<Value> =
-        finding.gates.iter().map(|gate| json!([gate.channel.key(), gate.chance])).collect();
+        finding.gates.iter().map(|gate| json!([gate.channel.symbol(), gate.chance])).collect();
     let top: Vec<Value> = found
         .attribution
         .scored
@@ -169,7 +169,7 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
         "none_of_these": finding.none_of_these,
         "inclusion": inclusion,
         "family": finding.families.first().map(|(name, p)| json!([name, p])),
-        "bias": found.biases.iter().map(|(c, b)| json!([c.key(), b.amplitude, b.length])).collect::<Vec<_>>(),
+        "bias": found.biases.iter().map(|(c, b)| json!([c.symbol(), b.amplitude, b.length])).collect::<Vec<_>>(),
         "gates": gates,
         "explanations": top,
         "held": held,

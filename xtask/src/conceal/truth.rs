@@ -1,9 +1,8 @@
 //! The cuts as they are: base, batch, what is hidden, and what the instruments make of it.
 
-use sphcut_analytic::{
-    ActiveEffect, Channel, Condition, Cut, Error, FlowStress, Observables, Physics, predict,
-};
+use sphcut_analytic::{ActiveEffect, Cut, Error, FlowStress, Observables, Physics, predict};
 use sphcut_greybox::Random;
+use sphcut_physics::{Channel, CuttingCondition};
 
 /// Scatter from batch to batch: what is multiplied by exp(x), and the standard deviation of x.
 pub const NUISANCES: [(&str, f64); 6] = [
@@ -83,7 +82,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    pub fn at(&self, condition: &Condition) -> Result<Observables, Error> {
+    pub fn at(&self, condition: &CuttingCondition) -> Result<Observables, Error> {
         let mut found = predict(&self.cut, condition, &self.hidden.effects)?;
         if let Some(outside) = self.hidden.outside {
             outside.0.act(outside.1, condition, self.middle, &mut found);
@@ -97,7 +96,7 @@ impl Outside {
     pub fn act(
         self,
         amplitude: f64,
-        condition: &Condition,
+        condition: &CuttingCondition,
         middle: Middle,
         found: &mut Observables,
     ) {
@@ -137,7 +136,7 @@ impl Instrument {
     /// Gain 1 %, offset 3 N, drift 2 % over the series.
     pub fn draw(channel: Channel, random: &mut Random) -> Self {
         let (gain, offset, drift) = (random.normal(), random.normal(), random.normal());
-        let is_force = matches!(channel, Channel::CuttingForce | Channel::FeedForce);
+        let is_force = channel.is_force();
         let offset = if is_force { 3.0 * offset } else { 0.0 };
         Self { gain: 0.01 * gain, offset, drift: 0.02 * drift }
     }

@@ -5,10 +5,11 @@
 
 use super::draw::{Case, Kind, LOST, NOISES, Plan, Recorded, STRATA, along, middle};
 use super::truth::{Hidden, Instrument, NUISANCES, Outside};
-use sphcut_analytic::{ActiveEffect, Channel, Condition, Observables, Physics, find};
+use sphcut_analytic::{ActiveEffect, Observables, Physics, find};
 use sphcut_diagnose::{Change, PairedScenario, run_effects};
 use sphcut_greybox::Random;
-use sphcut_input::{CutTableRow, MEASURED};
+use sphcut_input::CutTableRow;
+use sphcut_physics::{Channel, CuttingCondition};
 use sphcut_scenario::{LoadOptions, Scenario};
 use sphcut_sweep::Sweep;
 use std::path::Path;
@@ -37,7 +38,7 @@ pub struct Twin {
     pub has_gaps: bool,
     pub nuisances: [f64; NUISANCES.len()],
     pub hidden: Hidden,
-    pub conditions: Vec<Condition>,
+    pub conditions: Vec<CuttingCondition>,
 }
 
 impl Twin {
@@ -130,7 +131,7 @@ fn short(value: f64) -> f64 {
 }
 
 /// Even in the logarithms: a Latin square, every cell somewhere within.
-fn conditions(random: &mut Random) -> Vec<Condition> {
+fn conditions(random: &mut Random) -> Vec<CuttingCondition> {
     let mut axis = |[low, high]: [f64; 2]| {
         let mut cells: Vec<usize> = (0..CUTS).collect();
         random.shuffle(&mut cells);
@@ -142,7 +143,7 @@ fn conditions(random: &mut Random) -> Vec<Condition> {
             .collect::<Vec<f64>>()
     };
     let [speeds, sizes] = RANGE.map(&mut axis);
-    speeds.iter().zip(&sizes).map(|(v, h)| Condition::new(v / 60.0, h * 1e-3)).collect()
+    speeds.iter().zip(&sizes).map(|(v, h)| CuttingCondition::new(v / 60.0, h * 1e-3)).collect()
 }
 
 /// The file of the sweep whose runs the cases need; `travel` in thicknesses.
@@ -155,13 +156,7 @@ pub fn plan(
     let mut values = Vec::new();
     for twin in twins {
         for condition in &twin.conditions {
-            let at = sphcut_diagnose::Condition {
-                cutting_speed: condition.cutting_speed,
-                uncut_chip_thickness: condition.uncut_chip_thickness,
-                cut_length: 0.0,
-                run_order: 0.0,
-                tool: sphcut_diagnose::ToolShape::default(),
-            };
+            let at = CuttingCondition::new(condition.cutting_speed, condition.uncut_chip_thickness);
             let states = if twin.needs_plain() { vec![false, true] } else { vec![true] };
             for hidden in states {
                 let run = runs.values(&at, &twin.change(hidden), false);
@@ -190,7 +185,7 @@ const CHANNELS: [Channel; 4] = [
 ];
 
 fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Case, String> {
-    let mut cuts: Vec<(Condition, Observables, Observables)> = Vec::new();
+    let mut cuts: Vec<(CuttingCondition, Observables, Observables)> = Vec::new();
     let mut scatter: Vec<[f64; CHANNELS.len()]> = Vec::new();
     // Variance of the logarithm of hidden over plain by chaos alone.
     let mut apart: Vec<[f64; CHANNELS.len()]> = Vec::new();
@@ -218,7 +213,7 @@ fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Ca
     if cuts.len() < CUTS - 2 {
         return Err(format!("{}: {} of {CUTS} cuts have a result", twin.name, cuts.len()));
     }
-    let places: Vec<Condition> = cuts.iter().map(|(condition, ..)| *condition).collect();
+    let places: Vec<CuttingCondition> = cuts.iter().map(|(condition, ..)| *condition).collect();
     let plain: Vec<Observables> = cuts.iter().map(|(_, plain, _)| *plain).collect();
     let middle = middle(&places, &plain);
     if let Some((outside, amplitude)) = twin.hidden.outside {
@@ -230,7 +225,7 @@ fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Ca
     let strength = (0..CHANNELS.len())
         .map(|k| {
             let square = |((_, plain, hidden), apart): (
-                &(Condition, Observables, Observables),
+                &(CuttingCondition, Observables, Observables),
                 &[f64; CHANNELS.len()],
             )| {
                 let ratio = hidden.get(CHANNELS[k]) / plain.get(CHANNELS[k]);
@@ -263,7 +258,7 @@ fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Ca
             let stated = (twin.noise.powi(2) + REPEATS as f64 * run * run).sqrt();
             values.push((!lost && value > 0.0).then_some((value, stated * value)));
         }
-        let condition = Condition { run_order: run as f64, ..*condition };
+        let condition = CuttingCondition { run_order: run as f64, ..*condition };
         recordings.push(Recorded { condition, values, noise });
     }
     let plan = Plan {
@@ -288,7 +283,7 @@ fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Ca
     })
 }
 
-fn is_there(row: &CutTableRow, condition: &Condition) -> bool {
+fn is_there(row: &CutTableRow, condition: &CuttingCondition) -> bool {
     let same = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-6;
     same(row.cutting_speed, condition.cutting_speed)
         && same(row.uncut_chip_thickness, condition.uncut_chip_thickness)
@@ -296,23 +291,23 @@ fn is_there(row: &CutTableRow, condition: &Condition) -> bool {
 
 /// Standard deviation of the mean of each of [`CHANNELS`] over the run, as a share.
 fn scatter_of(row: &CutTableRow) -> [f64; CHANNELS.len()] {
-    ["F_c", "F_f", "T_interface", "chip_thickness"].map(|key| {
-        let place = MEASURED.iter().position(|own| *own == key);
-        let known = place.and_then(|p| Some(row.half_widths[p]? / row.values[p]?));
+    CHANNELS.map(|channel| {
+        let place = channel.index();
+        let known = row.half_widths[place].zip(row.values[place]).map(|(half, value)| half / value);
         known.map_or(UNKNOWN_SCATTER, |share| share / NORMAL_95)
     })
 }
 
 /// What was simulated; none without one of [`CHANNELS`].
 fn seen(row: &CutTableRow) -> Option<Observables> {
-    let value = |key: &str| row.values[MEASURED.iter().position(|own| *own == key)?];
+    let value = |channel: Channel| row.values[channel.index()];
     Some(Observables {
-        cutting_force: value("F_c")?,
-        feed_force: value("F_f")?,
-        interface_temperature: value("T_interface")?,
+        cutting_force: value(Channel::CuttingForce)?,
+        feed_force: value(Channel::FeedForce)?,
+        interface_temperature: value(Channel::InterfaceTemperature)?,
         shear_plane_temperature: f64::NAN,
-        chip_thickness: value("chip_thickness")?,
-        contact_length: value("contact_length").unwrap_or(f64::NAN),
+        chip_thickness: value(Channel::ChipThickness)?,
+        contact_length: value(Channel::ContactLength).unwrap_or(f64::NAN),
         shear_angle: f64::NAN,
     })
 }

@@ -1,6 +1,5 @@
 //! Does the repair help, on conditions that it has not seen.
 
-use crate::data::channel::{CHANNELS, Channel};
 use crate::data::recordings::Recordings;
 use crate::error::DiagnoseError;
 use crate::inference::change_error::{self, Loose};
@@ -13,6 +12,7 @@ use rayon::prelude::*;
 use sphcut_greybox::regressor::{Method, Regressor, Settings};
 use sphcut_greybox::validation::{Scoring, tune};
 use sphcut_greybox::{Random, Samples};
+use sphcut_physics::{Channel, CuttingCondition};
 
 /// Resamples of the interval of a ratio.
 const RESAMPLES: usize = 2000;
@@ -128,13 +128,13 @@ struct Blocks {
 
 impl Blocks {
     fn of(problem: &Problem, recordings: &Recordings) -> Self {
-        let rank = |axis: fn(&crate::Condition) -> f64| {
+        let rank = |axis: fn(&CuttingCondition) -> f64| {
             let mut values: Vec<f64> =
                 recordings.all().iter().map(|r| axis(&r.condition)).collect();
             values.sort_by(f64::total_cmp);
             values.dedup_by(|a, b| (*a - *b).abs() <= 1e-6 * a.abs());
             let last = (values.len().max(2) - 1) as f64;
-            move |condition: &crate::Condition| {
+            move |condition: &CuttingCondition| {
                 let below = values.iter().filter(|v| **v < axis(condition) * (1.0 - 1e-6)).count();
                 below as f64 / last
             }
@@ -358,7 +358,7 @@ fn summary(part: Part, each: Vec<HeldValue>, condition_of: &[usize], seed: u64) 
         let mean = |p: usize| own().map(|e| e.plain[p].abs()).sum::<f64>() / count as f64;
         (count > 0).then(|| (channel, [mean(1), mean(2)]))
     };
-    let channels = CHANNELS.into_iter().filter_map(of).collect();
+    let channels = Channel::RECORDED.into_iter().filter_map(of).collect();
     let values = each.len();
     Held { part, values, before, refitted, repaired, ratio, channels, grey_box, each }
 }

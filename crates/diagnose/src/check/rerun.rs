@@ -1,13 +1,13 @@
 //! The repaired scenario in the particle solver itself, at cutting conditions that the fits have not seen.
 
 use crate::check::held_out::ratio_interval;
-use crate::data::channel::{CHANNELS, Channel};
 use crate::inference::fit::{Fit, fit};
 use crate::inference::problem::Problem;
 use crate::model::paired::{Change, PairedRun};
-use crate::model::predictor::{Condition, Predictor};
+use crate::model::predictor::Predictor;
 use crate::patch::fitted_change;
 use nalgebra::DVector;
+use sphcut_physics::{Channel, CuttingCondition};
 
 /// The scenario as it is, with its nuisances as fitted where nothing is missing, and with the effects and all fitted with them.
 pub const STATES: usize = 3;
@@ -41,7 +41,7 @@ const LEFT_OUT: usize = 3;
 /// Conditions of the recordings at which to look: at most `most` and a third of all, spread over speed and thickness by always taking the one that is
 /// farthest from those taken (Kennard and Stone 1969), from the fastest on.
 #[must_use]
-pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<Condition> {
+pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<CuttingCondition> {
     use crate::inference::templates::{AXES, scaled_places};
     let places = scaled_places(problem);
     let mut left: Vec<usize> = Vec::new();
@@ -77,7 +77,7 @@ pub fn unseen_fits(
     problem: &Problem,
     predictor: &dyn Predictor,
     repair: &Fit,
-    conditions: &[Condition],
+    conditions: &[CuttingCondition],
 ) -> Option<(Fit, Fit)> {
     let is_seen = |&row: &usize| {
         let own = problem.condition(row);
@@ -97,7 +97,7 @@ pub fn rerun_changes(
     problem: &Problem,
     predictor: &dyn Predictor,
     (null, repair): (&Fit, &Fit),
-    condition: &Condition,
+    condition: &CuttingCondition,
 ) -> Option<[Change; STATES]> {
     let changed = |fit| fitted_change(problem, predictor, fit, condition.cut_length);
     let repaired = changed(repair);
@@ -122,7 +122,7 @@ pub fn compare_rerun(
     let shown = [none, instruments(null), instruments(repair)];
     let complete: Vec<&[Option<PairedRun>; STATES]> =
         runs.iter().filter(|own| own.iter().all(Option::is_some)).collect();
-    let channels = CHANNELS.into_iter().filter_map(|channel| {
+    let channels = Channel::RECORDED.into_iter().filter_map(|channel| {
         let mut errors: Vec<(usize, [f64; STATES])> = Vec::new();
         for (place, own) in complete.iter().enumerate() {
             let logs = own.each_ref().map(|run| {

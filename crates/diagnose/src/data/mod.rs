@@ -1,5 +1,4 @@
 //! Recordings: channels, rows, and what they say of their own noise.
 
-pub(crate) mod channel;
 pub(crate) mod noise;
 pub(crate) mod recordings;

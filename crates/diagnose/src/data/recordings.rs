@@ -1,9 +1,8 @@
 //! Recordings, and what they say of their own noise.
 
-use crate::data::channel::{CHANNELS, Channel};
 use crate::data::noise::{NoiseLaw, Scatter};
 use crate::error::DiagnoseError;
-use crate::model::predictor::{Condition, ToolShape};
+use sphcut_physics::{Channel, CuttingCondition, ToolGeometry};
 
 /// Different conditions that a diagnosis needs: as many as a quadratic in v_c and h has coefficients.
 const FEWEST_CONDITIONS: usize = 6;
@@ -23,13 +22,13 @@ const SAME: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// The cut.
-    pub condition: Condition,
+    pub condition: CuttingCondition,
     /// Number of cuts of which it is the mean.
     pub count: Option<f64>,
     /// What was measured, by channel.
-    pub values: [Option<f64>; CHANNELS.len()],
+    pub values: [Option<f64>; Channel::RECORDED.len()],
     /// Standard deviation of a single cut, by channel; with no `count`, that of the value.
-    pub deviations: [Option<f64>; CHANNELS.len()],
+    pub deviations: [Option<f64>; Channel::RECORDED.len()],
 }
 
 /// Where a noise comes from.
@@ -62,7 +61,7 @@ pub struct Recordings {
     recordings: Vec<Recording>,
     noise: Vec<Noise>,
     /// Variance of log y of each value.
-    variances: Vec<[Option<f64>; CHANNELS.len()]>,
+    variances: Vec<[Option<f64>; Channel::RECORDED.len()]>,
 }
 
 fn same(a: f64, b: f64) -> bool {
@@ -70,14 +69,14 @@ fn same(a: f64, b: f64) -> bool {
 }
 
 /// Whether two cuts have the same speed and thickness, and tools of the same shape.
-pub(crate) fn same_cut(a: &Condition, b: &Condition) -> bool {
+pub(crate) fn same_cut(a: &CuttingCondition, b: &CuttingCondition) -> bool {
     same(a.cutting_speed, b.cutting_speed)
         && same(a.uncut_chip_thickness, b.uncut_chip_thickness)
         && same_tool(&a.tool, &b.tool)
 }
 
 /// Whether two tools have the same shape.
-pub(crate) fn same_tool(a: &ToolShape, b: &ToolShape) -> bool {
+pub(crate) fn same_tool(a: &ToolGeometry, b: &ToolGeometry) -> bool {
     a.parts().into_iter().zip(b.parts()).all(|pair| match pair {
         (Some(a), Some(b)) => same(a, b),
         (a, b) => a == b,
@@ -91,7 +90,7 @@ impl Recordings {
     /// Too few conditions, a noise that cannot be told, a value without logarithm.
     pub fn new(recordings: Vec<Recording>, predicted: &[Channel]) -> Result<Self, DiagnoseError> {
         for (number, recording) in recordings.iter().enumerate() {
-            for channel in CHANNELS {
+            for channel in Channel::RECORDED {
                 let value = recording.values[channel.index()].unwrap_or(1.0);
                 if value.is_nan() || value <= 0.0 || value.is_infinite() {
                     return Err(DiagnoseError::NotPositive {
@@ -105,7 +104,7 @@ impl Recordings {
         let groups = groups(&recordings);
         check_number(&recordings, &groups, predicted)?;
         let mut found = Self {
-            variances: vec![[None; CHANNELS.len()]; recordings.len()],
+            variances: vec![[None; Channel::RECORDED.len()]; recordings.len()],
             recordings,
             noise: Vec::new(),
         };
@@ -153,7 +152,7 @@ impl Recordings {
     pub fn with_logarithms(&self, mut value: impl FnMut(usize, Channel) -> f64) -> Self {
         let mut other = self.clone();
         for (k, recording) in other.recordings.iter_mut().enumerate() {
-            for channel in CHANNELS {
+            for channel in Channel::RECORDED {
                 if let Some(y) = recording.values[channel.index()].as_mut() {
                     *y = value(k, channel).exp();
                 }
@@ -288,8 +287,8 @@ fn check_number(
 }
 
 /// The tools of different shape.
-pub(crate) fn tools(recordings: &[Recording]) -> Vec<ToolShape> {
-    let mut found: Vec<ToolShape> = Vec::new();
+pub(crate) fn tools(recordings: &[Recording]) -> Vec<ToolGeometry> {
+    let mut found: Vec<ToolGeometry> = Vec::new();
     for recording in recordings {
         if !found.iter().any(|tool| same_tool(tool, &recording.condition.tool)) {
             found.push(recording.condition.tool);
@@ -319,16 +318,10 @@ mod tests {
     use sphcut_greybox::Random;
 
     fn recording(speed: f64, force: f64) -> Recording {
-        let condition = Condition {
-            cutting_speed: speed,
-            uncut_chip_thickness: 1e-4,
-            cut_length: 0.0,
-            run_order: 0.0,
-            tool: ToolShape::default(),
-        };
-        let mut values = [None; CHANNELS.len()];
+        let condition = CuttingCondition::new(speed, 1e-4);
+        let mut values = [None; Channel::RECORDED.len()];
         values[0] = Some(force);
-        Recording { condition, count: None, values, deviations: [None; CHANNELS.len()] }
+        Recording { condition, count: None, values, deviations: [None; Channel::RECORDED.len()] }
     }
 
     fn repeated(scatter: f64, drift: f64) -> Vec<Recording> {

@@ -1,6 +1,5 @@
 //! Cuts in which nothing is missing: what the model gets wrong by itself.
 
-use crate::data::channel::Channel;
 use crate::data::recordings::{Recordings, same_cut};
 use crate::error::DiagnoseError;
 use crate::inference::fit::fit;
@@ -9,6 +8,7 @@ use crate::inference::problem::{InstrumentPriors, Problem, add_rows, instrument_
 use crate::inference::templates::{SMOOTH, TOOL_AXES};
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
+use sphcut_physics::Channel;
 
 /// Amplitudes of the bias that are tried, as shares of the value.
 const AMPLITUDES: [f64; 7] = [0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16];

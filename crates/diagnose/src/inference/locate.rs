@@ -1,9 +1,9 @@
 //! Where the residual is more than chance.
 
-use crate::data::channel::Channel;
 use crate::inference::problem::Problem;
 use crate::inference::templates::{AXES, Templates, scaled_places};
 use nalgebra::DVector;
+use sphcut_physics::Channel;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Expected share of false discoveries.

@@ -1,12 +1,12 @@
 //! Recordings as rows of a regression: logarithms, noise, columns of the instruments.
 
-use crate::data::channel::{CHANNELS, Channel};
 use crate::data::recordings::Recordings;
 use crate::error::DiagnoseError;
 use crate::inference::law::{Covariance, Factor, Law};
-use crate::model::predictor::{Active, Condition, Predictor};
+use crate::model::predictor::{Active, Predictor};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use sphcut_physics::{Channel, CuttingCondition};
 use std::ops::Range;
 
 /// Share of the largest eigenvalue below which a direction is left out.
@@ -27,7 +27,7 @@ pub struct InstrumentPriors {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Site {
     /// The cut.
-    pub condition: Condition,
+    pub condition: CuttingCondition,
     /// Which of the sets of nuisances holds.
     pub batch: usize,
     /// Whether the effects of a hypothesis act there: not in commissioning data.
@@ -52,7 +52,7 @@ pub struct Row {
 }
 
 /// Covariance of what a model does not know of a channel at some conditions.
-type Unknown<'a> = dyn Fn(Channel, &[Condition]) -> Option<DMatrix<f64>> + 'a;
+type Unknown<'a> = dyn Fn(Channel, &[CuttingCondition]) -> Option<DMatrix<f64>> + 'a;
 
 /// The regression. Unknowns are standard normal: first the nuisances of the model for each batch, then the columns of
 /// the instruments.
@@ -70,7 +70,7 @@ pub struct Problem {
     pub(crate) covariance: Covariance,
     pub(crate) noise: Law,
     /// For each channel its place in the predictor's answer.
-    places: [Option<usize>; CHANNELS.len()],
+    places: [Option<usize>; Channel::RECORDED.len()],
     deviations: Vec<f64>,
     /// For each site the first with the same v_c, h, tool and batch: among those in the same part of the data, and among all.
     first: Vec<[usize; 2]>,
@@ -99,7 +99,7 @@ impl Problem {
         (batches, instrument): (usize, DMatrix<f64>),
         predictor: &dyn Predictor,
     ) -> Result<Self, DiagnoseError> {
-        let mut places = [None; CHANNELS.len()];
+        let mut places = [None; Channel::RECORDED.len()];
         for (place, channel) in predictor.channels().iter().enumerate() {
             places[channel.index()] = Some(place);
         }
@@ -118,7 +118,7 @@ impl Problem {
                 if unknown.is_empty() { Ok(problem) } else { problem.with_common(unknown) }
             }
             Some(k) => {
-                let Condition { cutting_speed, uncut_chip_thickness, .. } =
+                let CuttingCondition { cutting_speed, uncut_chip_thickness, .. } =
                     problem.sites[problem.rows[k].site].condition;
                 let channel = problem.rows[k].channel;
                 Err(DiagnoseError::NoPrediction { cutting_speed, uncut_chip_thickness, channel })
@@ -128,8 +128,9 @@ impl Problem {
 
     /// What the model does not know of its answers at the sites that `acts` names; `of` says it for a channel at some conditions.
     fn unknown(&self, acts: &dyn Fn(&Site) -> bool, of: &Unknown<'_>) -> Vec<Factor> {
-        let conditions: Vec<Condition> = self.sites.iter().map(|site| site.condition).collect();
-        let own = CHANNELS.iter().filter_map(|&channel| {
+        let conditions: Vec<CuttingCondition> =
+            self.sites.iter().map(|site| site.condition).collect();
+        let own = Channel::RECORDED.iter().filter_map(|&channel| {
             let rows: Vec<usize> = (0..self.rows.len())
                 .filter(|&k| {
                     self.rows[k].channel == channel && acts(&self.sites[self.rows[k].site])
@@ -232,7 +233,7 @@ impl Problem {
 
     /// The condition of a row.
     #[must_use]
-    pub fn condition(&self, row: usize) -> &Condition {
+    pub fn condition(&self, row: usize) -> &CuttingCondition {
         &self.sites[self.rows[row].site].condition
     }
 
@@ -248,7 +249,7 @@ impl Problem {
         let used = |channel: &Channel| {
             (0..self.rows.len()).any(|k| self.rows[k].channel == *channel && self.is_diagnosed(k))
         };
-        CHANNELS.into_iter().filter(used).collect()
+        Channel::RECORDED.into_iter().filter(used).collect()
     }
 
     /// The problem of some of the rows.
@@ -353,7 +354,7 @@ pub(crate) fn instrument_columns(
     priors: &InstrumentPriors,
 ) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
-    for channel in CHANNELS {
+    for channel in Channel::RECORDED {
         let column = |value: &dyn Fn(&Row) -> f64| {
             let of = |(k, row): (usize, &Row)| {
                 if range.contains(&k) && row.channel == channel { value(row) } else { 0.0 }

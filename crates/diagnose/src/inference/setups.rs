@@ -1,6 +1,5 @@
 //! Scatter between conditions that their repeats do not show.
 
-use crate::data::channel::Channel;
 use crate::data::recordings::same_cut;
 use crate::error::DiagnoseError;
 use crate::inference::commissioning::{Bias, BiasOrigin};
@@ -9,6 +8,7 @@ use crate::inference::problem::Problem;
 use crate::inference::templates::tool_axes;
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
+use sphcut_physics::Channel;
 
 /// Standard deviations of the scatter that are tried, as shares of the value.
 const SCATTERS: [f64; 9] = [0.0, 0.003, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.05];
@@ -122,9 +122,10 @@ fn independent(deviation: f64) -> Bias {
 #[cfg(test)]
 mod tests {
     use crate::data::recordings::{Recording, Recordings};
-    use crate::model::predictor::{Active, Condition, Predictor, ToolShape};
+    use crate::model::predictor::{Active, Predictor};
     use crate::model::twin::Twin;
     use sphcut_greybox::Random;
+    use sphcut_physics::CuttingCondition;
 
     const NOISE: f64 = 0.01;
 
@@ -133,13 +134,8 @@ mod tests {
         let twin = Twin::new();
         let mut random = Random::new(seed, &[5]);
         let cuts = (0..42).map(|k| {
-            let condition = Condition {
-                cutting_speed: 0.5 * 1.6_f64.powi(k % 7),
-                uncut_chip_thickness: 0.03e-3 * 1.5_f64.powi(k / 7),
-                cut_length: 0.0,
-                run_order: 0.0,
-                tool: ToolShape::default(),
-            };
+            let condition =
+                CuttingCondition::new(0.5 * 1.6_f64.powi(k % 7), 0.03e-3 * 1.5_f64.powi(k / 7));
             let logs = twin.log_observables(&condition, &[0.0, 0.0], active);
             let (mut values, mut deviations) = ([None; 7], [None; 7]);
             for (c, log) in logs.into_iter().enumerate() {

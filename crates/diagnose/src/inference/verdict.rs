@@ -1,12 +1,12 @@
 //! What may be claimed.
 
-use crate::data::channel::Channel;
 use crate::inference::attribute::{ALARM, Attribution, CLAIM, Hypothesis};
 use crate::inference::fit::Fit;
 use crate::inference::law::{Covariance, Factor, Law};
 use crate::inference::problem::Problem;
 use crate::model::predictor::Predictor;
 use nalgebra::DVector;
+use sphcut_physics::Channel;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probability of a set.

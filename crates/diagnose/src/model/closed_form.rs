@@ -1,10 +1,8 @@
 //! The closed-form model of `sphcut-analytic` as a predictor.
 
-use crate::data::channel::Channel;
-use crate::model::predictor::{
-    Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior, ToolShape,
-};
+use crate::model::predictor::{Active, Effect, EffectParameter, Nuisance, Predictor, Prior};
 use sphcut_analytic::{ActiveEffect, Cut, EFFECTS, FlowStress, Scale, predict};
+use sphcut_physics::{Channel, CuttingCondition};
 
 /// Effects of the registry that the regression already holds as nuisances of every instrument: they are fitted under every
 /// explanation and cannot be one.
@@ -52,11 +50,9 @@ impl ClosedForm {
         Self { cut, nuisances, effects, entries }
     }
 
-    /// The cut with its nuisances and, where it has its own, its tool.
-    fn changed(&self, tool: &ToolShape, nuisances: &[f64]) -> Cut {
+    /// The cut with its nuisances.
+    fn changed(&self, nuisances: &[f64]) -> Cut {
         let mut cut = self.cut.clone();
-        cut.tool.rake_angle = tool.rake_angle.unwrap_or(cut.tool.rake_angle);
-        cut.tool.edge_radius = tool.edge_radius.unwrap_or(cut.tool.edge_radius);
         for (nuisance, log) in self.nuisances.iter().zip(nuisances) {
             let factor = log.exp();
             if nuisance.key == "friction_coefficient" {
@@ -128,44 +124,29 @@ impl Predictor for ClosedForm {
 
     fn log_observables(
         &self,
-        condition: &Condition,
+        condition: &CuttingCondition,
         nuisances: &[f64],
         active: &[Active],
     ) -> Vec<f64> {
-        let at = sphcut_analytic::Condition {
-            cutting_speed: condition.cutting_speed,
-            uncut_chip_thickness: condition.uncut_chip_thickness,
-            cut_length: condition.cut_length,
-            run_order: condition.run_order,
-        };
         let effects: Result<Vec<ActiveEffect>, _> = active
             .iter()
             .map(|one| ActiveEffect::of(self.entries[one.effect], &one.values))
             .collect();
-        let seen = effects
-            .and_then(|effects| predict(&self.changed(&condition.tool, nuisances), &at, &effects));
-        match seen {
-            Ok(seen) => [
-                seen.cutting_force,
-                seen.feed_force,
-                seen.interface_temperature,
-                seen.chip_thickness,
-                seen.contact_length,
-            ]
-            .map(f64::ln)
-            .to_vec(),
-            Err(_) => vec![f64::NAN; PREDICTED.len()],
-        }
+        let seen =
+            effects.and_then(|effects| predict(&self.changed(nuisances), condition, &effects));
+        PREDICTED
+            .iter()
+            .map(|&channel| seen.as_ref().map_or(f64::NAN, |s| s.get(channel).ln()))
+            .collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        CHANNELS, InstrumentPriors, Recording, Recordings, Request, ToolShape, Verdict, diagnose,
-    };
+    use crate::{InstrumentPriors, Recording, Recordings, Request, Verdict, diagnose};
     use sphcut_greybox::Random;
+    use sphcut_physics::ToolGeometry;
 
     const SCATTER: [(&str, f64); 6] = [
         ("initial_yield", 0.08),
@@ -183,15 +164,16 @@ mod tests {
         let mut places: Vec<usize> = (0..40).collect();
         random.shuffle(&mut places);
         let cuts = places.iter().enumerate().map(|(order, place)| {
-            let condition = Condition {
+            let condition = CuttingCondition {
                 cutting_speed: 0.5 * 13.3_f64.powf((place % 8) as f64 / 7.0),
                 uncut_chip_thickness: 2e-5 * 12.5_f64.powf((place / 8) as f64 / 4.0),
                 cut_length: 0.0,
                 run_order: order as f64,
-                tool: ToolShape::default(),
+                tool: ToolGeometry::default(),
             };
             let logs = model.log_observables(&condition, &hidden, active);
-            let (mut values, mut deviations) = ([None; CHANNELS.len()], [None; CHANNELS.len()]);
+            let (mut values, mut deviations) =
+                ([None; Channel::RECORDED.len()], [None; Channel::RECORDED.len()]);
             for (channel, log) in PREDICTED.iter().zip(logs) {
                 let value = (log + 0.02 * random.normal()).exp();
                 values[channel.index()] = Some(value);
@@ -220,14 +202,14 @@ mod tests {
     #[test]
     fn only_wear_depends_on_what_was_cut_before() {
         let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
-        let early = Condition {
+        let early = CuttingCondition {
             cutting_speed: 2.0,
             uncut_chip_thickness: 1e-4,
             cut_length: 10.0,
             run_order: 1.0,
-            tool: ToolShape::default(),
+            tool: ToolGeometry::default(),
         };
-        let late = Condition { cut_length: 500.0, run_order: 30.0, ..early };
+        let late = CuttingCondition { cut_length: 500.0, run_order: 30.0, ..early };
         for (effect, entry) in model.effects().iter().enumerate() {
             let values = entry.parameters.iter().map(|p| p.prior.value(0.5)).collect();
             let active = [Active { effect, values }];
@@ -245,24 +227,18 @@ mod tests {
         ground.tool.rake_angle = -0.12;
         ground.tool.edge_radius = 35e-6;
         let other = ClosedForm::new(ground, &SCATTER);
-        let plain = Condition {
-            cutting_speed: 3.0,
-            uncut_chip_thickness: 1.5e-4,
-            cut_length: 0.0,
-            run_order: 0.0,
-            tool: ToolShape::default(),
+        let plain = CuttingCondition::new(3.0, 1.5e-4);
+        let of_table = ToolGeometry { rake_angle: Some(-0.12), edge_radius: Some(35e-6) };
+        let at = |model: &ClosedForm, tool: ToolGeometry| {
+            model.log_observables(&CuttingCondition { tool, ..plain }, &[0.0; 6], &[])
         };
-        let of_table = ToolShape { rake_angle: Some(-0.12), edge_radius: Some(35e-6) };
-        let at = |model: &ClosedForm, tool: ToolShape| {
-            model.log_observables(&Condition { tool, ..plain }, &[0.0; 6], &[])
-        };
-        assert_eq!(at(&model, of_table), at(&other, ToolShape::default()));
-        assert_ne!(at(&model, of_table), at(&model, ToolShape::default()));
-        let own = ToolShape {
+        assert_eq!(at(&model, of_table), at(&other, ToolGeometry::default()));
+        assert_ne!(at(&model, of_table), at(&model, ToolGeometry::default()));
+        let own = ToolGeometry {
             rake_angle: Some(cut.tool.rake_angle),
             edge_radius: Some(cut.tool.edge_radius),
         };
-        assert_eq!(at(&model, own), at(&model, ToolShape::default()));
+        assert_eq!(at(&model, own), at(&model, ToolGeometry::default()));
     }
 
     /// Four speeds and three thicknesses with two rakes.
@@ -274,18 +250,19 @@ mod tests {
         let mut random = Random::new(3, &[9]);
         let mut cuts = Vec::new();
         for k in 0..24 {
-            let condition = Condition {
+            let condition = CuttingCondition {
                 cutting_speed: 0.6 * 2.0_f64.powi(k % 4),
                 uncut_chip_thickness: 4e-5 * 2.0_f64.powi(k / 4 % 3),
                 cut_length: 0.0,
                 run_order: 0.0,
-                tool: ToolShape {
+                tool: ToolGeometry {
                     rake_angle: Some([-7.0_f64, 8.0][k as usize / 12].to_radians()),
                     edge_radius: None,
                 },
             };
             let logs = model.log_observables(&condition, &[0.0; 6], &active);
-            let (mut values, mut deviations) = ([None; CHANNELS.len()], [None; CHANNELS.len()]);
+            let (mut values, mut deviations) =
+                ([None; Channel::RECORDED.len()], [None; Channel::RECORDED.len()]);
             for (channel, log) in PREDICTED.iter().zip(logs) {
                 let value = (log + 0.02 * random.normal()).exp();
                 values[channel.index()] = Some(value);
@@ -332,12 +309,9 @@ mod tests {
         let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
         let mut logs = [0.0; 6];
         logs[5] = 2.0_f64.ln();
-        assert!(
-            (model.changed(&ToolShape::default(), &logs).friction_coefficient / 0.5 - 1.0).abs()
-                < 1e-12
-        );
+        assert!((model.changed(&logs).friction_coefficient / 0.5 - 1.0).abs() < 1e-12);
         logs[0] = -0.1;
-        let cut = model.changed(&ToolShape::default(), &logs);
+        let cut = model.changed(&logs);
         let FlowStress::JohnsonCook(law) = cut.workpiece.flow_stress else { panic!() };
         assert!((law.initial_yield / 331e6 - (-0.1_f64).exp()).abs() < 1e-12);
     }

@@ -1,39 +1,8 @@
 //! What a diagnosis asks of a model of the cut.
 
-use crate::data::channel::Channel;
 use nalgebra::DMatrix;
+use sphcut_physics::{Channel, CuttingCondition};
 use statrs::distribution::{ContinuousCDF, Normal};
-
-/// What the tool of a cut has of its own; `None`: what the scenario says. SI units.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ToolShape {
-    /// gamma in rad.
-    pub rake_angle: Option<f64>,
-    /// r_n in m.
-    pub edge_radius: Option<f64>,
-}
-
-impl ToolShape {
-    /// Its parts in the order of the fields.
-    pub(crate) fn parts(&self) -> [Option<f64>; 2] {
-        [self.rake_angle, self.edge_radius]
-    }
-}
-
-/// A cut. SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Condition {
-    /// v_c in m/s.
-    pub cutting_speed: f64,
-    /// h in m.
-    pub uncut_chip_thickness: f64,
-    /// Length that the edge has cut before, in m.
-    pub cut_length: f64,
-    /// Place in the order of the runs: any number that rises; 0 where it is unknown.
-    pub run_order: f64,
-    /// Where the tools of the recordings differ.
-    pub tool: ToolShape,
-}
 
 /// A property of material or friction that differs from batch to batch: the model multiplies its value by exp(x), and
 /// x is normal around 0.
@@ -173,14 +142,18 @@ pub trait Predictor: Sync {
     /// where there is no answer. `nuisances` holds x of each nuisance, the logarithm of a factor.
     fn log_observables(
         &self,
-        condition: &Condition,
+        condition: &CuttingCondition,
         nuisances: &[f64],
         active: &[Active],
     ) -> Vec<f64>;
 
     /// Covariance, over `conditions`, of what is not known of a channel's logarithm without effects: the means of runs scatter.
     /// `None` of a model that is exact in what it says.
-    fn base_uncertainty(&self, channel: Channel, conditions: &[Condition]) -> Option<DMatrix<f64>> {
+    fn base_uncertainty(
+        &self,
+        channel: Channel,
+        conditions: &[CuttingCondition],
+    ) -> Option<DMatrix<f64>> {
         let _ = (channel, conditions);
         None
     }
@@ -189,7 +162,7 @@ pub trait Predictor: Sync {
     fn effect_uncertainty(
         &self,
         channel: Channel,
-        conditions: &[Condition],
+        conditions: &[CuttingCondition],
         active: &[Active],
     ) -> Option<DMatrix<f64>> {
         let _ = (channel, conditions, active);

@@ -1,16 +1,14 @@
 //! A model linear in everything, with known answers.
 
-use crate::data::channel::{CHANNELS, Channel};
 use crate::data::recordings::{Recording, Recordings};
 use crate::fit;
 use crate::inference::problem::Problem;
 use crate::judge;
-use crate::model::predictor::{
-    Active, Condition, Effect, EffectParameter, Nuisance, Predictor, Prior,
-};
+use crate::model::predictor::{Active, Effect, EffectParameter, Nuisance, Predictor, Prior};
 use crate::{Attribution, Finding, Fit, InstrumentPriors, Templates, attribute};
 use nalgebra::{DMatrix, DVector};
 use sphcut_greybox::Random;
+use sphcut_physics::{Channel, CuttingCondition};
 
 const USED: [Channel; 2] = [Channel::CuttingForce, Channel::FeedForce];
 const NUISANCES: [Nuisance; 2] = [
@@ -71,16 +69,13 @@ impl Twin {
             .map(|k| {
                 let (i, j) = (k % 5, k / 5 % 4);
                 Recording {
-                    condition: Condition {
-                        cutting_speed: 0.5 * 1.9_f64.powi(i),
-                        uncut_chip_thickness: 0.04e-3 * 1.7_f64.powi(j),
-                        cut_length: 0.0,
-                        run_order: 0.0,
-                        tool: crate::ToolShape::default(),
-                    },
+                    condition: CuttingCondition::new(
+                        0.5 * 1.9_f64.powi(i),
+                        0.04e-3 * 1.7_f64.powi(j),
+                    ),
                     count: None,
-                    values: [None; CHANNELS.len()],
-                    deviations: [None; CHANNELS.len()],
+                    values: [None; Channel::RECORDED.len()],
+                    deviations: [None; Channel::RECORDED.len()],
                 }
             })
             .collect();
@@ -138,7 +133,7 @@ impl Predictor for Twin {
 
     fn log_observables(
         &self,
-        condition: &Condition,
+        condition: &CuttingCondition,
         nuisances: &[f64],
         active: &[Active],
     ) -> Vec<f64> {

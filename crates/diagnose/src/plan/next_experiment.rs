@@ -1,12 +1,12 @@
 //! The cuts that best separate what is left.
 
-use crate::data::channel::Channel;
 use crate::inference::fit::{Fit, active};
 use crate::inference::problem::Problem;
-use crate::model::predictor::{Condition, Predictor};
+use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sphcut_greybox::Random;
+use sphcut_physics::{Channel, CuttingCondition};
 
 /// Draws over which the expected probability is a mean.
 const DRAWS: usize = 400;
@@ -27,7 +27,7 @@ pub struct Rival<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct NextExperiment {
     /// The cuts, the most telling first.
-    pub conditions: Vec<Condition>,
+    pub conditions: Vec<CuttingCondition>,
     /// Expected probability of the right explanation among the rivals: now, and after the batch with the channels that were
     /// measured.
     pub expected: [f64; 2],
@@ -58,7 +58,7 @@ pub fn next_experiment(
     problem: &Problem,
     predictor: &dyn Predictor,
     rivals: &[Rival<'_>],
-    candidates: &[Condition],
+    candidates: &[CuttingCondition],
     (size, seed): (usize, u64),
 ) -> Option<NextExperiment> {
     let total: f64 = rivals.iter().map(|rival| rival.probability).sum();
@@ -71,7 +71,7 @@ pub fn next_experiment(
         .chain(predictor.channels().iter().filter(|channel| !measured.contains(channel)))
         .copied()
         .collect();
-    let candidates: Vec<Condition> = candidates
+    let candidates: Vec<CuttingCondition> = candidates
         .iter()
         .filter(|condition| {
             rivals.iter().all(|rival| is_known(problem, predictor, rival, condition))
@@ -122,7 +122,7 @@ fn is_known(
     problem: &Problem,
     predictor: &dyn Predictor,
     rival: &Rival<'_>,
-    condition: &Condition,
+    condition: &CuttingCondition,
 ) -> bool {
     let fit = rival.fit;
     let active = active(predictor, &fit.effects, &fit.unknowns.as_slice()[problem.unknowns()..]);
@@ -145,7 +145,7 @@ fn forecast(
     predictor: &dyn Predictor,
     rival: &Rival<'_>,
     total: f64,
-    candidates: &[Condition],
+    candidates: &[CuttingCondition],
     (channels, noise): (&[Channel], &[f64]),
 ) -> Option<Forecast> {
     let fit = rival.fit;

@@ -45,7 +45,8 @@ pub use trend::{RunIn, Trend, trends};
 pub use words::{hint, law_title, series_words, track_words};
 
 use crate::check::self_test::Rate;
-use sphcut_recordings::{Component, ComponentResult, CutResult};
+use sphcut_physics::Channel;
+use sphcut_recordings::{ComponentResult, CutResult};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Segments without overlap that a cut should hold.
@@ -63,7 +64,7 @@ const SAME_LINE: f64 = 0.5;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeriesChannel {
     /// Which.
-    pub component: Component,
+    pub component: Channel,
     /// In N from entry to exit, both a guard away, zero taken out.
     pub force: Vec<f64>,
     /// Change of the zero from the air before to the air after the cut in N, its standard error and degrees of freedom; `None` with air on

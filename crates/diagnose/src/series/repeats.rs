@@ -5,7 +5,7 @@
 
 use super::trend::two_sided;
 use super::{SeriesCut, t_quantile};
-use sphcut_recordings::Component;
+use sphcut_physics::Channel;
 
 /// Fewest degrees of freedom.
 const FEWEST: f64 = 3.0;
@@ -16,7 +16,7 @@ const SAME: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Growth {
     /// Which force.
-    pub component: Component,
+    pub component: Channel,
     /// Relative change per cut with its 95 % interval.
     pub per_cut: [f64; 3],
     /// Chance of a change this large.

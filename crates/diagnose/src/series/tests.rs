@@ -39,7 +39,8 @@ fn cut(
         channels: Vec::new(),
     };
     let own = waves(&cut);
-    for (channel, component) in [Component::Cutting, Component::Feed].into_iter().enumerate() {
+    for (channel, component) in [Channel::CuttingForce, Channel::FeedForce].into_iter().enumerate()
+    {
         let mut random = Random::new(5, &[index as u64, channel as u64]);
         let phases: Vec<f64> = own.iter().map(|_| TAU * random.uniform()).collect();
         let force = noise(random, 0.9, count)
@@ -271,7 +272,7 @@ proptest! {
             rate: 1000.0,
             order,
             window: [100, 3900],
-            channels: vec![channel(Component::Cutting), channel(Component::Passive)],
+            channels: vec![channel(Channel::CuttingForce), channel(Channel::PassiveForce)],
         };
         let found = diagnose_series((1..6).map(one).collect(), None, &options()).unwrap();
         for line in found.lines.iter().flat_map(|l| l.channels.iter().flatten()) {

@@ -14,7 +14,7 @@ use super::SeriesCut;
 use super::lines::FALSE_SHARE;
 use super::trend::{Trend, trends, two_sided};
 use crate::inference::locate::benjamini_hochberg;
-use sphcut_recordings::Component;
+use sphcut_physics::Channel;
 
 /// Probability above which a law is named.
 const CLAIM: f64 = 0.9;
@@ -63,7 +63,7 @@ impl RunInLaw {
 #[derive(Debug, Clone, PartialEq)]
 pub struct OverTime {
     /// Which force.
-    pub component: Component,
+    pub component: Channel,
     /// Each cut that is long enough.
     pub trends: Vec<Trend>,
     /// Which of them have a trend beyond chance.
@@ -102,8 +102,8 @@ pub fn over_time(cuts: &[SeriesCut]) -> Vec<OverTime> {
         all.iter()
             .map(|t| t.zero.map_or(1.0, |[drift, error, left]| two_sided(drift / error, left))),
     );
-    let mut components: Vec<Component> = all.iter().map(|t| t.component).collect();
-    components.sort_by_key(|c| Component::ALL.iter().position(|other| other == c));
+    let mut components: Vec<Channel> = all.iter().map(|t| t.component).collect();
+    components.sort_by_key(|c| Channel::FORCES.iter().position(|other| other == c));
     components.dedup();
     components
         .into_iter()

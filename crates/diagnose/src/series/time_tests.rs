@@ -24,7 +24,7 @@ fn cut(index: usize, [speed, thickness]: [f64; 2], law: &dyn Fn(f64, f64) -> f64
         order: index as u32 + 1,
         window: [0, count],
         channels: vec![SeriesChannel {
-            component: Component::Cutting,
+            component: Channel::CuttingForce,
             force: force.collect(),
             zero: Some([1.0, 1.0, 9.0]),
         }],

@@ -15,8 +15,8 @@
 
 use super::{SeriesCut, t_quantile};
 use nalgebra::{Matrix3, Vector3};
+use sphcut_physics::Channel;
 use sphcut_postprocess::steady::{autocorrelation_time, mean_interval};
-use sphcut_recordings::Component;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Correlation times in a block.
@@ -50,7 +50,7 @@ pub struct Trend {
     /// Number of the cut.
     pub cut: usize,
     /// Which force.
-    pub component: Component,
+    pub component: Channel,
     /// Mean in N.
     pub mean: f64,
     /// What shares refer to in N: the size of the mean, but no less than a tenth of the largest force of the cut.
@@ -134,7 +134,7 @@ fn fit(force: &[f64], rate: f64, revolution: Option<f64>) -> Option<Trend> {
         [mean_interval(&force[..third], None), mean_interval(&force[force.len() - third..], None)];
     Some(Trend {
         cut: 0,
-        component: Component::Cutting,
+        component: Channel::CuttingForce,
         mean: mean(force),
         scale: f64::NAN,
         correlation: correlation / rate,

@@ -1,16 +1,15 @@
 //! What was measured of many cuts as a table: comma-separated, a header with units, a cut per line.
 
 use crate::columns::{self, ColumnRule, TableProblem};
-use sphcut_physics::Quantity;
+use sphcut_physics::{Channel, CuttingCondition, Quantity, ToolGeometry};
 
-/// Columns of what may be measured, in the order of the arrays of [`CutTableRow`].
-pub const MEASURED: [&str; 7] =
-    ["F_c", "F_f", "F_p", "T_interface", "chip_thickness", "contact_length", "springback"];
+/// How many channels a table may hold.
+const CHANNELS: usize = Channel::RECORDED.len();
 /// Columns beside them, which come first.
 const OTHERS: usize = 9;
 /// Largest rake either way, in rad.
 const STEEPEST: f64 = std::f64::consts::FRAC_PI_3 * (1.0 + 1e-12);
-/// Of how many of [`MEASURED`], from the first on, `sphcut sweep` writes half widths.
+/// Of how many channels, from the first on, `sphcut sweep` writes half widths.
 const INTERVALS: usize = 4;
 
 /// One line of the table in SI units.
@@ -32,12 +31,26 @@ pub struct CutTableRow {
     pub rake_angle: Option<f64>,
     /// r_n of this cut's edge before it has cut, in m.
     pub edge_radius: Option<f64>,
-    /// What was measured.
-    pub values: [Option<f64>; MEASURED.len()],
+    /// What was measured, by place in [`Channel::RECORDED`] like the next two.
+    pub values: [Option<f64>; CHANNELS],
     /// Standard deviations between cuts.
-    pub deviations: [Option<f64>; MEASURED.len()],
+    pub deviations: [Option<f64>; CHANNELS],
     /// Half widths of the 95 % intervals of simulated values.
-    pub half_widths: [Option<f64>; MEASURED.len()],
+    pub half_widths: [Option<f64>; CHANNELS],
+}
+
+impl CutTableRow {
+    /// The condition of the cut.
+    #[must_use]
+    pub fn condition(&self) -> CuttingCondition {
+        CuttingCondition {
+            cutting_speed: self.cutting_speed,
+            uncut_chip_thickness: self.uncut_chip_thickness,
+            cut_length: self.cut_length.unwrap_or(0.0),
+            run_order: self.order.unwrap_or(0.0),
+            tool: ToolGeometry { rake_angle: self.rake_angle, edge_radius: self.edge_radius },
+        }
+    }
 }
 
 const fn column(
@@ -49,7 +62,11 @@ const fn column(
     ColumnRule { name, quantity, unit, required, positive }
 }
 
-const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + INTERVALS] = [
+const fn measured(channel: Channel, unit: &'static str) -> ColumnRule {
+    column(channel.symbol(), channel.quantity(), unit, (false, true))
+}
+
+const COLUMNS: [ColumnRule; OTHERS + 2 * CHANNELS + INTERVALS] = [
     column("v_c", Quantity::Speed, "m/min", (true, true)),
     column("h", Quantity::Length, "mm", (true, true)),
     column("cut_length", Quantity::Length, "m", (false, false)),
@@ -59,13 +76,13 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + INTERVALS] = [
     column("time", Quantity::Time, "s", (false, false)),
     column("rake", Quantity::Angle, "deg", (false, false)),
     column("edge_radius", Quantity::Length, "um", (false, false)),
-    column(MEASURED[0], Quantity::Force, "N", (false, true)),
-    column(MEASURED[1], Quantity::Force, "N", (false, true)),
-    column(MEASURED[2], Quantity::Force, "N", (false, true)),
-    column(MEASURED[3], Quantity::Temperature, "degC", (false, true)),
-    column(MEASURED[4], Quantity::Length, "mm", (false, true)),
-    column(MEASURED[5], Quantity::Length, "mm", (false, true)),
-    column(MEASURED[6], Quantity::Length, "um", (false, true)),
+    measured(Channel::CuttingForce, "N"),
+    measured(Channel::FeedForce, "N"),
+    measured(Channel::PassiveForce, "N"),
+    measured(Channel::InterfaceTemperature, "degC"),
+    measured(Channel::ChipThickness, "mm"),
+    measured(Channel::ContactLength, "mm"),
+    measured(Channel::Springback, "um"),
     column("F_c_sd", Quantity::Force, "N", (false, true)),
     column("F_f_sd", Quantity::Force, "N", (false, true)),
     column("F_p_sd", Quantity::Force, "N", (false, true)),
@@ -79,7 +96,7 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + INTERVALS] = [
     column("T_interface_ci95", Quantity::TemperatureDifference, "K", (false, false)),
 ];
 
-/// Reads a table with the columns `v_c` and `h` and at least one of [`MEASURED`]; if it has them, also standard deviations
+/// Reads a table with the columns `v_c` and `h` and at least one channel ([`Channel::RECORDED`]); if it has them, also standard deviations
 /// (`F_c_sd` and so on), `n`, `order`, `cut_length`, `b`, and of the tool `rake` and `edge_radius`, which either all lines have or none; in any order, each with its unit in brackets: `v_c [m/min]`. A
 /// cell of what was not measured is empty. The half widths of intervals that `sphcut sweep` writes (`F_c_ci95` and so on) say nothing of recordings. A column `time` is read over. Empty lines and lines that begin with `#` are
 /// skipped.
@@ -89,8 +106,8 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * MEASURED.len() + INTERVALS] = [
 pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
     let lines = columns::read(text, &COLUMNS, "no line with measured values follows the header")?;
     let part = |values: &[Option<f64>], from: usize| {
-        let mut part = [None; MEASURED.len()];
-        part.copy_from_slice(&values[from..from + MEASURED.len()]);
+        let mut part = [None; CHANNELS];
+        part.copy_from_slice(&values[from..from + CHANNELS]);
         part
     };
     let mut rows = Vec::with_capacity(lines.len());
@@ -126,16 +143,17 @@ pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
             rake_angle: values[7],
             edge_radius: values[8],
             values: part(&values, OTHERS),
-            deviations: part(&values, OTHERS + MEASURED.len()),
+            deviations: part(&values, OTHERS + CHANNELS),
             half_widths: {
-                let mut part = [None; MEASURED.len()];
-                part[..INTERVALS].copy_from_slice(&values[OTHERS + 2 * MEASURED.len()..]);
+                let mut part = [None; CHANNELS];
+                part[..INTERVALS].copy_from_slice(&values[OTHERS + 2 * CHANNELS..]);
                 part
             },
         });
     }
     if rows.iter().all(|row| row.values.iter().all(Option::is_none)) {
-        let message = format!("nothing was measured: there is none of {}", MEASURED.join(", "));
+        let all = Channel::RECORDED.map(Channel::symbol).join(", ");
+        let message = format!("nothing was measured: there is none of {all}");
         return Err(columns::whole(1, message));
     }
     Ok(rows)
@@ -163,7 +181,7 @@ mod tests {
         let text = "v_c [m/min],h [mm],F_c [N],F_c_ci95 [N],T_interface [K],T_interface_ci95 [K]\n60,0.1,180,4,700,6\n";
         let row = read_cut_table(text).unwrap()[0];
         assert_eq!((row.half_widths[0], row.half_widths[1]), (Some(4.0), None));
-        assert_eq!((row.half_widths[3], row.deviations), (Some(6.0), [None; MEASURED.len()]));
+        assert_eq!((row.half_widths[3], row.deviations), (Some(6.0), [None; CHANNELS]));
     }
 
     #[test]

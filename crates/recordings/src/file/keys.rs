@@ -1,13 +1,13 @@
 //! Sections of a file of recordings.
 
 use sphcut_input::section::{Field, Kind, Presence, Section, between, default, positive};
-use sphcut_physics::{Quantity, Range};
+use sphcut_physics::{Channel, Quantity, Range};
 
 /// The forces, as keys of `[channels]`.
-pub(crate) const FORCE_CHANNELS: [(&str, &str); 3] = [
-    ("cutting_force", "F_c, positive against the motion of the tool"),
-    ("feed_force", "F_f, positive away from the workpiece"),
-    ("passive_force", "F_p"),
+pub(crate) const FORCE_CHANNELS: [(Channel, &str); 3] = [
+    (Channel::CuttingForce, "F_c, positive against the motion of the tool"),
+    (Channel::FeedForce, "F_f, positive away from the workpiece"),
+    (Channel::PassiveForce, "F_p"),
 ];
 
 /// File formats.
@@ -129,10 +129,10 @@ pub(crate) fn file() -> Section {
 pub(crate) fn channels() -> Section {
     let fields = FORCE_CHANNELS
         .iter()
-        .map(|(key, meaning)| {
-            let presence =
-                if *key == "cutting_force" { Presence::Required } else { Presence::Optional };
-            Field::new(key, Kind::Table, presence, meaning)
+        .map(|(channel, meaning)| {
+            let is_cutting = *channel == Channel::CuttingForce;
+            let presence = if is_cutting { Presence::Required } else { Presence::Optional };
+            Field::new(channel.key(), Kind::Table, presence, meaning)
                 .example("[channels.cutting_force] with column and scale")
         })
         .collect();

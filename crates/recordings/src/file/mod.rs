@@ -15,6 +15,7 @@ use sphcut_input::findings::Findings;
 use sphcut_input::problem::Problem;
 use sphcut_input::reader;
 use sphcut_input::record::Record;
+use sphcut_physics::Channel;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -77,7 +78,7 @@ pub struct RecordingFile {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingChannel {
     /// `cutting_force`, `feed_force` or `passive_force`.
-    pub component: &'static str,
+    pub component: Channel,
     /// Name in the files.
     pub column: String,
     /// Force in N of the number 1 of the file.
@@ -238,10 +239,10 @@ fn channels(
     let record = reader::read(findings, &root.source, table, &section, 2);
     let mut found = Vec::new();
     for (component, _) in keys::FORCE_CHANNELS {
-        let Some(table) = record.table(component) else {
+        let Some(table) = record.table(component.key()) else {
             continue;
         };
-        let section = keys::force(&format!("channels.{component}"));
+        let section = keys::force(&format!("channels.{}", component.key()));
         let channel = reader::read(findings, &record.source, table, &section, 2);
         let response = read_response(findings, &channel, surroundings);
         let scale = channel.number("scale");

@@ -196,7 +196,7 @@ impl DiagnosisExpectation {
 
     fn ratio(&self, held: &Held) -> Option<f64> {
         let Some(key) = &self.channel else { return Some(held.ratio[0]) };
-        let (_, [again, repaired]) = held.channels.iter().find(|(c, _)| c.key() == key)?;
+        let (_, [again, repaired]) = held.channels.iter().find(|(c, _)| c.symbol() == key)?;
         Some(repaired / again)
     }
 }

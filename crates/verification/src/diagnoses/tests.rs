@@ -43,13 +43,7 @@ fn folder(name: &str, expected: &str) -> PathBuf {
     let mut table = "v_c [m/min],h [mm],F_c [N],F_f [N],F_c_sd [N],F_f_sd [N]\n".to_owned();
     for v in [40.0, 80.0, 160.0, 320.0_f64] {
         for h in [0.03, 0.06, 0.12, 0.2_f64] {
-            let condition = sphcut_diagnose::Condition {
-                cutting_speed: v / 60.0,
-                uncut_chip_thickness: h / 1e3,
-                cut_length: 0.0,
-                run_order: 0.0,
-                tool: sphcut_diagnose::ToolShape::default(),
-            };
+            let condition = sphcut_physics::CuttingCondition::new(v / 60.0, h / 1e3);
             let logs = model.log_observables(&condition, &[], &[]);
             let (cutting, feed) = (logs[0].exp(), logs[1].exp());
             let (c, f) = (0.01 * cutting, 0.02 * feed);

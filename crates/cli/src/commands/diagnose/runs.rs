@@ -6,10 +6,11 @@ use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
 use crate::{interrupt, loading, results, terminal};
 use sphcut_diagnose::{
-    CHANNELS, Change, Channel, Condition, DiagnoseError, Diagnosis, DiagnosisCase, Fit, PairedRun,
-    PairedRuns, PairedScenario, Predictor, STATES, ToolShape, changes, condition_of, rerun_changes,
-    rerun_conditions, scenario_patch, support, unseen_fits,
+    Change, DiagnoseError, Diagnosis, DiagnosisCase, Fit, PairedRun, PairedRuns, PairedScenario,
+    Predictor, STATES, changes, rerun_changes, rerun_conditions, scenario_patch, support,
+    unseen_fits,
 };
+use sphcut_physics::{Channel, CuttingCondition};
 use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Sweep, Table};
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,7 @@ const MM: f64 = 1e-3;
 /// Runs at conditions, each with its change.
 pub struct Paired {
     sweep: Sweep,
-    runs: Vec<(Condition, Change)>,
+    runs: Vec<(CuttingCondition, Change)>,
     /// The patch that makes the last of the runs of the scenario; empty for a library.
     patch: String,
 }
@@ -42,7 +43,7 @@ impl Paired {
         case: &DiagnosisCase,
         arguments: &DiagnoseArguments,
         (title, name): (&str, &str),
-        runs: Vec<(Condition, Change)>,
+        runs: Vec<(CuttingCondition, Change)>,
     ) -> Result<Self, Failure> {
         let base = PairedScenario::of(&case.base, case.runs.travel).map_err(refused)?;
         let worn = runs.iter().any(|(_, change)| change.wear_land.is_some());
@@ -63,16 +64,16 @@ impl Paired {
     /// The library of a case: every effect at three speeds and thicknesses.
     pub fn library(case: &DiagnosisCase, arguments: &DiagnoseArguments) -> Result<Self, Failure> {
         let rows = case.measured.iter().chain(case.reference.iter().flat_map(|cuts| &cuts.rows));
-        let conditions: Vec<Condition> = rows.map(condition_of).collect();
+        let conditions: Vec<CuttingCondition> = rows.map(|row| row.condition()).collect();
         PairedScenario::check_tools(&case.base, &conditions).map_err(refused)?;
         let [speeds, sizes] = support(&conditions, case.runs.range);
         let wears = conditions.iter().any(|condition| condition.cut_length > 0.0);
-        let runs: Vec<(Condition, Change)> = changes(&case.scatter, wears)
+        let runs: Vec<(CuttingCondition, Change)> = changes(&case.scatter, wears)
             .into_iter()
             .flat_map(|change| {
                 let at = speeds.iter().flat_map(|v| sizes.iter().map(move |h| (*v, *h)));
                 let at: Vec<(f64, f64)> = at.collect();
-                at.into_iter().map(move |(v, h)| (cut(v, h), change.clone()))
+                at.into_iter().map(move |(v, h)| (CuttingCondition::new(v, h), change.clone()))
             })
             .collect();
         if runs.len() > case.runs.most {
@@ -126,7 +127,7 @@ impl Paired {
 
     /// The results in the order of the runs.
     pub fn in_order(&self, results: &[PairedRun]) -> Vec<[Option<PairedRun>; STATES]> {
-        let of = |(condition, change): &(Condition, Change)| {
+        let of = |(condition, change): &(CuttingCondition, Change)| {
             let found = results.iter().find(|r| r.condition == *condition && r.change == *change);
             found.cloned()
         };
@@ -213,24 +214,14 @@ fn missing(plan: &Plan, store: &Store) -> usize {
     plan.runs.iter().filter(|run| !is_there(&run.address)).count()
 }
 
-fn cut(cutting_speed: f64, uncut_chip_thickness: f64) -> Condition {
-    Condition {
-        cutting_speed,
-        uncut_chip_thickness,
-        cut_length: 0.0,
-        run_order: 0.0,
-        tool: ToolShape::default(),
-    }
-}
-
 /// Means and their standard deviations, SI units. A run in the plane has no passive force.
-fn means(row: &Row) -> [Option<(f64, Option<f64>)>; CHANNELS.len()] {
+fn means(row: &Row) -> [Option<(f64, Option<f64>)>; Channel::RECORDED.len()] {
     let number = |name: &str| row.summary.get(name).copied();
     let force = |place: usize| {
         let [mean, half] = row.forces[place]?;
         (mean != 0.0).then_some((mean, Some(half / NORMAL_95)))
     };
-    CHANNELS.map(|channel| match channel {
+    Channel::RECORDED.map(|channel| match channel {
         Channel::CuttingForce => force(0),
         Channel::FeedForce => force(1),
         Channel::PassiveForce => force(2),
@@ -240,6 +231,6 @@ fn means(row: &Row) -> [Option<(f64, Option<f64>)>; CHANNELS.len()] {
         }
         Channel::ChipThickness => Some((number("chip.thickness_mm")? * MM, None)),
         Channel::ContactLength => Some((number("contact.length_mm")? * MM, None)),
-        Channel::Springback => None,
+        _ => None,
     })
 }

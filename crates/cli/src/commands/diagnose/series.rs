@@ -7,7 +7,7 @@ use sphcut_diagnose::series::{
     AirSeries, SeriesCut, SeriesDiagnosis, SeriesOptions, diagnose_series,
 };
 use sphcut_diagnose::{AirRecord, DiagnosisFile, SeriesPlan};
-use sphcut_recordings::{Channel, RecordingFile, Settings, Unsteady, evaluate_cut};
+use sphcut_recordings::{ForceChannel, RecordingFile, Settings, Unsteady, evaluate_cut};
 
 /// 50 Hz and 60 Hz.
 const MAINS: [f64; 2] = [50.0, 60.0];
@@ -47,7 +47,7 @@ pub fn diagnose(file: &DiagnosisFile, plan: &SeriesPlan) -> Result<SeriesDiagnos
 fn plain(settings: Settings) -> Settings {
     let channels = settings.channels.into_iter();
     Settings {
-        channels: channels.map(|channel| Channel { response: None, ..channel }).collect(),
+        channels: channels.map(|channel| ForceChannel { response: None, ..channel }).collect(),
         low_pass: None,
         unsteady: Unsteady::Keep,
         ..settings
@@ -58,7 +58,7 @@ fn plain(settings: Settings) -> Settings {
 fn read_air(
     air: &AirRecord,
     layout: &RecordingFile,
-    channels: &[Channel],
+    channels: &[ForceChannel],
 ) -> Result<AirSeries, Failure> {
     let table = read_record((&air.path, &air.group), layout)?;
     let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();

@@ -1,11 +1,12 @@
 //! From the words of a file of recordings to the settings of the evaluation, and back to columns.
 
+use sphcut_physics::Channel;
 use sphcut_record::FactH5;
 use sphcut_recordings::formats::{
     CsvLayout, DecimalMark, FormatError, Separator, read_csv, read_lvm,
 };
 use sphcut_recordings::{
-    Channel, Component, Condition, Conditions, CutResult, Detection, Pooled, RawColumn, RawTable,
+    Conditions, CutResult, Detection, ForceChannel, Pooled, PooledCuts, RawColumn, RawTable,
     RecordingChannel, RecordingCut, RecordingFile, Recordings, Response, Settings, TimeSource,
     Unsteady,
 };
@@ -37,14 +38,10 @@ pub fn settings(plan: &Recordings) -> Settings {
     }
 }
 
-fn channel(channel: &RecordingChannel) -> Channel {
-    let component = Component::ALL
-        .into_iter()
-        .find(|component| component.key() == channel.component)
-        .expect("scenario names components by these keys");
+fn channel(channel: &RecordingChannel) -> ForceChannel {
     let lines = &channel.response;
-    Channel {
-        component,
+    ForceChannel {
+        component: channel.component,
         name: channel.column.clone(),
         scale: channel.scale,
         full_scale: channel.full_scale,
@@ -99,14 +96,14 @@ pub type Column = (String, &'static str, Vec<f64>);
 
 /// The table of conditions as columns in SI units.
 pub fn columns(pooled: &Pooled) -> Vec<Column> {
-    let of = |value: &dyn Fn(&Condition) -> f64| pooled.conditions.iter().map(value).collect();
+    let of = |value: &dyn Fn(&PooledCuts) -> f64| pooled.conditions.iter().map(value).collect();
     let mut columns: Vec<Column> = vec![
         ("v_c".to_owned(), "m/s", of(&|c| c.cutting_speed)),
         ("h".to_owned(), "m", of(&|c| c.uncut_chip_thickness)),
         ("b".to_owned(), "m", of(&|c| c.width_of_cut.unwrap_or(f64::NAN))),
     ];
-    for component in Component::ALL {
-        let force = |c: &Condition| c.forces.iter().find(|f| f.component == component).copied();
+    for component in Channel::FORCES {
+        let force = |c: &PooledCuts| c.forces.iter().find(|f| f.component == component).copied();
         if !pooled.conditions.iter().any(|c| force(c).is_some()) {
             continue;
         }

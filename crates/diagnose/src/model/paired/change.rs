@@ -1,7 +1,7 @@
 //! What paired runs change: the conditions, properties of material and friction, effects.
 
-use crate::model::predictor::Condition;
 use sphcut_analytic::{EFFECTS, Effect};
+use sphcut_physics::CuttingCondition;
 
 /// By how many standard deviations of its prior a nuisance is moved in its runs: far enough to be seen beside the scatter of a
 /// force, near enough to be a slope.
@@ -70,8 +70,8 @@ pub fn changes(scatter: &[(&'static str, f64)], wears: bool) -> Vec<Change> {
 /// v_c in m/s and h in m at which the library is run: three of each from the lowest to the highest of `conditions`, even in the
 /// logarithm, rounded to one digit of m/min and um where that changes less than a twentieth, else to two. `range` replaces the ends.
 #[must_use]
-pub fn support(conditions: &[Condition], range: [[Option<f64>; 2]; 2]) -> [Vec<f64>; 2] {
-    let axis = |of: fn(&Condition) -> f64, unit: f64, stated: [Option<f64>; 2]| {
+pub fn support(conditions: &[CuttingCondition], range: [[Option<f64>; 2]; 2]) -> [Vec<f64>; 2] {
+    let axis = |of: fn(&CuttingCondition) -> f64, unit: f64, stated: [Option<f64>; 2]| {
         let found = conditions
             .iter()
             .map(of)
@@ -129,12 +129,8 @@ mod tests {
 
     #[test]
     fn the_support_spans_the_recordings() {
-        let at = |cutting_speed: f64, uncut_chip_thickness: f64| Condition {
-            cutting_speed,
-            uncut_chip_thickness,
-            cut_length: 0.0,
-            run_order: 0.0,
-            tool: crate::ToolShape::default(),
+        let at = |cutting_speed: f64, uncut_chip_thickness: f64| {
+            CuttingCondition::new(cutting_speed, uncut_chip_thickness)
         };
         let [speeds, sizes] =
             support(&[at(20.0 / 60.0, 2e-4), at(400.0 / 60.0, 4e-5)], [[None; 2]; 2]);

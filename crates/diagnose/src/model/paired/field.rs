@@ -1,7 +1,7 @@
 //! A quantity over cutting speed and uncut chip thickness, smoothed through scattered values at a few of them.
 
-use crate::model::predictor::Condition;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use sphcut_physics::CuttingCondition;
 
 /// Length over which a bend changes, in shares of the support.
 const LENGTH: f64 = 0.7;
@@ -16,7 +16,7 @@ pub(crate) struct Support {
 }
 
 impl Support {
-    pub fn of(conditions: impl Iterator<Item = Condition>) -> Self {
+    pub fn of(conditions: impl Iterator<Item = CuttingCondition>) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for condition in conditions {
             for (axis, value) in raw(&condition).into_iter().enumerate() {
@@ -29,18 +29,18 @@ impl Support {
     }
 
     /// From -1/2 to 1/2 within the support.
-    pub fn place(&self, condition: &Condition) -> [f64; 2] {
+    pub fn place(&self, condition: &CuttingCondition) -> [f64; 2] {
         let raw = raw(condition);
         [0, 1].map(|axis| (raw[axis] - self.low[axis]) / self.span[axis] - 0.5)
     }
 
     /// The same, at most a little beyond the support.
-    pub fn near(&self, condition: &Condition) -> [f64; 2] {
+    pub fn near(&self, condition: &CuttingCondition) -> [f64; 2] {
         self.place(condition).map(|z| z.clamp(-0.5 - BEYOND, 0.5 + BEYOND))
     }
 }
 
-fn raw(condition: &Condition) -> [f64; 2] {
+fn raw(condition: &CuttingCondition) -> [f64; 2] {
     [condition.cutting_speed.ln(), condition.uncut_chip_thickness.ln()]
 }
 
@@ -163,13 +163,7 @@ mod tests {
 
     #[test]
     fn places_are_scaled_by_the_support() {
-        let at = |v: f64, h: f64| Condition {
-            cutting_speed: v,
-            uncut_chip_thickness: h,
-            cut_length: 0.0,
-            run_order: 0.0,
-            tool: crate::ToolShape::default(),
-        };
+        let at = |v: f64, h: f64| CuttingCondition::new(v, h);
         let support = Support::of([at(1.0, 1e-5), at(4.0, 4e-5)].into_iter());
         let [x, y] = support.place(&at(2.0, 2e-5));
         assert!(x.abs() < 1e-12 && y.abs() < 1e-12);

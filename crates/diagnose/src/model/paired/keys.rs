@@ -3,8 +3,8 @@
 use super::change::Change;
 use crate::error::DiagnoseError;
 use crate::model::closed_form_cut::closed_form_cut;
-use crate::model::predictor::{Condition, ToolShape};
 use crate::model::scenario_keys::{ScenarioKeys, digits, millimetres, table_of};
+use sphcut_physics::{CuttingCondition, ToolGeometry};
 use sphcut_scenario::Scenario;
 use toml::{Table, Value};
 
@@ -50,13 +50,16 @@ impl PairedScenario {
     ///
     /// # Errors
     /// A cut with another tool.
-    pub fn check_tools(scenario: &Scenario, cuts: &[Condition]) -> Result<(), DiagnoseError> {
+    pub fn check_tools(
+        scenario: &Scenario,
+        cuts: &[CuttingCondition],
+    ) -> Result<(), DiagnoseError> {
         let tool = closed_form_cut(scenario)?.tool;
         let own =
-            ToolShape { rake_angle: Some(tool.rake_angle), edge_radius: Some(tool.edge_radius) };
-        let is_own = |cut: &Condition| {
-            let ToolShape { rake_angle, edge_radius } = cut.tool;
-            let of_cut = ToolShape {
+            ToolGeometry { rake_angle: Some(tool.rake_angle), edge_radius: Some(tool.edge_radius) };
+        let is_own = |cut: &CuttingCondition| {
+            let ToolGeometry { rake_angle, edge_radius } = cut.tool;
+            let of_cut = ToolGeometry {
                 rake_angle: rake_angle.or(own.rake_angle),
                 edge_radius: edge_radius.or(own.edge_radius),
             };
@@ -139,7 +142,7 @@ impl PairedScenario {
     /// A change that the scenario cannot have.
     pub fn values(
         &self,
-        condition: &Condition,
+        condition: &CuttingCondition,
         change: &Change,
         worn: bool,
     ) -> Result<Vec<String>, DiagnoseError> {
@@ -208,13 +211,10 @@ mod tests {
             let mut all = scenario.description.iter();
             all.find(|e| e.section == section && e.key == key).unwrap().number.unwrap()
         };
-        let condition = Condition {
-            cutting_speed: number("process", "cutting_speed"),
-            uncut_chip_thickness: number("process", "uncut_chip_thickness"),
-            cut_length: 0.0,
-            run_order: 0.0,
-            tool: crate::ToolShape::default(),
-        };
+        let condition = CuttingCondition::new(
+            number("process", "cutting_speed"),
+            number("process", "uncut_chip_thickness"),
+        );
         let base = PairedScenario::of(&scenario, 30.0).unwrap();
         let all = changes(&SCATTER, true);
         let values: Vec<Vec<String>> =
@@ -236,12 +236,12 @@ mod tests {
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ti6al4v_orthogonal.toml");
         let scenario = load(&path, &LoadOptions::default()).unwrap();
         let tool = closed_form_cut(&scenario).unwrap().tool;
-        let cut = |rake_angle: Option<f64>| Condition {
+        let cut = |rake_angle: Option<f64>| CuttingCondition {
             cutting_speed: 1.0,
             uncut_chip_thickness: 1e-4,
             cut_length: 0.0,
             run_order: 0.0,
-            tool: ToolShape { rake_angle, edge_radius: None },
+            tool: ToolGeometry { rake_angle, edge_radius: None },
         };
         let own = Some(tool.rake_angle);
         assert!(PairedScenario::check_tools(&scenario, &[cut(None), cut(own)]).is_ok());

@@ -2,11 +2,11 @@
 
 use super::change::{Change, NUISANCE_STEP, run_levels};
 use super::field::{Field, Law, Support};
-use crate::data::channel::{CHANNELS, Channel};
 use crate::model::closed_form::{CHANGE_ERRORS, POWER, candidate};
-use crate::model::predictor::{Active, Condition, Effect, Nuisance, Predictor};
+use crate::model::predictor::{Active, Effect, Nuisance, Predictor};
 use nalgebra::DMatrix;
 use sphcut_analytic::{EFFECTS, Runs};
+use sphcut_physics::{Channel, CuttingCondition};
 
 /// Fewest conditions with a result from which a field over speed and thickness is made.
 const FEWEST: usize = 4;
@@ -19,15 +19,15 @@ const ROUNDS: usize = 30;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairedRun {
     /// v_c and h.
-    pub condition: Condition,
+    pub condition: CuttingCondition,
     /// What was changed.
     pub change: Change,
     /// Mean of each channel and standard deviation of that mean as far as it is known, SI units.
-    pub means: [Option<(f64, Option<f64>)>; CHANNELS.len()],
+    pub means: [Option<(f64, Option<f64>)>; Channel::RECORDED.len()],
 }
 
 /// What a change does to each channel's logarithm, over the conditions.
-type Fields = [Option<Field>; CHANNELS.len()];
+type Fields = [Option<Field>; Channel::RECORDED.len()];
 
 #[derive(Debug, Clone)]
 struct Node {
@@ -70,15 +70,17 @@ impl PairedRuns {
     pub fn new(runs: &[PairedRun], scatter: &[(&'static str, f64)]) -> Option<Self> {
         let plain: Vec<&PairedRun> = runs.iter().filter(|run| run.change.is_none()).collect();
         let support = Support::of(plain.iter().map(|run| run.condition));
-        let base: Fields = CHANNELS.map(|channel| base_field(&plain, channel, &support));
-        let channels: Vec<Channel> =
-            CHANNELS.into_iter().filter(|channel| base[channel.index()].is_some()).collect();
+        let base: Fields = Channel::RECORDED.map(|channel| base_field(&plain, channel, &support));
+        let channels: Vec<Channel> = Channel::RECORDED
+            .into_iter()
+            .filter(|channel| base[channel.index()].is_some())
+            .collect();
         if channels.is_empty() {
             return None;
         }
         let changed = |wanted: &Change| -> Option<Fields> {
             let own: Vec<&PairedRun> = runs.iter().filter(|run| run.change == *wanted).collect();
-            let fields = CHANNELS.map(|channel| {
+            let fields = Channel::RECORDED.map(|channel| {
                 change_field(&own, channel, base[channel.index()].as_ref()?, &support)
             });
             channels.iter().all(|c| fields[c.index()].is_some()).then_some(fields)
@@ -128,7 +130,7 @@ impl PairedRuns {
         run_levels().map(|(effect, _)| effect.key).filter(|key| !known(key)).collect()
     }
 
-    fn of(&self, fields: &Fields, channel: Channel, condition: &Condition) -> f64 {
+    fn of(&self, fields: &Fields, channel: Channel, condition: &CuttingCondition) -> f64 {
         let place = self.support.near(condition);
         fields[channel.index()].as_ref().map_or(0.0, |field| field.value(place))
     }
@@ -137,7 +139,7 @@ impl PairedRuns {
     fn plain(
         &self,
         channel: Channel,
-        condition: &Condition,
+        condition: &CuttingCondition,
         nuisances: &[f64],
         active: &[Active],
     ) -> f64 {
@@ -159,7 +161,7 @@ impl PairedRuns {
     }
 
     /// The weight of each run strength of an effect.
-    fn weights(&self, active: &Active, condition: &Condition) -> Vec<f64> {
+    fn weights(&self, active: &Active, condition: &CuttingCondition) -> Vec<f64> {
         let nodes = &self.nodes[active.effect];
         let Some(effect) = sphcut_analytic::find(self.effects[active.effect].key) else {
             return Vec::new();
@@ -190,9 +192,9 @@ impl PairedRuns {
     fn deflected(
         &self,
         stiffness: f64,
-        condition: &Condition,
+        condition: &CuttingCondition,
         rest: (&[f64], &[Active]),
-    ) -> Condition {
+    ) -> CuttingCondition {
         let commanded = condition.uncut_chip_thickness;
         let mut there = *condition;
         for _ in 0..ROUNDS {
@@ -314,7 +316,7 @@ impl Predictor for PairedRuns {
 
     fn log_observables(
         &self,
-        condition: &Condition,
+        condition: &CuttingCondition,
         nuisances: &[f64],
         active: &[Active],
     ) -> Vec<f64> {
@@ -333,7 +335,11 @@ impl Predictor for PairedRuns {
         each.collect()
     }
 
-    fn base_uncertainty(&self, channel: Channel, conditions: &[Condition]) -> Option<DMatrix<f64>> {
+    fn base_uncertainty(
+        &self,
+        channel: Channel,
+        conditions: &[CuttingCondition],
+    ) -> Option<DMatrix<f64>> {
         let base = self.base[channel.index()].as_ref()?;
         let places: Vec<[f64; 2]> = conditions.iter().map(|c| self.support.place(c)).collect();
         let near: Vec<[f64; 2]> = conditions.iter().map(|c| self.support.near(c)).collect();
@@ -348,7 +354,7 @@ impl Predictor for PairedRuns {
     fn effect_uncertainty(
         &self,
         channel: Channel,
-        conditions: &[Condition],
+        conditions: &[CuttingCondition],
         active: &[Active],
     ) -> Option<DMatrix<f64>> {
         let near: Vec<[f64; 2]> = conditions.iter().map(|c| self.support.near(c)).collect();

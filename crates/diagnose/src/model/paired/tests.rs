@@ -3,12 +3,12 @@
 
 use super::{Change, PairedRun, PairedRuns, changes, support};
 use crate::{
-    Active, CHANNELS, Channel, ClosedForm, Condition, Fit, InstrumentPriors, Predictor, Recording,
-    Recordings, Request, STATES, Verdict, compare_rerun, diagnose, rerun_changes, rerun_conditions,
-    unseen_fits,
+    Active, ClosedForm, Fit, InstrumentPriors, Predictor, Recording, Recordings, Request, STATES,
+    Verdict, compare_rerun, diagnose, rerun_changes, rerun_conditions, unseen_fits,
 };
 use sphcut_analytic::Cut;
 use sphcut_greybox::Random;
+use sphcut_physics::{Channel, CuttingCondition};
 
 const SCATTER: [(&str, f64); 6] = [
     ("initial_yield", 0.08),
@@ -20,18 +20,15 @@ const SCATTER: [(&str, f64); 6] = [
 ];
 const WEAR_LENGTH: f64 = 500.0;
 
-fn at(place: usize) -> Condition {
-    Condition {
-        cutting_speed: 0.5 * 13.3_f64.powf((place % 8) as f64 / 7.0),
-        uncut_chip_thickness: 3e-5 * 8.0_f64.powf((place / 8) as f64 / 4.0),
-        cut_length: 0.0,
-        run_order: 0.0,
-        tool: crate::ToolShape::default(),
-    }
+fn at(place: usize) -> CuttingCondition {
+    CuttingCondition::new(
+        0.5 * 13.3_f64.powf((place % 8) as f64 / 7.0),
+        3e-5 * 8.0_f64.powf((place / 8) as f64 / 4.0),
+    )
 }
 
 /// log of F_c, F_f and temperature of the cut with a change.
-fn cut(model: &ClosedForm, condition: &Condition, change: &Change) -> Vec<f64> {
+fn cut(model: &ClosedForm, condition: &CuttingCondition, change: &Change) -> Vec<f64> {
     let mut logs = [0.0; 6];
     for (key, x) in &change.nuisances {
         logs[SCATTER.iter().position(|(k, _)| k == key).unwrap()] += x;
@@ -53,17 +50,17 @@ fn cut(model: &ClosedForm, condition: &Condition, change: &Change) -> Vec<f64> {
 /// Runs with a scatter of `noise` (F_c, F_f, others).
 fn library(model: &ClosedForm, noise: [f64; 3], seed: u64) -> PairedRuns {
     let mut random = Random::new(seed, &[3]);
-    let all: Vec<Condition> = (0..40).map(at).collect();
+    let all: Vec<CuttingCondition> = (0..40).map(at).collect();
     let [speeds, sizes] = support(&all, [[None; 2]; 2]);
     let mut runs = Vec::new();
     for change in changes(&SCATTER, true) {
         for (&cutting_speed, &uncut_chip_thickness) in
             speeds.iter().flat_map(|v| sizes.iter().map(move |h| (v, h)))
         {
-            let condition = Condition { cutting_speed, uncut_chip_thickness, ..at(0) };
+            let condition = CuttingCondition { cutting_speed, uncut_chip_thickness, ..at(0) };
             // The base runs are four times as long.
             let length = if change.is_none() { 0.5 } else { 1.0 };
-            let mut means = [None; CHANNELS.len()];
+            let mut means = [None; Channel::RECORDED.len()];
             for (channel, log) in model.channels().iter().zip(cut(model, &condition, &change)) {
                 let sd = length * noise[channel.index().min(2)];
                 let mean = (log + sd * random.normal()).exp();
@@ -82,9 +79,10 @@ fn recorded(model: &ClosedForm, change: &Change, seed: u64) -> Recordings {
     let mut change = change.clone();
     change.nuisances = SCATTER.iter().map(|&(key, s)| (key, s * random.normal())).collect();
     let cuts = places.iter().enumerate().map(|(order, &place)| {
-        let condition = Condition { run_order: order as f64, ..at(place) };
+        let condition = CuttingCondition { run_order: order as f64, ..at(place) };
         let logs = cut(model, &condition, &change);
-        let (mut values, mut deviations) = ([None; CHANNELS.len()], [None; CHANNELS.len()]);
+        let (mut values, mut deviations) =
+            ([None; Channel::RECORDED.len()], [None; Channel::RECORDED.len()]);
         for (channel, log) in model.channels().iter().zip(logs) {
             let value = (log + 0.02 * random.normal()).exp();
             values[channel.index()] = Some(value);
@@ -216,7 +214,7 @@ fn a_repair_is_run_again_where_it_was_recorded() {
             let changes = rerun_changes(&found.problem, &library, fits, condition).unwrap();
             assert!(changes[0].is_none() && changes[1].effects.is_empty());
             changes.map(|change| {
-                let mut means = [None; CHANNELS.len()];
+                let mut means = [None; Channel::RECORDED.len()];
                 for (channel, log) in model.channels().iter().zip(cut(&model, condition, &change)) {
                     means[channel.index()] = Some((log.exp(), None));
                 }

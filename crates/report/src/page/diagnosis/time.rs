@@ -6,7 +6,7 @@ use crate::chart::{Chart, Line};
 use crate::text::{minus, percent, three_digits, with_interval};
 use maud::{Markup, html};
 use sphcut_diagnose::series::{OverTime, RunInLaw, SeriesDiagnosis};
-use sphcut_recordings::Component;
+use sphcut_physics::Channel;
 
 /// Points of a drawn force.
 const POINTS: usize = 160;
@@ -83,7 +83,7 @@ const fn title(law: RunInLaw) -> &'static str {
 fn chart<'a>(found: &'a SeriesDiagnosis, of: &OverTime) -> Chart<'a> {
     let step = of.trends.len().div_ceil(MOST_CUTS).max(1);
     let drawn = of.trends.iter().step_by(step);
-    let force = |cut: usize, component: Component| {
+    let force = |cut: usize, component: Channel| {
         let channels = &found.cuts[cut].channels;
         channels.iter().find(|c| c.component == component).map(|c| c.force.as_slice())
     };

@@ -2,7 +2,8 @@
 
 use super::DiagnosisPage;
 use crate::text::{percent, three_digits};
-use sphcut_diagnose::{BiasOrigin, Channel, Estimate, Fit, Held, Part, Rate, Verdict};
+use sphcut_diagnose::{BiasOrigin, Estimate, Fit, Held, Part, Rate, Verdict};
+use sphcut_physics::Channel;
 
 /// A pattern in words.
 pub(super) fn pattern(pattern: &str) -> &str {

@@ -4,7 +4,8 @@ use super::{colour, symbol};
 use crate::chart::{Band, Chart, Line, Mark};
 use crate::text::{percent, plain, three_digits, with_interval};
 use maud::{Markup, html};
-use sphcut_recordings::{Component, ComponentResult, CutResult};
+use sphcut_physics::Channel;
+use sphcut_recordings::{ComponentResult, CutResult};
 
 /// Columns of a force over time: of each the smallest and the largest value is drawn.
 const COLUMNS: usize = 350;
@@ -163,7 +164,7 @@ fn figures(cut: &CutResult) -> Markup {
         Some(line) if line.stands_out() => format!("{} N", three_digits(line.amplitudes[0])),
         Some(line) => format!("below {} N", three_digits(line.noise)),
     };
-    let parts: Vec<(Component, &ComponentResult)> =
+    let parts: Vec<(Channel, &ComponentResult)> =
         cut.components.iter().map(|c| (c.component, c)).collect();
     html! {
         div.scroll { table {

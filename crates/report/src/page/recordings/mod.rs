@@ -7,7 +7,8 @@ use crate::chart::{Band, Chart, Line};
 use crate::text::{percent, plain, with_interval};
 use details::details;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use sphcut_recordings::{Component, Condition, CutResult, Pooled, PooledForce};
+use sphcut_physics::Channel;
+use sphcut_recordings::{CutResult, Pooled, PooledCuts, PooledForce};
 
 const BLUE: &str = "#0072b2";
 const RED: &str = "#d55e00";
@@ -32,16 +33,16 @@ pub struct RecordingsPage<'a> {
     pub pooled: &'a Pooled,
 }
 
-fn colour(component: Component) -> &'static str {
+fn colour(component: Channel) -> &'static str {
     match component {
-        Component::Cutting => BLUE,
-        Component::Feed => RED,
-        Component::Passive => GREEN,
+        Channel::CuttingForce => BLUE,
+        Channel::FeedForce => RED,
+        _ => GREEN,
     }
 }
 
 /// `F<sub>c</sub>`.
-fn symbol(component: Component) -> Markup {
+fn symbol(component: Channel) -> Markup {
     let (letter, index) = component.symbol().split_once('_').unwrap_or(("F", ""));
     html! { (letter) sub { (index) } }
 }
@@ -93,7 +94,7 @@ fn with_symbols(sentence: &str) -> Markup {
     let mut parts = vec![PreEscaped(String::new())];
     for (index, word) in sentence.split(' ').enumerate() {
         let space = if index > 0 { " " } else { "" };
-        let found = Component::ALL.into_iter().find(|c| c.symbol() == word);
+        let found = Channel::FORCES.into_iter().find(|c| c.symbol() == word);
         parts.push(match found {
             Some(component) => html! { (space) (symbol(component)) },
             None => html! { (space) (word) },
@@ -157,14 +158,14 @@ pub fn recordings_words(page: &RecordingsPage<'_>) -> Vec<String> {
 }
 
 /// The components that appear at all.
-fn components(page: &RecordingsPage<'_>) -> Vec<Component> {
-    let has = |c: &Component| {
+fn components(page: &RecordingsPage<'_>) -> Vec<Channel> {
+    let has = |c: &Channel| {
         page.pooled.conditions.iter().any(|one| one.forces.iter().any(|f| f.component == *c))
     };
-    Component::ALL.into_iter().filter(has).collect()
+    Channel::FORCES.into_iter().filter(has).collect()
 }
 
-fn force(condition: &Condition, component: Component) -> Option<&PooledForce> {
+fn force(condition: &PooledCuts, component: Channel) -> Option<&PooledForce> {
     condition.forces.iter().find(|force| force.component == component)
 }
 
@@ -199,9 +200,10 @@ fn conditions(page: &RecordingsPage<'_>) -> Markup {
 /// Forces over what was varied most: the chip thickness, else the cutting speed.
 fn overview(page: &RecordingsPage<'_>) -> Markup {
     let conditions = &page.pooled.conditions;
-    let thickness = |c: &Condition| c.uncut_chip_thickness * MM;
-    let speed = |c: &Condition| c.cutting_speed * M_PER_MIN;
-    let (value, title): (fn(&Condition) -> f64, &str) = if levels(conditions, thickness).len() > 1 {
+    let thickness = |c: &PooledCuts| c.uncut_chip_thickness * MM;
+    let speed = |c: &PooledCuts| c.cutting_speed * M_PER_MIN;
+    let (value, title): (fn(&PooledCuts) -> f64, &str) = if levels(conditions, thickness).len() > 1
+    {
         (thickness, "Uncut chip thickness in mm")
     } else {
         (speed, "Cutting speed in m/min")
@@ -215,7 +217,7 @@ fn overview(page: &RecordingsPage<'_>) -> Markup {
     let highest = conditions.iter().map(value).fold(0.0, f64::max);
     let gap = places.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let half = (0.006 * highest).min(0.3 * gap / speeds.len() as f64);
-    let place = |condition: &Condition| {
+    let place = |condition: &PooledCuts| {
         let rank = speeds.partition_point(|level| *level < speed(condition) * (1.0 - SAME_LEVEL));
         let rank = rank.min(speeds.len() - 1) as f64 - 0.5 * (speeds.len() - 1) as f64;
         value(condition) + 2.4 * half * rank
@@ -274,7 +276,7 @@ fn overview(page: &RecordingsPage<'_>) -> Markup {
 const SAME_LEVEL: f64 = 1e-3;
 
 /// The different values, ascending.
-fn levels(conditions: &[Condition], value: fn(&Condition) -> f64) -> Vec<f64> {
+fn levels(conditions: &[PooledCuts], value: fn(&PooledCuts) -> f64) -> Vec<f64> {
     let mut all: Vec<f64> = conditions.iter().map(value).collect();
     all.sort_by(f64::total_cmp);
     all.dedup_by(|a, b| (*a - *b).abs() <= SAME_LEVEL * a.abs());
@@ -282,7 +284,7 @@ fn levels(conditions: &[Condition], value: fn(&Condition) -> f64) -> Vec<f64> {
 }
 
 fn cuts(page: &RecordingsPage<'_>) -> Markup {
-    let found: Vec<Component> = Component::ALL
+    let found: Vec<Channel> = Channel::FORCES
         .into_iter()
         .filter(|c| page.cuts.iter().any(|cut| cut.component(*c).is_some()))
         .collect();
