@@ -100,10 +100,10 @@ impl Simulation {
         with_engine!(&mut self.engine, engine => {
             engine.advance(passed)?;
             let interval = setup.sampling_interval;
-            let due = engine.time >= engine.account.interval_start + interval
-                || engine.time >= setup.end_time;
+            let due = engine.clock.time >= engine.ledger.interval_start + interval
+                || engine.clock.time >= setup.end_time;
             let sample = due.then(|| engine.sample(setup));
-            Ok(StepReport { step: engine.step, time: engine.time, sample })
+            Ok(StepReport { step: engine.clock.step, time: engine.clock.time, sample })
         })
     }
 
@@ -116,25 +116,25 @@ impl Simulation {
     /// Simulated time in s.
     #[must_use]
     pub fn time(&self) -> f64 {
-        with_engine!(&self.engine, engine => engine.time)
+        with_engine!(&self.engine, engine => engine.clock.time)
     }
 
     /// Steps since the start.
     #[must_use]
     pub fn steps(&self) -> u64 {
-        with_engine!(&self.engine, engine => engine.step)
+        with_engine!(&self.engine, engine => engine.clock.step)
     }
 
     /// Number of particles that are followed now.
     #[must_use]
     pub fn particle_count(&self) -> usize {
-        with_engine!(&self.engine, engine => engine.id.len())
+        with_engine!(&self.engine, engine => engine.particles.count())
     }
 
     /// Number of neighbour pairs, each counted from both sides.
     #[must_use]
     pub fn pair_count(&self) -> usize {
-        with_engine!(&self.engine, engine => engine.list.pairs())
+        with_engine!(&self.engine, engine => engine.reference.list.pairs())
     }
 
     /// The setup this run was built from.
@@ -148,10 +148,10 @@ impl Simulation {
     pub fn estimate(&self) -> Estimate {
         with_engine!(&self.engine, engine => Estimate {
             particles: engine.expected_count(),
-            mean_neighbours: engine.list.pairs() as f64 / engine.id.len() as f64,
-            time_step: engine.time_step,
-            // Exact while the time step keeps its first value; crowding shortens it later.
-            steps: (self.setup.end_time / engine.time_step).ceil() as u64,
+            mean_neighbours: engine.reference.list.pairs() as f64 / engine.particles.count() as f64,
+            time_step: engine.clock.time_step,
+            // Exact while the time step keeps its first value; particles that crowd together shorten it later.
+            steps: (self.setup.end_time / engine.clock.time_step).ceil() as u64,
             memory_bytes: engine.memory() as u64,
             tool_mesh: engine.tool_heat.as_ref().map(HeatedTool::facts),
         })

@@ -14,8 +14,8 @@ pub enum Stage {
     Contact,
     /// Density diffusion and heat conduction.
     Diffusion,
-    /// Renewal of the reference: storage order, neighbours, corrections, and the sweeps repeated.
-    Renewal,
+    /// Update of the reference: storage order, neighbours, corrections, and the sweeps repeated.
+    ReferenceUpdate,
 }
 
 impl Stage {
@@ -26,7 +26,7 @@ impl Stage {
         Self::Forces,
         Self::Contact,
         Self::Diffusion,
-        Self::Renewal,
+        Self::ReferenceUpdate,
     ];
 
     /// Short name for tables.
@@ -38,7 +38,7 @@ impl Stage {
             Self::Forces => "forces",
             Self::Contact => "contact",
             Self::Diffusion => "diffusion",
-            Self::Renewal => "reference update",
+            Self::ReferenceUpdate => "reference update",
         }
     }
 }

@@ -5,6 +5,16 @@ pub(crate) type Vector<const D: usize> = [f64; D];
 /// A matrix, row by row.
 pub(crate) type Matrix<const D: usize> = [[f64; D]; D];
 
+/// A vector of space; in the plane its third component is zero.
+pub(crate) fn extended<const D: usize>(x: &Vector<D>) -> Vector<3> {
+    std::array::from_fn(|k| if k < D { x[k] } else { 0.0 })
+}
+
+/// The first components of a vector of space.
+pub(crate) fn reduced<const D: usize>(x: &Vector<3>) -> Vector<D> {
+    std::array::from_fn(|k| x[k])
+}
+
 /// The zero matrix.
 pub(crate) const fn zero<const D: usize>() -> Matrix<D> {
     [[0.0; D]; D]

@@ -25,16 +25,16 @@ fn requests(setup: Setup) -> Requests {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
         while !simulation.is_finished() {
-            let (mut renewed, mut sampled) = (false, false);
+            let (mut updated, mut sampled) = (false, false);
             let counts = allocation_counter::measure(|| {
-                let mut passed = |stage| renewed |= stage == Stage::Renewal;
+                let mut passed = |stage| updated |= stage == Stage::ReferenceUpdate;
                 sampled = simulation.step_observed(&mut passed).unwrap().sample.is_some();
             });
             if simulation.time() < half {
                 continue;
             }
             let asked = counts.count_total - u64::from(sampled);
-            if renewed {
+            if updated {
                 requests.renewals += 1;
                 requests.at_renewals += asked;
             } else {

@@ -14,10 +14,10 @@
 //! **Limits.** Normal forces are those of the penalty and do not follow friction within a step. The inertia of
 //! particles that a support holds is their own.
 
-use crate::contact::Touch;
 use crate::contact::surface::make_room;
 use crate::contact::surface_point::SurfacePoints;
-use crate::engine::Engine;
+use crate::contact::touch::Touch;
+use crate::particles::Particles;
 use crate::tensor::{Vector, dot, minus, plus_scaled};
 
 /// Ends the search: largest change of a friction force in terms of the largest one.
@@ -53,9 +53,9 @@ impl<const D: usize> ContactFriction<D> {
         limits: &[f64],
         tool_velocity: &Vector<D>,
         time_step: f64,
-        engine: &Engine<D>,
+        particles: &Particles<D>,
     ) {
-        self.lay(touches, points, time_step, engine);
+        self.lay(touches, points, time_step, particles);
         for _ in 0..MOST_SWEEPS {
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
             for (place, (touch, limit)) in touches.iter_mut().zip(limits).enumerate() {
@@ -80,21 +80,24 @@ impl<const D: usize> ContactFriction<D> {
         touches: &[Touch<D>],
         points: &SurfacePoints<D>,
         time_step: f64,
-        engine: &Engine<D>,
+        particles: &Particles<D>,
     ) {
         self.yields.clear();
         self.mobilities.clear();
         for place in 0..touches.len() {
             let parts = &points.parts()[points.range(place)];
-            let mobility = parts.iter().map(|(j, p)| p * p / engine.inertia(*j as usize)).sum();
+            let mobility = parts.iter().map(|(j, p)| p * p / particles.inertia(*j as usize)).sum();
             self.mobilities.push(mobility);
         }
         for &(j, part) in points.parts() {
             let j = j as usize;
-            let inertia = engine.inertia(j);
+            let inertia = particles.inertia(j);
             self.yields.push(part * time_step / inertia);
-            self.velocity[j] =
-                plus_scaled(engine.motion[j].velocity(), time_step / inertia, &engine.force[j]);
+            self.velocity[j] = plus_scaled(
+                particles.motion[j].velocity(),
+                time_step / inertia,
+                &particles.force[j],
+            );
         }
         for (place, touch) in touches.iter().enumerate() {
             self.push(place, points, &touch.normal_force);
@@ -142,7 +145,8 @@ fn size<const D: usize>(x: &Vector<D>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::surface_point::tests::block;
+    use crate::contact::surface_point::tests::{around, block};
+    use crate::engine::Engine;
     use crate::setup::{Dimension, Lattice};
 
     const TIME_STEP: f64 = 1e-6;
@@ -151,9 +155,10 @@ mod tests {
     fn touched() -> (Engine<2>, Vec<Touch<2>>) {
         let mut engine =
             Engine::<2>::new(&block(Dimension::Two, Lattice::Disordered, 1.0)).unwrap();
-        for i in 0..engine.motion.len() {
-            let [x, y] = engine.position[i];
-            engine.motion[i].set_velocity([(9.0 * x).sin() + 0.3 * (40.0 * y).cos(), 0.1 * x]);
+        for i in 0..engine.particles.motion.len() {
+            let [x, y] = engine.particles.position[i];
+            engine.particles.motion[i]
+                .set_velocity([(9.0 * x).sin() + 0.3 * (40.0 * y).cos(), 0.1 * x]);
         }
         let touch = |i: usize| Touch {
             particle: i as u32,
@@ -165,7 +170,8 @@ mod tests {
             pressure: 0.0,
             shear_friction_factor: 0.0,
         };
-        let upper = (0..engine.position.len()).filter(|&i| engine.position[i][1] > 1.45);
+        let upper = (0..engine.particles.position.len())
+            .filter(|&i| engine.particles.position[i][1] > 1.45);
         let touches: Vec<Touch<2>> = upper.map(touch).collect();
         assert!(touches.len() > 15);
         (engine, touches)
@@ -173,20 +179,24 @@ mod tests {
 
     /// Slip of every touch after the step, from the forces found.
     fn slips(engine: &Engine<2>, touches: &[Touch<2>], tool: f64) -> Vec<f64> {
-        let mut moved: Vec<Vector<2>> = (0..engine.motion.len())
+        let mut moved: Vec<Vector<2>> = (0..engine.particles.motion.len())
             .map(|j| {
-                let share = TIME_STEP / engine.inertia(j);
-                plus_scaled(engine.motion[j].velocity(), share, &engine.force[j])
+                let share = TIME_STEP / engine.particles.inertia(j);
+                plus_scaled(
+                    engine.particles.motion[j].velocity(),
+                    share,
+                    &engine.particles.force[j],
+                )
             })
             .collect();
         for touch in touches {
             let i = touch.particle as usize;
             let mut own = 1.0;
             let mut add = |j: usize, part: f64| {
-                let share = part * TIME_STEP / engine.inertia(j);
+                let share = part * TIME_STEP / engine.particles.inertia(j);
                 moved[j] = plus_scaled(&moved[j], share, &touch.friction_force);
             };
-            let around = engine.surroundings();
+            let around = around(engine);
             for (j, part) in around.parts(i, &touch.lever, &around.inverse_moment(i)) {
                 own += part;
                 add(j, -part);
@@ -195,7 +205,7 @@ mod tests {
         }
         let slip = |touch: &Touch<2>| {
             let i = touch.particle as usize;
-            let (around, here) = (engine.surroundings(), moved[i][0]);
+            let (around, here) = (around(engine), moved[i][0]);
             let parts = around.parts(i, &touch.lever, &around.inverse_moment(i));
             parts.fold(here - tool, |sum, (j, part)| sum - part * (moved[j][0] - here))
         };
@@ -206,14 +216,14 @@ mod tests {
     fn all_points_stick_at_once_where_nothing_limits_them() {
         let (engine, mut touches) = touched();
         let mut friction = ContactFriction::default();
-        friction.make_room(engine.motion.len(), touches.len(), 40);
+        friction.make_room(engine.particles.motion.len(), touches.len(), 40);
         let mut points = SurfacePoints::default();
-        points.lay(&touches, &engine.surroundings());
+        points.lay(&touches, &around(&engine));
         let limits = vec![f64::INFINITY; touches.len()];
         let largest =
             |slips: Vec<f64>| slips.iter().fold(0.0_f64, |most, slip| most.max(slip.abs()));
         let before = largest(slips(&engine, &touches, 0.2));
-        friction.find(&mut touches, &points, &limits, &[0.2, 0.0], TIME_STEP, &engine);
+        friction.find(&mut touches, &points, &limits, &[0.2, 0.0], TIME_STEP, &engine.particles);
         let after = largest(slips(&engine, &touches, 0.2));
         assert!(before > 0.5 && after < 1e-7 * before, "{before} {after}");
     }
@@ -222,13 +232,13 @@ mod tests {
     fn points_slide_at_their_limit_against_the_slip() {
         let (engine, mut touches) = touched();
         let mut friction = ContactFriction::default();
-        friction.make_room(engine.motion.len(), touches.len(), 40);
+        friction.make_room(engine.particles.motion.len(), touches.len(), 40);
         let mut points = SurfacePoints::default();
-        points.lay(&touches, &engine.surroundings());
+        points.lay(&touches, &around(&engine));
         let free = slips(&engine, &touches, 0.2);
         // Half of what stops the fastest by itself: some slide, some stick.
-        let limits = vec![0.2 * engine.inertia(0) / TIME_STEP; touches.len()];
-        friction.find(&mut touches, &points, &limits, &[0.2, 0.0], TIME_STEP, &engine);
+        let limits = vec![0.2 * engine.particles.inertia(0) / TIME_STEP; touches.len()];
+        friction.find(&mut touches, &points, &limits, &[0.2, 0.0], TIME_STEP, &engine.particles);
         let slips = slips(&engine, &touches, 0.2);
         let (mut sliding, mut sticking) = (0, 0);
         for ((touch, limit), (slip, free)) in touches.iter().zip(limits).zip(slips.iter().zip(free))

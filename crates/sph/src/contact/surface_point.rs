@@ -22,13 +22,10 @@
 //! spacings; at these limits the penalty's energy is not exact. n turns without turning what r was before.
 
 use crate::contact::surface::make_room;
-use crate::contact::{Touch, reduced};
-use crate::engine::{Engine, Frame};
-use crate::material::point::MaterialPoint;
-use crate::operators::neighbours::NeighbourList;
-use crate::particles::lattice;
+use crate::contact::touch::Touch;
+use crate::operators::reference::ReferenceConfiguration;
+use crate::particles::Particles;
 use crate::particles::motion::Motion;
-use crate::setup::{Body, Setup, Shape};
 use crate::tensor::{
     Matrix, Vector, apply, determinant, dot, inverse_nonsingular, minus, plus_scaled, zero,
 };
@@ -41,20 +38,19 @@ const THICKEST: f64 = 1.0;
 /// What tells how the material around a particle moves.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Surroundings<'a, const D: usize> {
-    pub(crate) list: &'a NeighbourList,
-    pub(crate) motion: &'a [Motion<D>],
-    pub(crate) frame: &'a [Frame<D>],
-    pub(crate) point: &'a [MaterialPoint<D>],
+    pub(crate) particles: &'a Particles<D>,
+    pub(crate) reference: &'a ReferenceConfiguration<D>,
 }
 
 impl<const D: usize> Surroundings<'_, D> {
     /// M_i^-1 of particle `i`; zero where its kernel gradient is not usable.
     pub(crate) fn inverse_moment(&self, i: usize) -> Matrix<D> {
-        let (index, weight) = self.list.row(i);
-        let here = *self.motion[i].reference();
+        let motion = &self.particles.motion;
+        let (index, weight) = self.reference.list.row(i);
+        let here = *motion[i].reference();
         let mut second = zero::<D>();
         for (&j, &w) in index.iter().zip(weight) {
-            let x = minus(self.motion[j as usize].reference(), &here);
+            let x = minus(motion[j as usize].reference(), &here);
             let w = w * dot(&x, &x);
             for r in 0..D {
                 for c in 0..D {
@@ -62,7 +58,7 @@ impl<const D: usize> Surroundings<'_, D> {
                 }
             }
         }
-        let usable = determinant(&self.frame[i].correction) != 0.0;
+        let usable = determinant(&self.reference.frame[i].correction) != 0.0;
         if usable { inverse_nonsingular(&second) } else { zero() }
     }
 
@@ -73,13 +69,14 @@ impl<const D: usize> Surroundings<'_, D> {
         lever: &Vector<D>,
         inverse_moment: &Matrix<D>,
     ) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let carried = apply(&inverse_nonsingular(&self.point[i].deformation), lever);
+        let Particles { motion, point, .. } = self.particles;
+        let carried = apply(&inverse_nonsingular(&point[i].deformation), lever);
         let direction = apply(inverse_moment, &carried);
-        let (index, weight) = self.list.row(i);
-        let here = *self.motion[i].reference();
+        let (index, weight) = self.reference.list.row(i);
+        let here = *motion[i].reference();
         index.iter().zip(weight).map(move |(&j, &w)| {
             let j = j as usize;
-            let x = minus(self.motion[j].reference(), &here);
+            let x = minus(motion[j].reference(), &here);
             (j, w * dot(&x, &x) * dot(&x, &direction))
         })
     }
@@ -91,15 +88,36 @@ impl<const D: usize> Surroundings<'_, D> {
         lever: &Vector<D>,
         inverse_moment: &Matrix<D>,
     ) -> Vector<D> {
-        let own = self.motion[i].velocity();
+        let motion = &self.particles.motion;
+        let own = motion[i].velocity();
         self.parts(i, lever, inverse_moment).fold(*own, |sum, (j, part)| {
-            plus_scaled(&sum, -part, &minus(self.motion[j].velocity(), own))
+            plus_scaled(&sum, -part, &minus(motion[j].velocity(), own))
         })
+    }
+
+    /// The half thickness of particle `i` along the tool's `normal` after `time_step`, in m, with that of the lattice where
+    /// the tool was not near; `spacing` of the particles.
+    pub(crate) fn followed_half_thickness(
+        &self,
+        i: usize,
+        normal: &Vector<D>,
+        (time_step, spacing): (f64, f64),
+        inverse_moment: &Matrix<D>,
+    ) -> f64 {
+        let before = self.particles.point[i].half_thickness;
+        if before == 0.0 {
+            return self.particles.half_thickness(i, normal);
+        }
+        // L n from the way of a lever of length 1.
+        let moved = self.velocity(i, normal, inverse_moment);
+        let apart = minus(self.particles.motion[i].velocity(), &moved);
+        let limits = (THINNEST * spacing, THICKEST * spacing);
+        (before * (1.0 + time_step * dot(normal, &apart))).clamp(limits.0, limits.1)
     }
 }
 
 /// The surface points of all touches: the particles with their parts in each. They hold until strains change or
-/// neighbours are renewed.
+/// the reference is updated.
 #[derive(Debug)]
 pub(crate) struct SurfacePoints<const D: usize> {
     /// Touch by touch: the particle itself with 1 + sum_j c_ij, then its neighbours with -c_ij.
@@ -172,104 +190,22 @@ impl<const D: usize> SurfacePoints<D> {
     }
 }
 
-/// The cell of a particle as its lattice made it: an ellipsoid about one of its axes.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct LatticeCell<const D: usize> {
-    axis: Vector<D>,
-    /// Half lengths along and across the axis in m.
-    along: f64,
-    across: f64,
-}
-
-impl<const D: usize> LatticeCell<D> {
-    /// Those of the bodies of a setup.
-    pub(crate) fn all(setup: &Setup) -> Vec<Self> {
-        let narrowing = |aspect| lattice::narrowing(setup.dimension, aspect);
-        let cell = |body: &Body| {
-            let aspect = match body.shape {
-                Shape::Box { .. } => setup.discretisation.lattice_aspect,
-                Shape::Cylinder { .. } => 1.0,
-            };
-            let across = 0.5 * setup.particle_spacing * narrowing(aspect);
-            let axis = reduced(&lattice::placed(&body.shape, &[1.0, 0.0, 0.0]));
-            Self { axis, along: aspect * across, across }
-        };
-        setup.bodies.iter().map(cell).collect()
-    }
-
-    /// Half thickness along `normal` in m.
-    pub(crate) fn half_thickness(&self, normal: &Vector<D>) -> f64 {
-        let through = dot(&self.axis, normal).powi(2).min(1.0);
-        (through * self.along.powi(2) + (1.0 - through) * self.across.powi(2)).sqrt()
-    }
-}
-
-impl<const D: usize> Engine<D> {
-    /// The half thickness of particle `i` along the normal of the tool that was near it, or else along `normal`.
-    pub(crate) fn half_thickness(&self, i: usize, normal: &Vector<D>) -> f64 {
-        let followed = self.point[i].half_thickness;
-        let cell = &self.cells_of_bodies[self.body[i] as usize];
-        if followed > 0.0 { followed } else { cell.half_thickness(normal) }
-    }
-
-    /// The half thickness of particle `i` along the tool's `normal` after `time_step`, in m.
-    pub(crate) fn followed_half_thickness(
-        &self,
-        i: usize,
-        normal: &Vector<D>,
-        time_step: f64,
-        inverse_moment: &Matrix<D>,
-    ) -> f64 {
-        let before = self.point[i].half_thickness;
-        if before == 0.0 {
-            return self.cells_of_bodies[self.body[i] as usize].half_thickness(normal);
-        }
-        // L n from the way of a lever of length 1.
-        let moved = self.surroundings().velocity(i, normal, inverse_moment);
-        let apart = minus(self.motion[i].velocity(), &moved);
-        let limits = (THINNEST * self.spacing, THICKEST * self.spacing);
-        (before * (1.0 + time_step * dot(normal, &apart))).clamp(limits.0, limits.1)
-    }
-
-    pub(crate) fn surroundings(&self) -> Surroundings<'_, D> {
-        Surroundings {
-            list: &self.list,
-            motion: &self.motion,
-            frame: &self.frame,
-            point: &self.point,
-        }
-    }
-
-    /// Adds the contact forces of the touches to those on the particles.
-    pub(crate) fn add_contact_forces(&mut self) {
-        let Some(tool) = &self.tool else { return };
-        for (place, touch) in tool.touches.iter().enumerate() {
-            let contact = plus_scaled(&touch.normal_force, 1.0, &touch.friction_force);
-            for &(j, part) in &tool.points.parts()[tool.points.range(place)] {
-                let force = &mut self.force[j as usize];
-                *force = plus_scaled(force, part, &contact);
-            }
-        }
-    }
-
-    /// Finds the surface points of the present touches anew.
-    pub(crate) fn lay_surface_points(&mut self) {
-        let Some(mut tool) = self.tool.take() else { return };
-        tool.points.lay(&tool.touches, &self.surroundings());
-        self.tool = Some(tool);
-    }
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::engine::Engine;
     use crate::setup::{
-        Dimension, Discretisation, Lattice, Material, TemperatureTables, VelocityField,
+        Body, Dimension, Discretisation, Lattice, Material, Setup, Shape, TemperatureTables,
+        VelocityField,
     };
     use approx::assert_relative_eq;
     use sphcut_physics::Values;
     use sphcut_physics::elasticity::ElasticModuli;
     use sphcut_physics::flow_stress;
+
+    pub(crate) fn around<const D: usize>(engine: &Engine<D>) -> Surroundings<'_, D> {
+        Surroundings { particles: &engine.particles, reference: &engine.reference }
+    }
 
     /// A block of 2 by 1.6 (by 0.6) m in cells of 0.1 m with the aspect given.
     pub(crate) fn block(dimension: Dimension, lattice: Lattice, lattice_aspect: f64) -> Setup {
@@ -310,21 +246,26 @@ pub(crate) mod tests {
         let field: Matrix<D> = std::array::from_fn(|row| {
             std::array::from_fn(|column| 0.3 * row as f64 - 0.7 * column as f64 + 0.2)
         });
-        let place = |engine: &Engine<D>, i: usize| apply(&stretch, engine.motion[i].reference());
-        for i in 0..engine.motion.len() {
-            engine.point[i].deformation = stretch;
+        let place =
+            |engine: &Engine<D>, i: usize| apply(&stretch, engine.particles.motion[i].reference());
+        for i in 0..engine.particles.motion.len() {
+            engine.particles.point[i].deformation = stretch;
             let velocity = apply(&field, &place(&engine, i));
-            engine.motion[i].set_velocity(velocity);
+            engine.particles.motion[i].set_velocity(velocity);
         }
         let lever: Vector<D> = std::array::from_fn(|k| 0.05 - 0.03 * k as f64);
         let force: Vector<D> = std::array::from_fn(|k| 2.0 - k as f64);
-        let around = engine.surroundings();
-        for i in 0..engine.motion.len() {
+        let around = around(&engine);
+        for i in 0..engine.particles.motion.len() {
             let found = around.velocity(i, &lever, &around.inverse_moment(i));
             let expected = apply(&field, &minus(&place(&engine, i), &lever));
-            let (mut sum, mut power) = ([0.0; D], dot(&force, engine.motion[i].velocity()));
+            let (mut sum, mut power) =
+                ([0.0; D], dot(&force, engine.particles.motion[i].velocity()));
             for (j, part) in around.parts(i, &lever, &around.inverse_moment(i)) {
-                let there = minus(engine.motion[j].velocity(), engine.motion[i].velocity());
+                let there = minus(
+                    engine.particles.motion[j].velocity(),
+                    engine.particles.motion[i].velocity(),
+                );
                 power -= part * dot(&force, &there);
                 sum = plus_scaled(&sum, part, &force);
             }
@@ -346,23 +287,23 @@ pub(crate) mod tests {
     fn left_over(aspect: f64, lever: f64) -> (Vec<f64>, f64) {
         let setup = block(Dimension::Two, Lattice::Square, aspect);
         let mut engine = Engine::<2>::new(&setup).unwrap();
-        for point in &mut engine.point {
+        for point in &mut engine.particles.point {
             point.volume_ratio = 0.9999;
         }
-        engine.sweep_gradients(0.0);
-        engine.sweep_forces();
+        engine.find_internal_forces();
         let rows = (1.6 / (0.1 / aspect.sqrt())).round();
         let height = 1.6 / rows;
-        let count = engine.point.len();
+        let count = engine.particles.point.len();
         let row = |engine: &Engine<2>, i: usize| {
-            ((1.6 - engine.position[i][1]) / height).floor() as usize
+            ((1.6 - engine.particles.position[i][1]) / height).floor() as usize
         };
         // Far from the sides of the block.
-        let middle = |engine: &Engine<2>, i: usize| (engine.position[i][0] - 1.0).abs() < 0.3;
+        let middle =
+            |engine: &Engine<2>, i: usize| (engine.particles.position[i][0] - 1.0).abs() < 0.3;
         let of_row = |engine: &Engine<2>, number: usize| {
             let chosen: Vec<f64> = (0..count)
                 .filter(|&i| middle(engine, i) && row(engine, i) == number)
-                .map(|i| engine.force[i][1])
+                .map(|i| engine.particles.force[i][1])
                 .collect();
             chosen.iter().sum::<f64>() / chosen.len() as f64
         };
@@ -370,14 +311,14 @@ pub(crate) mod tests {
         let into = [0.0, -lever * height];
         let surface: Vec<usize> = (0..count).filter(|&i| row(&engine, i) == 0).collect();
         for i in surface {
-            let around = engine.surroundings();
+            let around = around(&engine);
             let parts: Vec<(usize, f64)> =
                 around.parts(i, &into, &around.inverse_moment(i)).collect();
             for (j, part) in parts {
-                engine.force[j][1] += part * whole;
-                engine.force[i][1] -= part * whole;
+                engine.particles.force[j][1] += part * whole;
+                engine.particles.force[i][1] -= part * whole;
             }
-            engine.force[i][1] -= whole;
+            engine.particles.force[i][1] -= whole;
         }
         let left: Vec<f64> = (0..12).map(|number| of_row(&engine, number) / whole).collect();
         let moment = left.iter().zip(0..).map(|(f, k)| f * (f64::from(k) + 0.5)).sum();

@@ -12,93 +12,81 @@
 //!   disordered set the sum has a first moment that is not corrected.
 //! - First order at a surface where a temperature is held.
 
-use crate::engine::Engine;
 use crate::operators::laplacian;
-use crate::operators::neighbours::{CHUNK, TURN};
+use crate::operators::reference::ReferenceConfiguration;
 use crate::operators::sweeps::exchange_width;
-use crate::particles::supports::FREE;
-use crate::tensor::minus;
+use crate::parallel::{CHUNK, TURN};
+use crate::particles::Particles;
+use crate::tensor::{Matrix, minus};
 use rayon::prelude::*;
 
-impl<const D: usize> Engine<D> {
-    /// Heats by the sources; conducts once the pending time reaches the conduction interval.
-    pub(crate) fn conduct_when_due(&mut self, elapsed: f64) {
-        self.heat_by_sources(elapsed);
-        if !self.conducts {
-            self.hold_temperatures();
-            return;
+/// Conduction in steps of its own, which are longer than those of the particles.
+#[derive(Debug)]
+pub(crate) struct HeatConduction<const D: usize> {
+    pub(crate) acts: bool,
+    /// Time since the last step in s.
+    pub(crate) pending: f64,
+    /// Length of a step in s.
+    pub(crate) interval: f64,
+    /// S of the particles ([`crate::operators::laplacian`]); empty until a step needs it.
+    pub(crate) tensor: Vec<Matrix<D>>,
+}
+
+impl<const D: usize> HeatConduction<D> {
+    pub(crate) fn new(acts: bool) -> Self {
+        Self { acts, pending: 0.0, interval: f64::INFINITY, tensor: Vec::new() }
+    }
+
+    /// Whether a step is due after another `elapsed` of time.
+    pub(crate) fn is_due_after(&mut self, elapsed: f64) -> bool {
+        if self.acts {
+            self.pending += elapsed;
         }
-        self.conduction_pending += elapsed;
         // Half a step of tolerance: an interval equal to the step must be due every step.
-        if self.conduction_pending + 0.5 * elapsed >= self.conduction_interval || !self.mechanics {
-            let pending = std::mem::take(&mut self.conduction_pending);
-            self.conduct(pending);
-        }
-        self.hold_temperatures();
+        self.acts && self.pending + 0.5 * elapsed >= self.interval
     }
 
-    fn conduct(&mut self, duration: f64) {
-        if self.conduction_tensor.is_empty() {
-            laplacian::find_tensors(&mut self.conduction_tensor, &self.list, &self.motion);
+    /// Conducts over the time pending; `room` is the exchange of the sweep over forces, which is over.
+    pub(crate) fn step(
+        &mut self,
+        particles: &mut Particles<D>,
+        reference: &ReferenceConfiguration<D>,
+        room: &mut [f64],
+    ) {
+        let duration = std::mem::take(&mut self.pending);
+        if self.tensor.is_empty() {
+            laplacian::find_tensors(&mut self.tensor, &reference.list, &particles.motion);
         }
-        // The exchange of the force sweep, which is over, holds what conduction started from.
+        let Particles { materials, material, motion, point, .. } = particles;
+        let (materials, material, motion) = (&*materials, &*material, &*motion);
         let width = exchange_width::<D>();
-        let places = self.exchange.chunks_exact_mut(width);
-        for ((place, point), material) in places.zip(&self.point).zip(&self.material) {
-            let data = &self.materials[*material as usize];
-            let table = data.conductivity_table.as_ref();
+        for ((place, point), material) in room.chunks_exact_mut(width).zip(&*point).zip(material) {
             place[0] = point.temperature;
-            place[1] = table.map_or(data.conductivity, |table| table.value(point.temperature));
+            place[1] = materials[*material as usize].conductivity_at(point.temperature);
         }
-        let (list, frame, materials) = (&self.list, &self.frame, &self.materials);
-        let (material, exchange) = (&self.material, &self.exchange);
-        let before = |i: usize| (exchange[i * width], exchange[i * width + 1]);
-        let (motion, tensor) = (&self.motion, &self.conduction_tensor);
-        self.point.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
-            |(chunk, points)| {
-                for (offset, point) in points.iter_mut().enumerate() {
-                    let i = chunk * CHUNK + offset;
-                    let (index, weight) = list.row(i);
-                    let mut flux = 0.0;
-                    let (own_temperature, own_conductivity) = before(i);
-                    for (&j, &w) in index.iter().zip(weight) {
-                        let j = j as usize;
-                        let (temperature, conductivity) = before(j);
-                        let both = own_conductivity + conductivity;
-                        let mean = if both > 0.0 {
-                            2.0 * own_conductivity * conductivity / both
-                        } else {
-                            0.0
-                        };
-                        let separation = minus(motion[j].reference(), motion[i].reference());
-                        let factor = laplacian::pair(&separation, &tensor[i], &tensor[j]);
-                        flux += w * mean * factor * (temperature - own_temperature);
-                    }
-                    let data = &materials[material[i] as usize];
-                    point.temperature = data.heated(
-                        point.temperature,
-                        duration * flux * frame[i].volume_ratio,
-                        1.0,
-                    );
+        let before = |i: usize| (room[i * width], room[i * width + 1]);
+        let ReferenceConfiguration { list, frame, .. } = reference;
+        let tensor = &self.tensor;
+        point.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(|(chunk, points)| {
+            for (offset, point) in points.iter_mut().enumerate() {
+                let i = chunk * CHUNK + offset;
+                let (index, weight) = list.row(i);
+                let mut flux = 0.0;
+                let (own_temperature, own_conductivity) = before(i);
+                for (&j, &w) in index.iter().zip(weight) {
+                    let j = j as usize;
+                    let (temperature, conductivity) = before(j);
+                    let both = own_conductivity + conductivity;
+                    let mean =
+                        if both > 0.0 { 2.0 * own_conductivity * conductivity / both } else { 0.0 };
+                    let separation = minus(motion[j].reference(), motion[i].reference());
+                    let factor = laplacian::pair(&separation, &tensor[i], &tensor[j]);
+                    flux += w * mean * factor * (temperature - own_temperature);
                 }
-            },
-        );
-    }
-
-    /// Resets the particles of fixed-temperature supports and books the heat that takes.
-    fn hold_temperatures(&mut self) {
-        if self.holds.iter().all(|support| support.temperature.is_none()) {
-            return;
-        }
-        for i in 0..self.hold.len() {
-            if self.hold[i] == FREE {
-                continue;
+                let data = &materials[material[i] as usize];
+                let heat = duration * flux * frame[i].volume_ratio;
+                point.temperature = data.heated(point.temperature, heat, 1.0);
             }
-            let Some(fixed) = self.holds[self.hold[i] as usize].temperature else { continue };
-            let data = &self.materials[self.material[i] as usize];
-            self.account.heat_supplied +=
-                data.heat_between(self.point[i].temperature, fixed, self.volume[i]);
-            self.point[i].temperature = fixed;
-        }
+        });
     }
 }

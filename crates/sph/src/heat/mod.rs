@@ -1,5 +1,4 @@
-//! Heat: conduction, sources, the share of friction, heat that passes into the tool.
+//! Heat in the particles: conduction and sources.
 
 pub(crate) mod conduction;
 pub(crate) mod source;
-pub(crate) mod tool;

@@ -11,8 +11,8 @@
 //! resolved to a particle: `dx` over its width. In time the density of the middle of the step
 //! counts. Neglected: absorption, shadow, the dependence of the power on the surface it meets.
 
-use crate::engine::Engine;
-use crate::operators::neighbours::CHUNK;
+use crate::parallel::CHUNK;
+use crate::particles::Particles;
 use crate::setup::{HeatSource, HeatSourceForm, Vector as Vector3};
 use crate::tensor::Vector;
 use rayon::prelude::*;
@@ -81,36 +81,36 @@ impl Present<'_> {
     }
 }
 
-impl<const D: usize> Engine<D> {
-    /// Heat of the sources during the step of length `elapsed` that ends now.
-    pub(crate) fn heat_by_sources(&mut self, elapsed: f64) {
-        if self.heat_sources.is_empty() {
-            return;
-        }
-        let middle = self.time - 0.5 * elapsed;
-        let present: Vec<Present<'_>> =
-            self.heat_sources.iter().map(|source| source.at(middle, D)).collect();
-        let (position, volume) = (&self.position, &self.volume);
-        let (material, materials) = (&self.material, &self.materials);
-        let supplied: Vec<f64> = self
-            .point
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .map(|(chunk, points)| {
-                let mut supplied = 0.0;
-                for (offset, point) in points.iter_mut().enumerate() {
-                    let i = chunk * CHUNK + offset;
-                    let density: f64 =
-                        present.iter().map(|source| source.density(&position[i])).sum();
-                    let heat = density * elapsed * volume[i] * point.volume_ratio;
-                    let data = &materials[material[i] as usize];
-                    point.temperature = data.heated(point.temperature, heat, volume[i]);
-                    supplied += heat;
-                }
-                supplied
-            })
-            .collect();
-        // Chunk by chunk: the sum does not depend on the number of threads.
-        self.account.heat_supplied += supplied.iter().sum::<f64>();
+/// Heats by the sources during the step of length `elapsed` that ends at `time`; the heat in J (J/m in 2D).
+pub(crate) fn heat_by_sources<const D: usize>(
+    sources: &[HeatSource],
+    particles: &mut Particles<D>,
+    time: f64,
+    elapsed: f64,
+) -> f64 {
+    if sources.is_empty() {
+        return 0.0;
     }
+    let middle = time - 0.5 * elapsed;
+    let present: Vec<Present<'_>> = sources.iter().map(|source| source.at(middle, D)).collect();
+    let Particles { position, volume, material, materials, point, .. } = particles;
+    let (position, volume, material, materials) = (&*position, &*volume, &*material, &*materials);
+    let supplied: Vec<f64> = point
+        .par_chunks_mut(CHUNK)
+        .enumerate()
+        .map(|(chunk, points)| {
+            let mut supplied = 0.0;
+            for (offset, point) in points.iter_mut().enumerate() {
+                let i = chunk * CHUNK + offset;
+                let density: f64 = present.iter().map(|source| source.density(&position[i])).sum();
+                let heat = density * elapsed * volume[i] * point.volume_ratio;
+                let data = &materials[material[i] as usize];
+                point.temperature = data.heated(point.temperature, heat, volume[i]);
+                supplied += heat;
+            }
+            supplied
+        })
+        .collect();
+    // Chunk by chunk: the sum does not depend on the number of threads.
+    supplied.iter().sum()
 }

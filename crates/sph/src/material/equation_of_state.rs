@@ -20,15 +20,17 @@
 //! at every renewal of the neighbours. Hourglass damping, bulk viscosity and contact keep the impedance of
 //! the undeformed state.
 
-use crate::engine::{Engine, MaterialData};
-use crate::material::point::{MaterialPoint, UpdateContext};
-use crate::material::thermoelasticity::varying;
-use crate::operators::neighbours::CHUNK;
+use crate::material::point::MaterialPoint;
 use crate::setup::Material;
-use rayon::prelude::*;
+use crate::tensor::{Matrix, inverse_nonsingular, product, transpose};
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::equation_of_state::MieGruneisen;
+
+/// The table if it says more than a constant.
+pub(crate) fn varying(table: Option<&TemperatureTable>) -> Option<TemperatureTable> {
+    table.filter(|table| table.constant().is_none()).cloned()
+}
 
 /// What the elastic answer of a material follows from.
 #[derive(Debug, Clone)]
@@ -92,6 +94,17 @@ impl Elasticity {
 }
 
 impl Compressible {
+    /// See [`MieGruneisen::isentrope_heat`].
+    pub(crate) fn isentrope_heat(&self, volume_ratio: f64) -> f64 {
+        self.law.isentrope_heat(volume_ratio)
+    }
+
+    /// `J^2 dp_S/dx` at the state of `point` in Pa: with 4G/3 the p-wave modulus.
+    pub(crate) fn bulk_stiffness<const D: usize>(&self, point: &MaterialPoint<D>) -> f64 {
+        let ratio = point.volume_ratio;
+        ratio * ratio * self.law.isentropic_slope(ratio, point.temperature)
+    }
+
     /// rho_0 c_v in J/(m^3 K).
     #[inline]
     fn heat_capacity(&self, temperature: f64) -> f64 {
@@ -106,14 +119,6 @@ impl Compressible {
             None => temperature + heat / (self.density * self.specific_heat),
             Some(table) => table.heated(temperature, heat / self.density),
         }
-    }
-}
-
-impl MaterialData {
-    /// What of the heat rho_0 int c dT belongs to the stored energy, in J per undeformed m^3.
-    pub(crate) fn isentrope_heat(&self, volume_ratio: f64) -> f64 {
-        let state = self.elasticity.equation_of_state.as_ref();
-        state.map_or(0.0, |state| state.law.isentrope_heat(volume_ratio))
     }
 }
 
@@ -138,6 +143,31 @@ impl<const D: usize> MaterialPoint<D> {
         }
     }
 
+    /// Stored elastic energy per reference volume in J/m^3.
+    pub(crate) fn elastic_energy(&self, elasticity: &Elasticity) -> f64 {
+        Self::deviator_square(&self.deviator) / (4.0 * self.moduli(elasticity).shear)
+            + self.volumetric_energy(elasticity)
+    }
+
+    /// Kirchhoff stress S - (p J + q) I in Pa.
+    pub(crate) fn kirchhoff_stress(&self, elasticity: &Elasticity) -> Matrix<D> {
+        let pressure = self.pressure(elasticity) * self.volume_ratio + self.viscous_pressure;
+        let mut stress = self.deviator;
+        for (k, row) in stress.iter_mut().enumerate() {
+            row[k] -= pressure;
+        }
+        stress
+    }
+
+    /// First Piola-Kirchhoff stress per volume of the refreshed reference times V_ref / V_0:
+    /// `tau F^-T` in Pa.
+    pub(crate) fn piola_stress(&self, elasticity: &Elasticity) -> Matrix<D> {
+        product(
+            &self.kirchhoff_stress(elasticity),
+            &transpose(&inverse_nonsingular(&self.deformation)),
+        )
+    }
+
     /// Energy per undeformed volume that the change of volume stores, in J/m^3.
     #[inline]
     pub(crate) fn volumetric_energy(&self, elasticity: &Elasticity) -> f64 {
@@ -150,8 +180,8 @@ impl<const D: usize> MaterialPoint<D> {
     /// Heats by the change of volume from `before` to the present one; the work of the thermal
     /// pressure per undeformed volume in J/m^3, which is the change of the heat content.
     #[inline]
-    pub(crate) fn compress(&mut self, before: f64, context: &UpdateContext) -> f64 {
-        let Some(state) = &context.elasticity.equation_of_state else { return 0.0 };
+    pub(crate) fn compress(&mut self, before: f64, elasticity: &Elasticity) -> f64 {
+        let Some(state) = &elasticity.equation_of_state else { return 0.0 };
         let (now, law) = (self.volume_ratio, &state.law);
         let capacity = state.heat_capacity(self.temperature);
         let heat = law.heat_of_compression((before, now), self.temperature, capacity);
@@ -176,28 +206,5 @@ impl<const D: usize> MaterialPoint<D> {
             self.temperature = state.heated(self.temperature, heat);
         }
         self.volume_ratio = volume_ratio;
-    }
-}
-
-impl<const D: usize> Engine<D> {
-    /// Factor on the time step of a p-wave: the slowest wave over the fastest of its compressed
-    /// particles; 1 for a linear equation of state.
-    pub(crate) fn compression_shortening(&self, data: &MaterialData) -> f64 {
-        let Some(state) = &data.elasticity.equation_of_state else { return 1.0 };
-        let moduli = data.elasticity.moduli;
-        let shear = 4.0 / 3.0 * moduli.shear * data.stiffest();
-        let stiffest = self
-            .point
-            .par_iter()
-            .zip(&self.material)
-            .with_min_len(CHUNK)
-            .filter(|(_, material)| std::ptr::eq(&self.materials[**material as usize], data))
-            .map(|(point, _)| {
-                let ratio = point.volume_ratio;
-                ratio * ratio * state.law.isentropic_slope(ratio, point.temperature) + shear
-            })
-            .reduce(|| 0.0, f64::max);
-        let undeformed = (moduli.bulk + 4.0 / 3.0 * moduli.shear) * data.stiffest();
-        (undeformed / stiffest.max(undeformed)).sqrt()
     }
 }

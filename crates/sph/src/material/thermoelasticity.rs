@@ -32,7 +32,7 @@
 //! has for two materials, and stays symmetric. For one material with `k = k_0 (1 + b T)` it differs
 //! from the exact mean `int k dT/(T_j - T_i)` by `(dk/2k)^2` of a pair: second order in the spacing.
 
-use crate::engine::MaterialData;
+use crate::material::equation_of_state::{Elasticity, varying};
 use crate::material::point::MaterialPoint;
 use crate::setup::Material;
 use sphcut_physics::{ROOM_TEMPERATURE, TemperatureTable};
@@ -45,132 +45,56 @@ pub(crate) fn stiffness_table(material: &Material) -> Option<TemperatureTable> {
     Some(TemperatureTable::new(&pairs).expect("a table over a positive number is a table"))
 }
 
-/// The table if it says more than a constant.
-pub(crate) fn varying(table: Option<&TemperatureTable>) -> Option<TemperatureTable> {
-    table.filter(|table| table.constant().is_none()).cloned()
-}
-
-impl MaterialData {
-    /// The temperature after `heat` in J on `volume` in m^3 (undeformed).
-    #[inline]
-    pub(crate) fn heated(&self, temperature: f64, heat: f64, volume: f64) -> f64 {
-        match &self.heat_table {
-            None => temperature + heat / (self.density * volume * self.specific_heat),
-            Some(table) => table.heated(temperature, heat / (self.density * volume)),
-        }
-    }
-
-    /// cp at `temperature` in J/(kg K).
-    pub(crate) fn specific_heat_at(&self, temperature: f64) -> f64 {
-        self.heat_table.as_ref().map_or(self.specific_heat, |table| table.value(temperature))
-    }
-
-    /// The heat in J that takes `volume` in m^3 (undeformed) from one temperature to another.
-    pub(crate) fn heat_between(&self, from: f64, to: f64, volume: f64) -> f64 {
-        match &self.heat_table {
-            None => self.density * volume * self.specific_heat * (to - from),
-            Some(table) => self.density * volume * (table.integral(to) - table.integral(from)),
-        }
-    }
-
-    /// beta / (rho_0 cp) at the state of `point`.
-    #[inline]
-    pub(crate) fn heating_at<const D: usize>(&self, point: &MaterialPoint<D>) -> f64 {
-        match &self.heat_table {
-            None => self.heating(point),
-            Some(table) => {
-                self.heating(point) * self.specific_heat / table.value(point.temperature)
-            }
-        }
-    }
-
-    /// Largest E(T) over E at room temperature.
-    pub(crate) fn stiffest(&self) -> f64 {
-        self.stiffness_table.as_ref().map_or(1.0, TemperatureTable::max)
-    }
-
-    /// Largest k(T).
-    pub(crate) fn best_conductivity(&self) -> f64 {
-        self.conductivity_table.as_ref().map_or(self.conductivity, TemperatureTable::max)
-    }
-
-    /// Smallest cp(T).
-    pub(crate) fn least_specific_heat(&self) -> f64 {
-        self.heat_table.as_ref().map_or(self.specific_heat, TemperatureTable::min)
-    }
-}
-
 impl<const D: usize> MaterialPoint<D> {
     /// Takes stress and stored energy to the modulus of the present temperature; the energy
     /// released per reference volume in J/m^3.
     #[inline]
-    pub(crate) fn follow_modulus(&mut self, data: &MaterialData, table: &TemperatureTable) -> f64 {
+    pub(crate) fn follow_modulus(
+        &mut self,
+        elasticity: &Elasticity,
+        table: &TemperatureTable,
+    ) -> f64 {
         let stiffness = table.value(self.temperature);
         if stiffness == self.stiffness {
             return 0.0;
         }
-        let before = self.elastic_energy(&data.elasticity);
+        let before = self.elastic_energy(elasticity);
         let ratio = stiffness / self.stiffness;
         self.deviator = self.deviator.map(|row| row.map(|component| ratio * component));
         self.stiffness = stiffness;
-        before - self.elastic_energy(&data.elasticity)
+        before - self.elastic_energy(elasticity)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::equation_of_state::Elasticity;
     use approx::assert_relative_eq;
     use sphcut_physics::elasticity::ElasticModuli;
-    use sphcut_physics::flow_stress;
-
-    fn data() -> MaterialData {
-        MaterialData {
-            density: 8000.0,
-            elasticity: Elasticity::linear(ElasticModuli { bulk: 160e9, shear: 80e9 }),
-            specific_heat: 500.0,
-            conductivity: 40.0,
-            stiffness_table: Some(TemperatureTable::new(&[(300.0, 1.0), (500.0, 0.5)]).unwrap()),
-            heat_table: None,
-            conductivity_table: None,
-            law: (flow_stress::find("elastic").unwrap().build)(&sphcut_physics::Values::defaults(
-                &[],
-            )),
-            constant_heating: 0.0,
-            heat_share: None,
-            memory: crate::material::history::Memory::default(),
-            hourglass: 0.0,
-            hourglass_stiffness: 0.0,
-            linear_viscosity: 0.0,
-            quadratic_viscosity: 0.0,
-            wave_speed: 6000.0,
-        }
-    }
 
     #[test]
     fn a_modulus_that_falls_by_a_quarter_takes_a_quarter_of_stress_and_energy() {
-        let data = data();
-        let table = data.stiffness_table.as_ref().unwrap();
+        let elasticity = Elasticity::linear(ElasticModuli { bulk: 160e9, shear: 80e9 });
+        let table = TemperatureTable::new(&[(300.0, 1.0), (500.0, 0.5)]).unwrap();
         let mut point = MaterialPoint::<3>::at_rest(400.0);
         point.deviator = [[40e6, 30e6, 0.0], [30e6, -10e6, 0.0], [0.0, 0.0, -30e6]];
         point.volume_ratio = 0.99;
         // S:S = 1600 + 2*900 + 100 + 900 = 4400e12, /4G = 4400e12/320e9 = 13750 J/m^3;
         // K (J - 1 - ln J) = 160e9 * (-0.01 + 0.01005033585) = 8053736 J/m^3. Together 8067486.
-        let before = point.elastic_energy(&data.elasticity);
+        let before = point.elastic_energy(&elasticity);
         assert_relative_eq!(before, 8_067_486.0, max_relative = 1e-6);
-        let pressure = point.pressure(&data.elasticity);
+        let pressure = point.pressure(&elasticity);
         // 400 K: g = 0.75. A quarter of the energy is released.
-        let released = point.follow_modulus(&data, table);
+        let released = point.follow_modulus(&elasticity, &table);
         assert_relative_eq!(released, 0.25 * before, max_relative = 1e-12);
         assert_relative_eq!(point.deviator[0][1], 22.5e6, max_relative = 1e-12);
-        let hot = point.pressure(&data.elasticity);
+        let hot = point.pressure(&elasticity);
         assert_relative_eq!(hot, 0.75 * pressure, max_relative = 1e-12);
         // Nothing more happens at the same temperature; back at 300 K all is as it was.
-        assert_eq!(point.follow_modulus(&data, table), 0.0);
+        assert_eq!(point.follow_modulus(&elasticity, &table), 0.0);
         point.temperature = 300.0;
-        let taken = point.follow_modulus(&data, table);
+        let taken = point.follow_modulus(&elasticity, &table);
         assert_relative_eq!(taken, -released, max_relative = 1e-12);
-        assert_relative_eq!(point.elastic_energy(&data.elasticity), before, max_relative = 1e-12);
+        assert_relative_eq!(point.elastic_energy(&elasticity), before, max_relative = 1e-12);
     }
 }

@@ -1,6 +1,6 @@
-//! Diffusion of the pressure's zig-zag.
+//! Diffusion of checkerboard pressure.
 //!
-//! Zig-zag patterns of the volume ratio exert no force in the corrected momentum
+//! Checkerboard patterns of the volume ratio exert no force in the corrected momentum
 //! equation, so nothing removes them once plastic flow has left them behind.
 //! What the linear fit of J does not explain is diffused (as in delta-SPH,
 //! Antuono et al. 2010):
@@ -22,13 +22,15 @@
 //!
 //! **Limits.** A pressure that varies within a few spacings in material that has flowed, as at the
 //! edge of a punch, is smoothed as well (the figures are in `docs/numerics.md`). Bodies that flow
-//! without a tool (impact) keep the zig-zag that their flow leaves behind. The change of stored
+//! without a tool (impact) keep the checkerboard that their flow leaves behind. The change of stored
 //! energy is booked as `density_diffusion_work`.
 
-use crate::contact::reduced;
-use crate::engine::Engine;
-use crate::operators::neighbours::{CHUNK, TURN};
-use crate::operators::sweeps::exchange_width;
+use crate::material::point::MaterialPoint;
+use crate::numerics::Numerics;
+use crate::operators::reference::ReferenceConfiguration;
+use crate::operators::sweeps::{Sweeps, exchange_width};
+use crate::parallel::{CHUNK, TURN};
+use crate::particles::Particles;
 use crate::tensor::{Vector, apply, dot, minus, plus_scaled};
 use rayon::prelude::*;
 
@@ -69,101 +71,112 @@ impl<const D: usize> Smooth<D> {
     }
 }
 
-impl<const D: usize> Engine<D> {
-    /// Applies the diffusion every few steps.
-    pub(crate) fn diffuse_density_when_due(&mut self, elapsed: f64) {
-        if self.numerics.density_diffusion + self.numerics.residual_density_diffusion > 0.0
-            && self.step.is_multiple_of(INTERVAL)
-        {
-            self.diffuse_density(elapsed * INTERVAL as f64);
-        }
+/// Applies the diffusion every few steps of length `elapsed`; `tool` is the velocity of the tool. The stored energy that
+/// it releases in J (J/m in 2D).
+pub(crate) fn diffuse_when_due<const D: usize>(
+    numerics: &Numerics,
+    particles: &mut Particles<D>,
+    reference: &ReferenceConfiguration<D>,
+    sweeps: &mut Sweeps,
+    (step, elapsed): (u64, f64),
+    tool: Option<Vector<D>>,
+) -> f64 {
+    let acts = numerics.density_diffusion + numerics.residual_density_diffusion > 0.0;
+    if !acts || !step.is_multiple_of(INTERVAL) {
+        return 0.0;
     }
+    diffuse(numerics, particles, reference, sweeps, elapsed * INTERVAL as f64, tool)
+}
 
-    fn diffuse_density(&mut self, duration: f64) {
-        let length = self.smoothing.length;
-        let flowing = self.numerics.density_diffusion * length * length * duration;
-        let left = self.numerics.residual_density_diffusion * length * duration;
-        let (materials, material, volume) = (&self.materials, &self.material, &self.volume);
-        let largest = SAFETY / self.largest_weight;
-        let (list, motion, frame, point) = (&self.list, &self.motion, &self.frame, &self.point);
-        let tool: Option<Vector<D>> = self.tool.as_ref().map(|tool| reduced(&tool.velocity));
-        let passing = |i: usize| {
-            tool.map_or(0.0, |tool| {
-                let slip = minus(&tool, motion[i].velocity());
-                dot(&slip, &slip).sqrt()
-            })
-        };
-        let smooth = |i: usize| {
-            let (index, weight) = list.row(i);
-            let mut sum = [0.0; D];
-            for (&j, &w) in index.iter().zip(weight) {
-                let j = j as usize;
-                let change = point[j].volume_ratio - point[i].volume_ratio;
-                sum = plus_scaled(
-                    &sum,
-                    w * change,
-                    &minus(motion[j].reference(), motion[i].reference()),
-                );
+fn diffuse<const D: usize>(
+    numerics: &Numerics,
+    particles: &mut Particles<D>,
+    reference: &ReferenceConfiguration<D>,
+    sweeps: &mut Sweeps,
+    duration: f64,
+    tool: Option<Vector<D>>,
+) -> f64 {
+    let length = numerics.smoothing.length;
+    let flowing = numerics.density_diffusion * length * length * duration;
+    let left = numerics.residual_density_diffusion * length * duration;
+    let Particles { materials, material, volume, motion, point, .. } = particles;
+    let (materials, material, volume, motion) = (&*materials, &*material, &*volume, &*motion);
+    let ReferenceConfiguration { list, frame, limits, .. } = reference;
+    let largest = SAFETY / limits.weight;
+    let passing = |i: usize| {
+        tool.map_or(0.0, |tool| {
+            let slip = minus(&tool, motion[i].velocity());
+            dot(&slip, &slip).sqrt()
+        })
+    };
+    let smooth = |point: &[MaterialPoint<D>], i: usize| {
+        let (index, weight) = list.row(i);
+        let mut sum = [0.0; D];
+        for (&j, &w) in index.iter().zip(weight) {
+            let j = j as usize;
+            let change = point[j].volume_ratio - point[i].volume_ratio;
+            let separation = minus(motion[j].reference(), motion[i].reference());
+            sum = plus_scaled(&sum, w * change, &separation);
+        }
+        let flowed = (point[i].plastic_strain / FLOWED).min(1.0);
+        Smooth {
+            volume_ratio: point[i].volume_ratio,
+            gradient: apply(&frame[i].correction, &sum),
+            reach: (flowing * point[i].plastic_strain_rate + left * passing(i) * flowed)
+                .min(largest),
+        }
+    };
+    let width = exchange_width::<D>();
+    let before = &*point;
+    sweeps.exchange.par_chunks_mut(CHUNK * width).enumerate().with_max_len(TURN).for_each(
+        |(chunk, places)| {
+            for (offset, place) in places.chunks_exact_mut(width).enumerate() {
+                smooth(before, chunk * CHUNK + offset).write(place);
             }
-            let flowed = (point[i].plastic_strain / FLOWED).min(1.0);
-            Smooth {
-                volume_ratio: point[i].volume_ratio,
-                gradient: apply(&frame[i].correction, &sum),
-                reach: (flowing * point[i].plastic_strain_rate + left * passing(i) * flowed)
-                    .min(largest),
+        },
+    );
+    let exchange = &sweeps.exchange;
+    point
+        .par_chunks_mut(CHUNK)
+        .zip(sweeps.tallies.par_iter_mut())
+        .enumerate()
+        .with_max_len(TURN)
+        .for_each(|(chunk, (points, tally))| {
+            let mut released = 0.0;
+            for (offset, point) in points.iter_mut().enumerate() {
+                let i = chunk * CHUNK + offset;
+                let own = Smooth::<D>::read(exchange, i);
+                let (index, weight) = list.row(i);
+                let mut change = 0.0;
+                for (&j, &w) in index.iter().zip(weight) {
+                    let other = Smooth::<D>::read(exchange, j as usize);
+                    let separation = minus(motion[j as usize].reference(), motion[i].reference());
+                    let slope: Vector<D> =
+                        std::array::from_fn(|k| 0.5 * (own.gradient[k] + other.gradient[k]));
+                    let jump = other.volume_ratio - own.volume_ratio - dot(&slope, &separation);
+                    change += w * 0.5 * (own.reach + other.reach) * jump;
+                }
+                let elasticity = &materials[material[i] as usize].elasticity;
+                let before = point.volumetric_energy(elasticity);
+                // V_ref/V_0 makes the exchange symmetric in V_0 J.
+                let smoothed = point.volume_ratio + change * frame[i].volume_ratio;
+                point.set_volume_ratio(smoothed, elasticity);
+                let after = point.volumetric_energy(elasticity);
+                released += volume[i] * (before - after);
             }
-        };
-        let width = exchange_width::<D>();
-        self.exchange.par_chunks_mut(CHUNK * width).enumerate().with_max_len(TURN).for_each(
-            |(chunk, places)| {
-                for (offset, place) in places.chunks_exact_mut(width).enumerate() {
-                    smooth(chunk * CHUNK + offset).write(place);
-                }
-            },
-        );
-        let exchange = &self.exchange;
-        self.point
-            .par_chunks_mut(CHUNK)
-            .zip(self.tallies.par_iter_mut())
-            .enumerate()
-            .with_max_len(TURN)
-            .for_each(|(chunk, (points, tally))| {
-                let mut released = 0.0;
-                for (offset, point) in points.iter_mut().enumerate() {
-                    let i = chunk * CHUNK + offset;
-                    let own = Smooth::<D>::read(exchange, i);
-                    let (index, weight) = list.row(i);
-                    let mut change = 0.0;
-                    for (&j, &w) in index.iter().zip(weight) {
-                        let other = Smooth::<D>::read(exchange, j as usize);
-                        let separation =
-                            minus(motion[j as usize].reference(), motion[i].reference());
-                        let slope: Vector<D> =
-                            std::array::from_fn(|k| 0.5 * (own.gradient[k] + other.gradient[k]));
-                        let jump = other.volume_ratio - own.volume_ratio - dot(&slope, &separation);
-                        change += w * 0.5 * (own.reach + other.reach) * jump;
-                    }
-                    let elasticity = &materials[material[i] as usize].elasticity;
-                    let before = point.volumetric_energy(elasticity);
-                    // V_ref/V_0 makes the exchange symmetric in V_0 J.
-                    let smoothed = point.volume_ratio + change * frame[i].volume_ratio;
-                    point.set_volume_ratio(smoothed, elasticity);
-                    let after = point.volumetric_energy(elasticity);
-                    released += volume[i] * (before - after);
-                }
-                tally.diffused = released;
-            });
-        self.account.density_diffusion +=
-            self.tallies.iter().map(|tally| tally.diffused).sum::<f64>();
-    }
+            tally.diffused = released;
+        });
+    sweeps.tallies.iter().map(|tally| tally.diffused).sum::<f64>()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::Engine;
     use crate::setup::{
         Body, Dimension, Material, Setup, Shape, TemperatureTables, Tool, VelocityField,
     };
+    use crate::tensor::reduced;
     use sphcut_geometry::tool_surface::ToolSurface;
     use sphcut_physics::Values;
     use sphcut_physics::elasticity::ElasticModuli;
@@ -209,7 +222,7 @@ mod tests {
         });
         setup.tool = Some(passing_tool(speed));
         let mut engine = Engine::<2>::new(&setup).unwrap();
-        for (point, position) in engine.point.iter_mut().zip(&engine.position) {
+        for (point, position) in engine.particles.point.iter_mut().zip(&engine.particles.position) {
             let row = (position[1] / 0.05).floor();
             let sign = if row % 2.0 == 0.0 { 1.0 } else { -1.0 };
             point.volume_ratio = 1.0 + 0.01 * position[0] + 0.003 * sign;
@@ -218,17 +231,31 @@ mod tests {
         engine
     }
 
-    /// Volume, and the zig-zag's amplitude in the middle of the block.
+    fn diffused(engine: &mut Engine<2>, duration: f64) {
+        let Engine { numerics, particles, reference, sweeps, tool, ledger, .. } = engine;
+        let tool = tool.as_ref().map(|tool| reduced(&tool.velocity));
+        ledger.density_diffusion += diffuse(numerics, particles, reference, sweeps, duration, tool);
+    }
+
+    /// Volume, and the checkerboard's amplitude in the middle of the block.
     fn measured(engine: &Engine<2>) -> (f64, f64) {
-        let volume = engine.point.iter().zip(&engine.volume).map(|(p, v)| p.volume_ratio * v).sum();
-        let deviations = engine.point.iter().zip(&engine.position).filter_map(|(point, x)| {
-            let inside = x.iter().all(|along| (0.3..0.7).contains(along));
-            inside.then(|| (point.volume_ratio - 1.0 - 0.01 * x[0]).abs())
-        });
+        let volume = engine
+            .particles
+            .point
+            .iter()
+            .zip(&engine.particles.volume)
+            .map(|(p, v)| p.volume_ratio * v)
+            .sum();
+        let deviations = engine.particles.point.iter().zip(&engine.particles.position).filter_map(
+            |(point, x)| {
+                let inside = x.iter().all(|along| (0.3..0.7).contains(along));
+                inside.then(|| (point.volume_ratio - 1.0 - 0.01 * x[0]).abs())
+            },
+        );
         (volume, deviations.fold(0.0, f64::max))
     }
 
-    /// Way of the tool in spacings after which the zig-zag is measured.
+    /// Way of the tool in spacings after which the checkerboard is measured.
     const WAY: f64 = 100.0;
 
     #[test]
@@ -236,18 +263,18 @@ mod tests {
         let speed = 3.0;
         let mut engine = alternating(2.0, speed);
         let (volume, amplitude) = measured(&engine);
-        let energy = engine.elastic_energy();
+        let energy = engine.particles.elastic_energy();
         assert!((amplitude - 0.003).abs() < 1e-12);
         for _ in 0..400 {
-            engine.diffuse_density(WAY * engine.spacing / speed / 400.0);
+            diffused(&mut engine, WAY * 0.05 / speed / 400.0);
         }
         let (after, left) = measured(&engine);
         // Rounding of four hundred sums of four hundred terms.
         assert!((after - volume).abs() < 1e-12 * volume, "{after} {volume}");
         assert!(left < 0.05 * amplitude, "{left}");
-        let released = energy - engine.elastic_energy();
+        let released = energy - engine.particles.elastic_energy();
         assert!(released > 0.0);
-        assert!((engine.account.density_diffusion - released).abs() < 1e-9 * energy);
+        assert!((engine.ledger.density_diffusion - released).abs() < 1e-9 * energy);
     }
 
     #[test]
@@ -255,7 +282,7 @@ mod tests {
         let left = [0.5, 8.0].map(|speed| {
             let mut engine = alternating(0.3, speed);
             for _ in 0..100 {
-                engine.diffuse_density(0.3 * engine.spacing / speed / 100.0);
+                diffused(&mut engine, 0.3 * 0.05 / speed / 100.0);
             }
             measured(&engine).1
         });
@@ -267,9 +294,10 @@ mod tests {
     fn elastic_material_and_a_tool_at_rest_keep_every_bit() {
         for (plastic_strain, speed) in [(0.0, 3.0), (2.0, 0.0)] {
             let mut engine = alternating(plastic_strain, speed);
-            let before: Vec<f64> = engine.point.iter().map(|point| point.volume_ratio).collect();
-            engine.diffuse_density(1e-3);
-            let mut pairs = engine.point.iter().zip(before);
+            let before: Vec<f64> =
+                engine.particles.point.iter().map(|point| point.volume_ratio).collect();
+            diffused(&mut engine, 1e-3);
+            let mut pairs = engine.particles.point.iter().zip(before);
             assert!(pairs.all(|(point, before)| point.volume_ratio == before));
         }
     }

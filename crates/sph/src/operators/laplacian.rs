@@ -23,7 +23,8 @@
 //! keeps the trace of the sum. theta < 1 is needed where the neighbourhood has an edge in 3D or a
 //! corner: lines and points, so that the order stays two.
 
-use crate::operators::neighbours::{CHUNK, NeighbourList, TURN};
+use crate::operators::neighbours::NeighbourList;
+use crate::parallel::{CHUNK, TURN};
 use crate::particles::motion::Motion;
 use crate::tensor::{Matrix, Vector, contract, dot, identity, minus, sum_scaled, zero};
 use rayon::prelude::*;
@@ -150,9 +151,8 @@ fn solution<const D: usize>(gram: &[[f64; MOST]; MOST]) -> Option<Matrix<D>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::self_contact::Kinship;
     use crate::kernel::KernelChoice;
-    use crate::operators::neighbours::{Cells, Cloud, Smoothing, build_list};
+    use crate::operators::neighbours::{Cells, Cloud, Kinship, Smoothing, build_list};
     use approx::assert_relative_eq;
 
     /// Particles with unit volume and their neighbours, h_s = 1.5.

@@ -1,8 +1,11 @@
-//! The discrete operators: kernel, neighbours, gradients and forces, Laplacian, support shapes, density diffusion.
+//! The discrete operators: neighbours, reference configuration, gradients and forces, Laplacian, support shapes, density
+//! diffusion.
 
 pub(crate) mod density_diffusion;
 pub(crate) mod laplacian;
 pub(crate) mod neighbours;
 pub(crate) mod pairing;
+pub(crate) mod reference;
+pub(crate) mod strain_gradient;
 pub(crate) mod support_shape;
 pub(crate) mod sweeps;

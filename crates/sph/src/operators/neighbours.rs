@@ -4,16 +4,10 @@
 //! Every particle lists all its neighbours (no half lists): each gathers over
 //! its own ordered list, so that results do not depend on the thread count.
 
-use crate::contact::self_contact::Kinship;
 use crate::kernel::KernelChoice;
+use crate::parallel::{CHUNK, TURN};
 use crate::tensor::{Matrix, Vector, apply, dot, minus, sum_scaled};
 use rayon::prelude::*;
-
-/// Particles handled by one task; fixed, so that sums over tasks have one order.
-pub(crate) const CHUNK: usize = 64;
-/// Chunks that a thread takes at a time. Chunks differ in cost (plastic flow, free surfaces), and left
-/// to itself rayon hands out quarters of a sweep: one of two threads then waits for the other.
-pub(crate) const TURN: usize = 2;
 
 /// Neighbours of all particles in compressed rows.
 #[derive(Debug, Default)]
@@ -24,7 +18,7 @@ pub(crate) struct NeighbourList {
     index: Vec<u32>,
     /// `-W'(r)/r V_j` in 1/m^2.
     weight: Vec<f64>,
-    /// Rows on their way into the list, kept from one renewal to the next.
+    /// Rows on their way into the list, kept from one reference update to the next.
     rows: Vec<Rows>,
 }
 
@@ -196,6 +190,26 @@ impl Smoothing {
     }
 }
 
+/// Who belongs together.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kinship<'a, const D: usize> {
+    pub(crate) body: &'a [u32],
+    pub(crate) origin: &'a [Vector<D>],
+    /// Whether different bodies are one continuum.
+    pub(crate) bonded: bool,
+    /// Largest undeformed distance of kin, squared, in m^2.
+    pub(crate) reach_square: f64,
+}
+
+impl<const D: usize> Kinship<'_, D> {
+    /// Whether `i` and `j` are parts of one piece of material.
+    #[inline]
+    pub(crate) fn joins(&self, i: usize, j: usize) -> bool {
+        let apart = minus(&self.origin[j], &self.origin[i]);
+        dot(&apart, &apart) < self.reach_square && (self.bonded || self.body[i] == self.body[j])
+    }
+}
+
 /// Where the particles are, what they weigh and who belongs together.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cloud<'a, const D: usize> {
@@ -216,7 +230,8 @@ struct Rows {
     counts: Vec<u32>,
     index: Vec<u32>,
     weight: Vec<f64>,
-    strangers: Vec<(u32, u32)>,
+    /// Pairs that are near without belonging together.
+    self_contact: Vec<(u32, u32)>,
 }
 
 impl Rows {
@@ -224,27 +239,26 @@ impl Rows {
         self.counts.clear();
         self.index.clear();
         self.weight.clear();
-        self.strangers.clear();
+        self.self_contact.clear();
     }
 
     fn memory(&self) -> usize {
-        4 * (self.counts.capacity() + self.index.capacity() + 2 * self.strangers.capacity())
+        4 * (self.counts.capacity() + self.index.capacity() + 2 * self.self_contact.capacity())
             + 8 * self.weight.capacity()
     }
 }
 
-/// Builds the list, strangers left out, and finds the strangers: pairs closer than `reach` that do not belong
-/// together, each from both sides, in the order of the first. `reach` and every support must not exceed the cells.
+/// Builds the list, and finds the pairs of self-contact: closer than `reach` without belonging together, each from both sides, in the order of the first. `reach` and every support must not exceed the cells.
 pub(crate) fn build_list<const D: usize>(
     list: &mut NeighbourList,
     cells: &Cells<D>,
     cloud: &Cloud<D>,
     smoothing: Smoothing,
-    (strangers, reach): (&mut Vec<(u32, u32)>, f64),
+    (self_contact, reach): (&mut Vec<(u32, u32)>, f64),
 ) {
     let count = cloud.positions.len();
     let batch = BATCH * rayon::current_num_threads();
-    strangers.clear();
+    self_contact.clear();
     list.rows.resize_with(batch.min(count.div_ceil(CHUNK)), Rows::default);
     list.start.clear();
     make_room(&mut list.start, count + 1, count + 1);
@@ -270,7 +284,7 @@ pub(crate) fn build_list<const D: usize>(
             }));
             list.index.extend_from_slice(&rows.index);
             list.weight.extend_from_slice(&rows.weight);
-            strangers.extend_from_slice(&rows.strangers);
+            self_contact.extend_from_slice(&rows.self_contact);
         }
     }
 }
@@ -305,7 +319,7 @@ fn find_rows<const D: usize>(
                 }
                 if !kinship.joins(i, j) {
                     if near {
-                        rows.strangers.push((i as u32, j as u32));
+                        rows.self_contact.push((i as u32, j as u32));
                     }
                 } else if in_support {
                     let weight = smoothing.kernel.weight(square.sqrt(), smoothing.length, D);

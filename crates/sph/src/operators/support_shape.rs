@@ -8,7 +8,7 @@
 //! H <- F H F^T,  eigenvalues of H limited to [1, a^2],        H = I at the start
 //! rho_ij^2 = X_ij . (H_i^-1 + H_j^-1)/2 . X_ij
 //! ```
-//! (F: deformation since the last refresh; `a`: option `support_stretch`) keeps stretched
+//! (F: deformation since the last reference update; `a`: option `support_stretch`) keeps stretched
 //! neighbours: the weight is the kernel's at the distance `rho_ij` instead of `|X_ij|`. It is
 //! symmetric, so all that follows from the symmetry of the weights holds unchanged: energy, both
 //! momenta, exact linear fields. H turns with the body. After the idea of adaptive SPH (Shapiro,
@@ -20,27 +20,22 @@
 //! apart: F_c of the draft cut of steel rises from 256 to 345 and 413 N/mm for `a` = 1.5 and 2.3
 //! (docs/numerics.md). Hence the default `a` = 1: no shapes at all.
 
-use crate::engine::Engine;
-use crate::tensor::{Matrix, clamped_spectrum, inverse_nonsingular, product, transpose};
+use crate::numerics::Numerics;
+use crate::particles::Particles;
+use crate::tensor::{clamped_spectrum, product, transpose};
 
-impl<const D: usize> Engine<D> {
-    /// Carries the shapes with the deformation since the last refresh.
-    pub(crate) fn carry_shapes(&mut self) {
-        let highest = self.numerics.support_stretch.powi(2);
-        self.support_reach = self.smoothing.support();
-        let mut largest = 1.0_f64;
-        for (shape, point) in self.shape.iter_mut().zip(&self.point) {
-            let carried =
-                product(&product(&point.deformation, shape), &transpose(&point.deformation));
-            let (limited, widest) = clamped_spectrum(&carried, 1.0, highest);
-            *shape = limited;
-            largest = largest.max(widest);
-        }
-        self.support_reach *= largest.sqrt();
+/// Carries the shapes with the deformation since the last reference update; the largest distance of neighbours in m.
+pub(crate) fn carry_shapes<const D: usize>(
+    particles: &mut Particles<D>,
+    numerics: &Numerics,
+) -> f64 {
+    let highest = numerics.support_stretch.powi(2);
+    let mut largest = 1.0_f64;
+    for (shape, point) in particles.shape.iter_mut().zip(&particles.point) {
+        let carried = product(&product(&point.deformation, shape), &transpose(&point.deformation));
+        let (limited, widest) = clamped_spectrum(&carried, 1.0, highest);
+        *shape = limited;
+        largest = largest.max(widest);
     }
-
-    /// H^-1 of every particle; nothing for round supports.
-    pub(crate) fn metrics(&self) -> Vec<Matrix<D>> {
-        self.shape.iter().map(inverse_nonsingular).collect()
-    }
+    numerics.smoothing.support() * largest.sqrt()
 }

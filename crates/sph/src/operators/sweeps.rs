@@ -1,15 +1,18 @@
 //! The two sweeps over neighbours: velocity gradients with the stress update, and forces.
 
-use crate::contact::extended;
-use crate::engine::{Engine, MaterialData};
-use crate::error::Diverged;
 use crate::lanes::{Lanes, order, with_lanes};
-use crate::material::point::{MaterialPoint, UpdateContext};
-use crate::operators::neighbours::{CHUNK, NeighbourList, TURN};
-use crate::output::account::{Failure, Tally};
+use crate::ledger::{ParticleFailure, Tally};
+use crate::material::data::MaterialData;
+use crate::material::history::History;
+use crate::material::point::MaterialPoint;
+use crate::material::return_mapping::UpdateContext;
+use crate::operators::neighbours::NeighbourList;
+use crate::operators::reference::{Frame, ReferenceConfiguration};
+use crate::parallel::{CHUNK, TURN};
+use crate::particles::Particles;
 use crate::particles::motion::Motion;
 use crate::tensor::{
-    Matrix, Vector, apply, contract, minus, plus_scaled, product, sum_scaled, transpose,
+    Matrix, Vector, apply, contract, extended, minus, plus_scaled, product, sum_scaled, transpose,
 };
 use rayon::prelude::*;
 
@@ -144,7 +147,7 @@ fn check_point<const D: usize>(
     i: usize,
     tally: &mut Tally,
 ) {
-    let failed = |quantity, value| Some(Failure { index: i, quantity, value });
+    let failed = |quantity, value| Some(ParticleFailure { index: i, quantity, value });
     if tally.failure.is_some() {
         return;
     }
@@ -177,24 +180,159 @@ fn green_strain<const D: usize>(deformation: &Matrix<D>) -> f64 {
     0.5 * largest
 }
 
-impl<const D: usize> Engine<D> {
-    /// Velocity gradients, stresses and damping of all particles; with `dt` = 0 the stress stays.
-    pub(crate) fn sweep_gradients(&mut self, dt: f64) {
-        with_lanes!(lanes => self.sweep_gradients_with(lanes, dt));
+/// What the sweeps leave for each other and for the ledger.
+#[derive(Debug, Default)]
+pub(crate) struct Sweeps {
+    /// What a neighbour needs to know of a particle in the sweep of the forces, [`exchange_width`] numbers for each.
+    pub(crate) exchange: Vec<f64>,
+    /// Reports of the chunks of particles.
+    pub(crate) tallies: Vec<Tally>,
+}
+
+/// What the sweep of the gradients reads: nothing that it changes.
+struct GradientSweep<'a, const D: usize> {
+    list: &'a NeighbourList,
+    frame: &'a [Frame<D>],
+    motion: &'a [Motion<D>],
+    position: &'a [Vector<D>],
+    volume: &'a [f64],
+    material: &'a [u8],
+    materials: &'a [MaterialData],
+    tilted_axes: Option<Matrix<D>>,
+    yield_fraction: f64,
+    time_step: f64,
+}
+
+impl<const D: usize> GradientSweep<'_, D> {
+    /// Everything of particle `i` in one go, while it is in the registers: what it feels of its own of the internal force,
+    /// which the sweep of the forces completes.
+    #[inline(always)]
+    fn update_particle<L: Lanes>(
+        &self,
+        lanes: L,
+        i: usize,
+        point: &mut MaterialPoint<D>,
+        past: Option<&mut History<D>>,
+        exchange: &mut [f64],
+        tally: &mut Tally,
+    ) -> Vector<D> {
+        let (frame, volume, dt) = (&self.frame[i], self.volume[i], self.time_step);
+        let data = &self.materials[self.material[i] as usize];
+        // F_dot = sum w (v_j - v_i) (x) X B
+        let sums = gather_velocity(lanes, self.list, self.motion, i);
+        let rate = product(&sums.moment, &frame.correction);
+        if dt > 0.0 {
+            self.update_stress(i, point, past, &rate, tally);
+        }
+        // Dissipation of the damping: eta (sum w |v_j - v_i|^2 - F_dot : sum w (v_j - v_i) (x) X)
+        let damping = damping_of(point, data, self.yield_fraction);
+        let residual = sums.square - contract(&rate, &sums.moment);
+        let mut power = damping * residual.max(0.0);
+        let dissipation = power * frame.volume_ratio * dt;
+        tally.heat += point.keep_dissipation(&data.elasticity, dissipation) * volume;
+        // n_dot = (sum w (v_j - v_i) - F_dot c) / s, y = kappa G n
+        let drift = minus(&sums.difference, &apply(&rate, &frame.moment));
+        power += remember(point, data, &drift, frame.weight, dt, self.yield_fraction);
+        tally.hourglass += power * volume * frame.volume_ratio * dt;
+        let spring = point.offset.map(|n| data.hourglass_stiffness * n);
+        // G = P B - eta F_dot - y (x) q
+        let stress = product(&point.piola_stress(&data.elasticity), &frame.correction)
+            .map(|row| row.map(|component| component / frame.volume_ratio));
+        let mut flux = sum_scaled(&stress, -damping, &rate);
+        for row in 0..D {
+            for column in 0..D {
+                flux[row][column] -= spring[row] * frame.lean[column];
+            }
+        }
+        write_exchange(exchange, &flux, &spring, damping);
+        // G c + eta sum w (v_j - v_i) + s y
+        let own = plus_scaled(&apply(&flux, &frame.moment), damping, &sums.difference);
+        plus_scaled(&own, frame.weight, &spring)
     }
 
-    fn sweep_gradients_with<L: Lanes>(&mut self, lanes: L, dt: f64) {
-        let (list, motion) = (&self.list, &self.motion);
-        let (frame, material, volume) = (&self.frame, &self.material, &self.volume);
-        let (materials, position) = (&self.materials, &self.position);
-        let (tilted_axes, yield_fraction) = (self.tilted_axes, self.numerics.yield_fraction);
-        let forgetful = if self.history.is_empty() { self.tallies.len() } else { 0 };
+    /// Stress and heat of particle `i` after the step at the deformation rate `rate`, with what that takes.
+    #[inline(always)]
+    fn update_stress(
+        &self,
+        i: usize,
+        point: &mut MaterialPoint<D>,
+        past: Option<&mut History<D>>,
+        rate: &Matrix<D>,
+        tally: &mut Tally,
+    ) {
+        let (volume, data) = (self.volume[i], &self.materials[self.material[i] as usize]);
+        if let Some(table) = &data.stiffness_table {
+            tally.thermoelastic += point.follow_modulus(&data.elasticity, table) * volume;
+        }
+        let share = data.heating_share(point);
+        let work = point.advance(rate, &context(data, point, self.time_step), past);
+        tally.plastic += work.plastic * volume;
+        tally.viscosity += work.viscosity * volume;
+        tally.residue += work.residue * volume;
+        tally.thermoelastic += work.thermal * volume;
+        tally.heat += work.plastic * volume * share + work.heat * volume;
+        let mut moved = minus(&self.position[i], self.motion[i].reference());
+        let mut strain = green_strain(&point.deformation);
+        if let Some(axes) = &self.tilted_axes {
+            moved = apply(axes, &moved);
+            strain = green_strain(&turned(&point.deformation, axes));
+        }
+        tally.strain = tally.strain.max(strain);
+        tally.spread(&extended(&moved));
+        check_point(point, data, i, tally);
+    }
+}
+
+impl Sweeps {
+    /// Gives every particle its place.
+    pub(crate) fn resize<const D: usize>(&mut self, count: usize) {
+        self.exchange.resize(count * exchange_width::<D>(), 0.0);
+        self.tallies.resize(count.div_ceil(CHUNK), Tally::default());
+    }
+
+    /// Velocity gradients, stresses and damping of all particles; with `time_step` = 0 the stress stays. Leaves the
+    /// terms of each particle itself in `force`.
+    pub(crate) fn gradients<const D: usize>(
+        &mut self,
+        particles: &mut Particles<D>,
+        reference: &ReferenceConfiguration<D>,
+        yield_fraction: f64,
+        time_step: f64,
+    ) {
+        let Particles {
+            point, force, history, motion, position, volume, material, materials, ..
+        } = particles;
+        let sweep = GradientSweep {
+            list: &reference.list,
+            frame: &reference.frame,
+            motion,
+            position,
+            volume,
+            material,
+            materials,
+            tilted_axes: reference.tilted_axes,
+            yield_fraction,
+            time_step,
+        };
+        with_lanes!(lanes => self.gradients_with(lanes, &sweep, point, force, history));
+    }
+
+    fn gradients_with<const D: usize, L: Lanes>(
+        &mut self,
+        lanes: L,
+        sweep: &GradientSweep<'_, D>,
+        point: &mut [MaterialPoint<D>],
+        force: &mut [Vector<D>],
+        history: &mut [History<D>],
+    ) {
+        let forgetful = if history.is_empty() { self.tallies.len() } else { 0 };
         let none = (0..forgetful).into_par_iter().map(|_| None);
-        let histories = self.history.par_chunks_mut(CHUNK).map(Some).chain(none);
-        self.point
+        let histories = history.par_chunks_mut(CHUNK).map(Some).chain(none);
+        let width = exchange_width::<D>();
+        point
             .par_chunks_mut(CHUNK)
-            .zip(self.exchange.par_chunks_mut(CHUNK * exchange_width::<D>()))
-            .zip(self.force.par_chunks_mut(CHUNK))
+            .zip(self.exchange.par_chunks_mut(CHUNK * width))
+            .zip(force.par_chunks_mut(CHUNK))
             .zip(self.tallies.par_iter_mut())
             .zip(histories)
             .enumerate()
@@ -205,136 +343,57 @@ impl<const D: usize> Engine<D> {
                     || {
                         *tally = Tally::default();
                         for (offset, point) in points.iter_mut().enumerate() {
-                            let i = chunk * CHUNK + offset;
-                            let sums = gather_velocity(lanes, list, motion, i);
-                            let data = &materials[material[i] as usize];
-                            let frame = &frame[i];
-                            let rate = product(&sums.moment, &frame.correction);
-                            if dt > 0.0 {
-                                if let Some(table) = &data.stiffness_table {
-                                    tally.thermoelastic +=
-                                        point.follow_modulus(data, table) * volume[i];
-                                }
-                                let share = data.heating_share(point);
-                                let past =
-                                    histories.as_deref_mut().map(|of_chunk| &mut of_chunk[offset]);
-                                let work = point.advance(&rate, &context(data, point, dt), past);
-                                tally.plastic += work.plastic * volume[i];
-                                tally.viscosity += work.viscosity * volume[i];
-                                tally.residue += work.residue * volume[i];
-                                tally.thermoelastic += work.thermal * volume[i];
-                                tally.heat +=
-                                    work.plastic * volume[i] * share + work.heat * volume[i];
-                                let mut moved = minus(&position[i], motion[i].reference());
-                                let mut strain = green_strain(&point.deformation);
-                                if let Some(axes) = &tilted_axes {
-                                    moved = apply(axes, &moved);
-                                    strain = green_strain(&turned(&point.deformation, axes));
-                                }
-                                tally.strain = tally.strain.max(strain);
-                                tally.spread(&extended(&moved));
-                                check_point(point, data, i, tally);
-                            }
-                            let damping = damping_of(point, data, yield_fraction);
-                            let residual = sums.square - contract(&rate, &sums.moment);
-                            let mut power = damping * residual.max(0.0);
-                            let dissipation = power * frame.volume_ratio * dt;
-                            let kept = point.keep_dissipation(&data.elasticity, dissipation);
-                            tally.heat += kept * volume[i];
-                            let drift = minus(&sums.difference, &apply(&rate, &frame.moment));
-                            power +=
-                                remember(point, data, &drift, frame.weight, dt, yield_fraction);
-                            tally.hourglass += power * volume[i] * frame.volume_ratio * dt;
-                            let spring = point.offset.map(|n| data.hourglass_stiffness * n);
-                            let flux =
-                                product(&point.piola_stress(&data.elasticity), &frame.correction)
-                                    .map(|row| row.map(|component| component / frame.volume_ratio));
-                            let mut flux = sum_scaled(&flux, -damping, &rate);
-                            for row in 0..D {
-                                for column in 0..D {
-                                    flux[row][column] -= spring[row] * frame.lean[column];
-                                }
-                            }
-                            let own = plus_scaled(
-                                &apply(&flux, &frame.moment),
-                                damping,
-                                &sums.difference,
-                            );
-                            forces[offset] = plus_scaled(&own, frame.weight, &spring);
-                            let width = exchange_width::<D>();
+                            let past =
+                                histories.as_deref_mut().map(|of_chunk| &mut of_chunk[offset]);
                             let exchange = &mut exchanges[offset * width..(offset + 1) * width];
-                            write_exchange(exchange, &flux, &spring, damping);
+                            let i = chunk * CHUNK + offset;
+                            forces[offset] =
+                                sweep.update_particle(lanes, i, point, past, exchange, tally);
                         }
                     },
                 )
             });
     }
 
-    /// Adds the chunks' reports in their order.
-    ///
-    /// # Errors
-    /// The first number that blew up.
-    pub(crate) fn close_tallies(&mut self) -> Result<(), Diverged> {
-        let mut whole = Tally::default();
-        for tally in &self.tallies {
-            whole.plastic += tally.plastic;
-            whole.viscosity += tally.viscosity;
-            whole.residue += tally.residue;
-            whole.thermoelastic += tally.thermoelastic;
-            whole.hourglass += tally.hourglass;
-            whole.heat += tally.heat;
-            whole.strain = whole.strain.max(tally.strain);
-            whole.spread(&tally.low);
-            whole.spread(&tally.high);
-            whole.failure = whole.failure.or(tally.failure);
-        }
-        let account = &mut self.account;
-        account.plastic += whole.plastic;
-        account.viscosity += whole.viscosity;
-        account.residue += whole.residue;
-        account.thermoelastic += whole.thermoelastic;
-        account.hourglass += whole.hourglass;
-        account.heat_supplied += whole.heat;
-        self.since_refresh = whole;
-        whole.failure.map_or(Ok(()), |failure| {
-            Err(Diverged {
-                step: self.step,
-                time: self.time,
-                particle: self.id[failure.index],
-                position: extended(&self.position[failure.index]),
-                quantity: failure.quantity,
-                value: failure.value,
-            })
-        })
+    /// The chunks' reports in their order as one.
+    pub(crate) fn whole(&self) -> Tally {
+        self.tallies.iter().fold(Tally::default(), |whole, tally| whole.with(tally))
     }
 
-    /// Internal forces `f_i = V_i sum_j w_ij [(G_i + G_j) X_ij + eta_i d + eta_j d]`; the sweep
-    /// over gradients left the terms of particle `i` itself in `force`.
-    pub(crate) fn sweep_forces(&mut self) {
-        with_lanes!(lanes => self.sweep_forces_with(lanes));
+    /// Internal forces `f_i = V_i sum_j w_ij [(G_i + G_j) X_ij + eta_i d + eta_j d]`.
+    pub(crate) fn forces<const D: usize>(
+        &self,
+        particles: &mut Particles<D>,
+        reference: &ReferenceConfiguration<D>,
+    ) {
+        with_lanes!(lanes => self.forces_with(lanes, particles, reference));
     }
 
-    fn sweep_forces_with<L: Lanes>(&mut self, lanes: L) {
-        let (list, motion) = (&self.list, &self.motion);
-        let (exchange, reference_volume) = (&self.exchange, &self.reference_volume);
-        self.force.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
-            |(chunk, forces)| {
-                lanes.run(
-                    #[inline(always)]
-                    || {
-                        for (offset, force) in forces.iter_mut().enumerate() {
-                            let i = chunk * CHUNK + offset;
-                            let sum = gather_force(lanes, list, motion, exchange, i, force);
-                            *force = sum.map(|component| component * reference_volume[i]);
-                        }
-                    },
-                );
-            },
-        );
+    fn forces_with<const D: usize, L: Lanes>(
+        &self,
+        lanes: L,
+        particles: &mut Particles<D>,
+        reference: &ReferenceConfiguration<D>,
+    ) {
+        let Particles { force, motion, .. } = particles;
+        let (motion, exchange) = (&**motion, &*self.exchange);
+        let ReferenceConfiguration { list, volume, .. } = reference;
+        force.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(|(chunk, forces)| {
+            lanes.run(
+                #[inline(always)]
+                || {
+                    for (offset, force) in forces.iter_mut().enumerate() {
+                        let i = chunk * CHUNK + offset;
+                        let sum = gather_force(lanes, list, motion, exchange, i, force);
+                        *force = sum.map(|component| component * volume[i]);
+                    }
+                },
+            );
+        });
     }
 }
 
-/// Numbers that [`Engine::sweep_gradients`] leaves of each particle for its neighbours: the flux
+/// Numbers that [`Sweeps::gradients`] leaves of each particle for its neighbours: the flux
 /// `P B - eta F_dot - y (x) q` column by column, the hourglass force y = kappa G n in Pa m and eta in Pa s; in
 /// the plane an eighth that fills a line of the cache.
 pub(crate) const fn exchange_width<const D: usize>() -> usize {
@@ -427,6 +486,7 @@ fn context<'a, const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::Engine;
     use crate::lanes::Plain;
     use crate::setup::{Dimension, Lattice, Setup};
     use crate::tensor::{dot, identity};
@@ -441,13 +501,13 @@ mod tests {
         let field: Matrix<D> = std::array::from_fn(|row| {
             std::array::from_fn(|column| 0.3 * row as f64 - 0.7 * column as f64 + 0.2)
         });
-        for i in 0..engine.motion.len() {
-            let velocity = apply(&field, &engine.position[i]);
-            engine.motion[i].set_velocity(velocity);
+        for i in 0..engine.particles.motion.len() {
+            let velocity = apply(&field, &engine.particles.position[i]);
+            engine.particles.motion[i].set_velocity(velocity);
         }
-        for i in 0..engine.motion.len() {
-            let sums = gather_velocity(Plain, &engine.list, &engine.motion, i);
-            let rate = product(&sums.moment, &engine.frame[i].correction);
+        for i in 0..engine.particles.motion.len() {
+            let sums = gather_velocity(Plain, &engine.reference.list, &engine.particles.motion, i);
+            let rate = product(&sums.moment, &engine.reference.frame[i].correction);
             for row in 0..D {
                 for column in 0..D {
                     // Rounding of about 100 terms of order one.
@@ -467,26 +527,25 @@ mod tests {
     /// the stress is symmetric, no moment.
     fn forces_balance<const D: usize>(dimension: Dimension) {
         let mut engine = Engine::<D>::new(&block(dimension)).unwrap();
-        for i in 0..engine.motion.len() {
+        for i in 0..engine.particles.motion.len() {
             let wave = |k: usize| (3.1 * i as f64 + 1.7 * k as f64).sin();
             for row in 0..D {
-                let mut velocity = *engine.motion[i].velocity();
+                let mut velocity = *engine.particles.motion[i].velocity();
                 velocity[row] = wave(row);
-                engine.motion[i].set_velocity(velocity);
-                engine.point[i].offset[row] = 1e-3 * wave(row + 7);
+                engine.particles.motion[i].set_velocity(velocity);
+                engine.particles.point[i].offset[row] = 1e-3 * wave(row + 7);
                 for column in 0..D {
-                    engine.point[i].deviator[row][column] = 1e5 * wave(row * column + 3);
+                    engine.particles.point[i].deviator[row][column] = 1e5 * wave(row * column + 3);
                 }
             }
-            engine.point[i].volume_ratio = 1.0 + 0.01 * wave(11);
-            engine.point[i].deformation = identity();
+            engine.particles.point[i].volume_ratio = 1.0 + 0.01 * wave(11);
+            engine.particles.point[i].deformation = identity();
         }
-        engine.sweep_gradients(0.0);
-        engine.sweep_forces();
-        let scale: f64 = engine.force.iter().map(|f| dot(f, f).sqrt()).sum();
+        engine.find_internal_forces();
+        let scale: f64 = engine.particles.force.iter().map(|f| dot(f, f).sqrt()).sum();
         let mut resultant = [0.0; D];
         let mut moment = 0.0;
-        for (force, position) in engine.force.iter().zip(&engine.position) {
+        for (force, position) in engine.particles.force.iter().zip(&engine.particles.position) {
             resultant = plus_scaled(&resultant, 1.0, force);
             moment += position[0] * force[1] - position[1] * force[0];
         }

@@ -1,5 +1,6 @@
-//! What a simulation tells: samples, snapshots, checkpoints, accounts of energy and momentum.
+//! What a simulation tells: samples, snapshots, checkpoints.
 
-pub(crate) mod account;
+pub(crate) mod checkpoint;
 pub mod observation;
-pub(crate) mod observe;
+pub(crate) mod sample;
+pub(crate) mod snapshot;

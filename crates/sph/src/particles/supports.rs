@@ -2,7 +2,7 @@
 
 use crate::particles::lattice;
 use crate::setup::{Setup, Shape, Vector as Vector3};
-use crate::tensor::{Matrix, Vector, apply, identity, transpose};
+use crate::tensor::{Matrix, Vector, apply, identity, reduced, transpose};
 
 /// A resolved support.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ impl<const D: usize> Hold<D> {
                         Shape::Box { .. } => lattice::placed(&support.region, &unit),
                         Shape::Cylinder { .. } => unit,
                     };
-                    crate::contact::reduced::<D>(&image)
+                    reduced::<D>(&image)
                 };
                 let rows: Matrix<D> = std::array::from_fn(|k| {
                     let mut unit = [0.0; 3];

@@ -1,5 +1,4 @@
-//! What effects with memory know of a particle: back stress, damage and the gradient of its plastic
-//! strain, and the return to the yield surface with them.
+//! The return to the yield surface of a particle with memory: back stress, damage and the gradient of its plastic strain.
 //!
 //! The back stress X moves the yield surface; damage and the strain gradient scale the flow stress by `s`
 //! (that of the gradient belongs to the flow stress at the beginning of the step):
@@ -15,12 +14,11 @@
 //! comes back multiplied by at most `g |X|/(3 G + C) <= C/(3 G + C)`, so the search converges, and
 //! with steps of 1e-4 of strain and less it takes three or four rounds.
 
-use crate::material::point::{MaterialPoint, UpdateContext};
-use crate::setup::Setup;
-use crate::tensor::{Matrix, rotated, sum_scaled, zero};
-use sphcut_physics::effects::{
-    Damage, KinematicHardening, StrainGradient, damage, kinematic_hardening, strain_gradient,
-};
+use crate::material::history::History;
+use crate::material::point::MaterialPoint;
+use crate::material::return_mapping::UpdateContext;
+use crate::tensor::{Matrix, sum_scaled};
+use sphcut_physics::effects::KinematicHardening;
 use sphcut_physics::flow_stress::FlowState;
 use sphcut_physics::radial_return::{Returned, TrialState};
 
@@ -28,100 +26,6 @@ use sphcut_physics::radial_return::{Returned, TrialState};
 const TOLERANCE: f64 = 1e-9;
 /// Each round divides the error by 1 + 3 G/C at least: enough for C up to 10 G.
 const MOST_ROUNDS: usize = 100;
-
-/// Laws of what the particles of a material remember.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Memory {
-    hardening: Option<KinematicHardening>,
-    damage: Option<Damage>,
-    gradient: Option<StrainGradient>,
-    /// Length over which a band localises: the particle spacing in m.
-    length: f64,
-}
-
-impl Memory {
-    /// The laws of a run.
-    pub(crate) fn of(setup: &Setup) -> Self {
-        Self {
-            hardening: kinematic_hardening(&setup.effects),
-            damage: damage(&setup.effects),
-            gradient: strain_gradient(&setup.effects),
-            length: setup.particle_spacing,
-        }
-    }
-
-    /// Whether there is anything to remember.
-    pub(crate) fn is_needed(&self) -> bool {
-        self.hardening.is_some() || self.damage.is_some() || self.gradient.is_some()
-    }
-
-    /// Whether it depends on the gradient of the plastic strain.
-    pub(crate) fn needs_strain_gradient(&self) -> bool {
-        self.gradient.is_some()
-    }
-
-    fn strength(&self, softening: f64) -> f64 {
-        self.damage.as_ref().map_or(1.0, |law| law.strength(softening))
-    }
-}
-
-/// What a particle remembers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct History<const D: usize> {
-    /// X, a deviator, as Kirchhoff stress in Pa (in-plane part in 2D).
-    pub(crate) back_stress: Matrix<D>,
-    /// D, from 0 to 1: failure begins at 1.
-    pub(crate) damage: f64,
-    /// w, from 0 to 1: share of the strength that failure has taken.
-    pub(crate) softening: f64,
-    /// |grad eps_p| in 1/m.
-    pub(crate) strain_gradient: f64,
-}
-
-impl<const D: usize> Default for History<D> {
-    fn default() -> Self {
-        Self { back_stress: zero(), damage: 0.0, softening: 0.0, strain_gradient: 0.0 }
-    }
-}
-
-impl<const D: usize> History<D> {
-    /// Turns with the material.
-    pub(crate) fn turn(&mut self, rotation: &Matrix<D>) {
-        self.back_stress = rotated(&self.back_stress, rotation);
-    }
-
-    /// All numbers, for the checkpoint.
-    pub(crate) fn to_vec(self) -> Vec<f64> {
-        let mut values: Vec<f64> = self.back_stress.iter().flatten().copied().collect();
-        values.extend([self.damage, self.softening, self.strain_gradient]);
-        values
-    }
-
-    /// The inverse of [`History::to_vec`].
-    pub(crate) fn from_slice(values: &[f64]) -> Self {
-        Self {
-            back_stress: std::array::from_fn(|row| {
-                std::array::from_fn(|column| values[row * D + column])
-            }),
-            damage: values[D * D],
-            softening: values[D * D + 1],
-            strain_gradient: values[D * D + 2],
-        }
-    }
-
-    /// Damage by a plastic increment at a triaxiality, a rate and a temperature.
-    fn wear(&mut self, memory: &Memory, increment: f64, state: (f64, f64, f64)) {
-        let Some(law) = &memory.damage else { return };
-        let (triaxiality, rate, temperature) = state;
-        if self.damage < 1.0 {
-            let share = increment / law.failure_strain(triaxiality, rate, temperature);
-            self.damage = (self.damage + share).min(1.0);
-        } else {
-            let share = memory.length * increment / law.failure_displacement;
-            self.softening = (self.softening + share).min(1.0);
-        }
-    }
-}
 
 impl<const D: usize> MaterialPoint<D> {
     /// Replaces the deviator by `trial` returned to the yield surface of the past; the plastic

@@ -3,8 +3,10 @@
 
 use super::*;
 use crate::material::equation_of_state::Elasticity;
+use crate::material::history::Memory;
 use approx::assert_relative_eq;
 use sphcut_physics::Values;
+use sphcut_physics::effects::Damage;
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::flow_stress::{self, FlowStressModel};
 

@@ -3,57 +3,59 @@
 //! ```text
 //! grad eps_p = F^-T B sum_j w_ij (eps_j - eps_i) X_ij
 //! ```
-//! exact for a linear field (the corrected operator, carried to the present configuration). It is renewed every
+//! exact for a linear field (the corrected operator, carried to the present configuration). It is found anew every
 //! few steps: the strain then changes by some 1e-3 at most.
 
-use crate::engine::Engine;
-use crate::operators::neighbours::{CHUNK, TURN};
+use crate::operators::reference::ReferenceConfiguration;
+use crate::parallel::{CHUNK, TURN};
+use crate::particles::Particles;
 use crate::tensor::{apply, dot, inverse_nonsingular, minus, plus_scaled, transpose};
 use rayon::prelude::*;
 
-/// Steps between two renewals.
+/// Steps between two evaluations.
 const INTERVAL: u64 = 5;
 
-impl<const D: usize> Engine<D> {
-    /// Renews the gradients every few steps, where an effect needs them.
-    pub(crate) fn renew_strain_gradients_when_due(&mut self) {
-        if self.step.is_multiple_of(INTERVAL)
-            && self.materials.iter().any(|data| data.memory.needs_strain_gradient())
-        {
-            self.renew_strain_gradients();
-        }
+/// Finds the gradients anew every few steps, where an effect needs them.
+pub(crate) fn find_when_due<const D: usize>(
+    particles: &mut Particles<D>,
+    reference: &ReferenceConfiguration<D>,
+    step: u64,
+) {
+    let needed = |particles: &Particles<D>| {
+        particles.materials.iter().any(|data| data.memory.needs_strain_gradient())
+    };
+    if step.is_multiple_of(INTERVAL) && needed(particles) {
+        find(particles, reference);
     }
+}
 
-    fn renew_strain_gradients(&mut self) {
-        let (list, motion, frame, point) = (&self.list, &self.motion, &self.frame, &self.point);
-        self.history.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(
-            |(chunk, histories)| {
-                for (offset, past) in histories.iter_mut().enumerate() {
-                    let i = chunk * CHUNK + offset;
-                    let (index, weight) = list.row(i);
-                    let mut sum = [0.0; D];
-                    for (&j, &w) in index.iter().zip(weight) {
-                        let j = j as usize;
-                        let change = point[j].plastic_strain - point[i].plastic_strain;
-                        sum = plus_scaled(
-                            &sum,
-                            w * change,
-                            &minus(motion[j].reference(), motion[i].reference()),
-                        );
-                    }
-                    let gradient = apply(&frame[i].correction, &sum);
-                    let carried = transpose(&inverse_nonsingular(&point[i].deformation));
-                    let gradient = apply(&carried, &gradient);
-                    past.strain_gradient = dot(&gradient, &gradient).sqrt();
-                }
-            },
-        );
-    }
+fn find<const D: usize>(particles: &mut Particles<D>, reference: &ReferenceConfiguration<D>) {
+    let Particles { motion, point, history, .. } = particles;
+    let (motion, point) = (&*motion, &*point);
+    let ReferenceConfiguration { list, frame, .. } = reference;
+    history.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(|(chunk, histories)| {
+        for (offset, past) in histories.iter_mut().enumerate() {
+            let i = chunk * CHUNK + offset;
+            let (index, weight) = list.row(i);
+            let mut sum = [0.0; D];
+            for (&j, &w) in index.iter().zip(weight) {
+                let j = j as usize;
+                let change = point[j].plastic_strain - point[i].plastic_strain;
+                let separation = minus(motion[j].reference(), motion[i].reference());
+                sum = plus_scaled(&sum, w * change, &separation);
+            }
+            let gradient = apply(&frame[i].correction, &sum);
+            let carried = transpose(&inverse_nonsingular(&point[i].deformation));
+            let gradient = apply(&carried, &gradient);
+            past.strain_gradient = dot(&gradient, &gradient).sqrt();
+        }
+    });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::Engine;
     use crate::setup::{
         Body, Dimension, Discretisation, Lattice, Material, Setup, Shape, TemperatureTables,
         VelocityField,
@@ -96,7 +98,7 @@ mod tests {
         setup
     }
 
-    /// eps_p = 5 + g.x on a disordered set, stretched since the renewal of its reference by
+    /// eps_p = 5 + g.x on a disordered set, stretched since the reference update by
     /// x = F X: the gradient is g, at every particle, surfaces included.
     fn exact<const D: usize>(dimension: Dimension) {
         let mut engine = Engine::<D>::new(&block(dimension)).unwrap();
@@ -104,14 +106,14 @@ mod tests {
         let stretch: Matrix<D> = std::array::from_fn(|row| {
             std::array::from_fn(|column| if row == column { 1.05 } else { 0.03 * row as f64 })
         });
-        for i in 0..engine.point.len() {
-            let place = apply(&stretch, engine.motion[i].reference());
-            engine.point[i].deformation = stretch;
-            engine.point[i].plastic_strain = 5.0 + dot(&slope, &place);
+        for i in 0..engine.particles.point.len() {
+            let place = apply(&stretch, engine.particles.motion[i].reference());
+            engine.particles.point[i].deformation = stretch;
+            engine.particles.point[i].plastic_strain = 5.0 + dot(&slope, &place);
         }
-        engine.renew_strain_gradients();
+        find(&mut engine.particles, &engine.reference);
         let expected = dot(&slope, &slope).sqrt();
-        for past in &engine.history {
+        for past in &engine.particles.history {
             // Rounding of some thirty terms of order ten over a spacing of 0.1.
             assert_relative_eq!(past.strain_gradient, expected, max_relative = 1e-11);
         }

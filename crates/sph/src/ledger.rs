@@ -1,8 +1,8 @@
-//! The books of a run: energies, impulses and extremes.
+//! The ledger of a run: energies, impulses and extremes.
 
 /// Cumulative energies in J (J/m in 2D) and impulses of the current interval in N s (N s/m).
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Account {
+pub(crate) struct Ledger {
     pub(crate) tool_work: f64,
     pub(crate) support_work: f64,
     pub(crate) plastic: f64,
@@ -21,7 +21,24 @@ pub(crate) struct Account {
     pub(crate) reaction_impulse: [f64; 3],
 }
 
-impl Account {
+impl Ledger {
+    /// Adds what a step took.
+    pub(crate) fn add(&mut self, tally: &Tally) {
+        self.plastic += tally.plastic;
+        self.viscosity += tally.viscosity;
+        self.residue += tally.residue;
+        self.thermoelastic += tally.thermoelastic;
+        self.hourglass += tally.hourglass;
+        self.heat_supplied += tally.heat;
+    }
+
+    /// Begins the next interval at `time`.
+    pub(crate) fn begin_interval(&mut self, time: f64) {
+        self.interval_start = time;
+        self.tool_impulse = [0.0; 3];
+        self.reaction_impulse = [0.0; 3];
+    }
+
     /// All numbers in a fixed order, for the checkpoint.
     pub(crate) fn to_array(&self) -> [f64; 20] {
         [
@@ -48,7 +65,7 @@ impl Account {
         ]
     }
 
-    /// The inverse of [`Account::to_array`].
+    /// The inverse of [`Ledger::to_array`].
     pub(crate) fn from_array(a: &[f64; 20]) -> Self {
         Self {
             tool_work: a[0],
@@ -91,10 +108,25 @@ pub(crate) struct Tally {
     /// See `low`.
     pub(crate) high: [f64; 3],
     /// First particle of the chunk whose numbers blew up.
-    pub(crate) failure: Option<Failure>,
+    pub(crate) failure: Option<ParticleFailure>,
 }
 
 impl Tally {
+    /// This report and the next.
+    pub(crate) fn with(mut self, next: &Self) -> Self {
+        self.plastic += next.plastic;
+        self.viscosity += next.viscosity;
+        self.residue += next.residue;
+        self.thermoelastic += next.thermoelastic;
+        self.hourglass += next.hourglass;
+        self.heat += next.heat;
+        self.strain = self.strain.max(next.strain);
+        self.spread(&next.low);
+        self.spread(&next.high);
+        self.failure = self.failure.or(next.failure);
+        self
+    }
+
     /// Widens the bounds of the displacements.
     #[inline]
     pub(crate) fn spread(&mut self, displacement: &[f64; 3]) {
@@ -107,7 +139,7 @@ impl Tally {
 
 /// A number out of bounds.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Failure {
+pub(crate) struct ParticleFailure {
     pub(crate) index: usize,
     pub(crate) quantity: &'static str,
     pub(crate) value: f64,
