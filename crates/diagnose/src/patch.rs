@@ -3,8 +3,6 @@
 use crate::DiagnosisCase;
 use crate::error::DiagnoseError;
 use crate::files::Provenance;
-use crate::inference::fit::Fit;
-use crate::inference::problem::Problem;
 use crate::inference::verdict::Verdict;
 use crate::model::paired::Change;
 use crate::model::predictor::Predictor;
@@ -64,30 +62,9 @@ pub fn patch(
     }
     let rows = (0..found.problem.rows.len()).filter(|&row| found.problem.is_diagnosed(row));
     let cut = rows.map(|row| found.problem.condition(row).cut_length).fold(0.0, f64::max);
-    let change = fitted_change(&found.problem, predictor, fit, cut);
+    let change = fit.change(&found.problem, predictor, cut);
     text += &scenario_patch(&case.base, &change)?;
     Ok(Some(text))
-}
-
-/// What a fit changes in the scenario, for an edge that has cut `cut_length` in m before.
-pub(crate) fn fitted_change(
-    problem: &Problem,
-    predictor: &dyn Predictor,
-    fit: &Fit,
-    cut_length: f64,
-) -> Change {
-    let own = problem.nuisances(&fit.unknowns, 0);
-    let nuisances = predictor.nuisances().iter().map(|nuisance| nuisance.key).zip(own).collect();
-    let mut change = Change { nuisances, ..Change::default() };
-    for active in fit.active(predictor, problem.unknowns()) {
-        let key = predictor.effects()[active.effect].key;
-        if key == "flank_wear" {
-            change.wear_land = Some(active.values[0] * cut_length);
-        } else {
-            change.effects.push((key, active.values));
-        }
-    }
-    change
 }
 
 /// The table `[scenario]` of a patch that makes `change`, and why the scenario has no keys for the rest.

@@ -1,11 +1,12 @@
 //! The repaired scenario in the particle solver itself, at cutting conditions that the fits have not seen.
 
 use crate::check::held_out::ratio_interval;
+use crate::data::recordings::same_cut;
 use crate::inference::fit::{Fit, fit};
+use crate::inference::places::{AXES, scaled_places};
 use crate::inference::problem::Problem;
-use crate::model::paired::{Change, PairedRun};
+use crate::model::paired::{Change, PairedRun, can_be_run};
 use crate::model::predictor::Predictor;
-use crate::patch::fitted_change;
 use nalgebra::DVector;
 use sphcut_physics::{Channel, CuttingCondition};
 
@@ -42,13 +43,10 @@ const LEFT_OUT: usize = 3;
 /// farthest from those taken (Kennard and Stone 1969), from the fastest on.
 #[must_use]
 pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<CuttingCondition> {
-    use crate::inference::templates::{AXES, scaled_places};
     let places = scaled_places(problem);
     let mut left: Vec<usize> = Vec::new();
     for row in (0..problem.rows.len()).filter(|&row| problem.is_diagnosed(row)) {
-        let same = |&other: &usize| {
-            crate::data::recordings::same_cut(problem.condition(other), problem.condition(row))
-        };
+        let same = |&other: &usize| same_cut(problem.condition(other), problem.condition(row));
         if !left.iter().any(same) {
             left.push(row);
         }
@@ -81,8 +79,7 @@ pub fn unseen_fits(
 ) -> Option<(Fit, Fit)> {
     let is_seen = |&row: &usize| {
         let own = problem.condition(row);
-        !problem.is_diagnosed(row)
-            || !conditions.iter().any(|c| crate::data::recordings::same_cut(c, own))
+        !problem.is_diagnosed(row) || !conditions.iter().any(|c| same_cut(c, own))
     };
     let kept: Vec<usize> = (0..problem.rows.len()).filter(is_seen).collect();
     let training = problem.select(&kept).ok()?;
@@ -99,10 +96,9 @@ pub fn rerun_changes(
     (null, repair): (&Fit, &Fit),
     condition: &CuttingCondition,
 ) -> Option<[Change; STATES]> {
-    let changed = |fit| fitted_change(problem, predictor, fit, condition.cut_length);
+    let changed = |fit: &Fit| fit.change(problem, predictor, condition.cut_length);
     let repaired = changed(repair);
-    let can_be_run = |(key, _): &(&str, Vec<f64>)| crate::model::paired::can_be_run(key);
-    let runs = repaired.effects.iter().all(can_be_run);
+    let runs = repaired.effects.iter().all(|(key, _)| can_be_run(key));
     runs.then(|| [Change::default(), changed(null), repaired])
 }
 
@@ -139,7 +135,7 @@ pub fn compare_rerun(
                 let there = problem.condition(k);
                 let is_there = row.channel == channel
                     && problem.is_diagnosed(k)
-                    && crate::data::recordings::same_cut(there, &condition)
+                    && same_cut(there, &condition)
                     && (!is_worn || there.cut_length == condition.cut_length);
                 if is_there {
                     let of = |s: usize| (row.log_value - shown[s][k] - logs[s]).abs();

@@ -1,7 +1,7 @@
 //! How wrong the model may be in what an effect changes.
 
+use crate::inference::places::{AXES, scaled_places, tool_axes};
 use crate::inference::problem::Problem;
-use crate::inference::templates::{AXES, scaled_places, tool_axes};
 use nalgebra::{DMatrix, DVector};
 
 /// Share of the variance of the error that is the same at all conditions; the rest is shared by the other terms.

@@ -4,8 +4,9 @@ use crate::data::recordings::{Recordings, same_cut};
 use crate::error::DiagnoseError;
 use crate::inference::fit::fit;
 use crate::inference::law::{Factor, Law, principal};
+use crate::inference::places::{TOOL_AXES, scaled_places};
 use crate::inference::problem::{InstrumentPriors, Problem, add_rows, instrument_columns};
-use crate::inference::templates::{SMOOTH, TOOL_AXES};
+use crate::inference::templates::SMOOTH;
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::Channel;
@@ -212,7 +213,7 @@ impl Problem {
 
     /// The rows of a channel have the bias of their condition in common.
     pub(crate) fn bias_factor(&self, channel: Channel, bias: Bias) -> Factor {
-        let places = crate::inference::templates::scaled_places(self);
+        let places = scaled_places(self);
         let rows: Vec<usize> =
             (0..self.rows.len()).filter(|&row| self.rows[row].channel == channel).collect();
         let mut cuts: Vec<usize> = Vec::new();

@@ -4,6 +4,7 @@ use crate::inference::change_error::{self, Loose};
 use crate::inference::gaussian::log_determinant;
 use crate::inference::law::{Factor, Law, Spectrum};
 use crate::inference::problem::Problem;
+use crate::model::paired::Change;
 use crate::model::predictor::{Active, Predictor};
 use nalgebra::{DMatrix, DVector};
 
@@ -46,6 +47,27 @@ impl Fit {
     #[must_use]
     pub fn active(&self, predictor: &dyn Predictor, nuisances: usize) -> Vec<Active> {
         active(predictor, &self.effects, &self.unknowns.as_slice()[nuisances..])
+    }
+
+    /// What it changes in the scenario, for an edge that has cut `cut_length` in m before.
+    pub(crate) fn change(
+        &self,
+        problem: &Problem,
+        predictor: &dyn Predictor,
+        cut_length: f64,
+    ) -> Change {
+        let own = problem.nuisances(&self.unknowns, 0);
+        let keys = predictor.nuisances().iter().map(|nuisance| nuisance.key);
+        let mut change = Change { nuisances: keys.zip(own).collect(), ..Change::default() };
+        for active in self.active(predictor, problem.unknowns()) {
+            let key = predictor.effects()[active.effect].key;
+            if key == "flank_wear" {
+                change.wear_land = Some(active.values[0] * cut_length);
+            } else {
+                change.effects.push((key, active.values));
+            }
+        }
+        change
     }
 }
 

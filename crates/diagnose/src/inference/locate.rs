@@ -1,7 +1,8 @@
 //! Where the residual is more than chance.
 
+use crate::inference::places::{AXES, scaled_places};
 use crate::inference::problem::Problem;
-use crate::inference::templates::{AXES, Templates, scaled_places};
+use crate::inference::templates::Templates;
 use nalgebra::DVector;
 use sphcut_physics::Channel;
 use statrs::distribution::{ContinuousCDF, Normal};

@@ -4,8 +4,8 @@ use crate::data::recordings::same_cut;
 use crate::error::DiagnoseError;
 use crate::inference::commissioning::{Bias, BiasOrigin};
 use crate::inference::law::{Covariance, Factor, Law};
+use crate::inference::places::{scaled_places, tool_axes};
 use crate::inference::problem::Problem;
-use crate::inference::templates::tool_axes;
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::Channel;
@@ -80,7 +80,7 @@ impl Problem {
         let count = rows.len();
         let z = rows.iter().map(|&k| self.rows[k].log_value - base[k]);
         let z = DVector::from_iterator(count, z);
-        let places = crate::inference::templates::scaled_places(self);
+        let places = scaled_places(self);
         let of_tool = tool_axes(&places);
         let quadratic = DMatrix::from_fn(count, 6 + 3 * of_tool.len(), |i, term| {
             let place = places[rows[i]];

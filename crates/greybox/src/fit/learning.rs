@@ -1,6 +1,6 @@
 //! How many experiments are enough: the error on conditions left out over the number of conditions used.
 
-use super::tasks::Progress;
+use super::progress::Progress;
 use super::{Context, median};
 use crate::metrics::quantile;
 use crate::random::Random;

@@ -2,6 +2,7 @@
 
 mod choice;
 mod learning;
+mod progress;
 mod tasks;
 
 pub use choice::Choice;
@@ -16,9 +17,10 @@ use crate::pairing::{ForceKind, ForceRow, Pairs, pair};
 use crate::regressor::{Method, Model, Regressor, Settings};
 use crate::samples::Samples;
 use crate::validation::{HeldOut, assemble};
+use progress::Progress;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use tasks::{Plan, Progress};
+use tasks::Plan;
 
 /// A table and where it comes from.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,13 @@
 //! The work of a fit, as independent tasks for all threads.
 
-use super::{FitOptions, Report};
+use super::FitOptions;
+use super::progress::{Progress, weight};
 use crate::folds::{distinct, grouped_folds};
 use crate::pairing::Pairs;
 use crate::regressor::{Method, Model, Settings};
 use crate::samples::Samples;
 use crate::validation::{HeldOut, Inner, Scoring, hold_out, tune};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// More levels than this are held out in ten blocks instead of one by one.
 const MOST_LEVELS: usize = 30;
@@ -223,35 +223,6 @@ fn level_folds(levels: &[usize]) -> Option<Vec<usize>> {
     let count = levels.iter().max()? + 1;
     let fold = |level: usize| if count > MOST_LEVELS { level * BLOCKS / count } else { level };
     (count >= FEWEST_LEVELS).then(|| levels.iter().map(|&level| fold(level)).collect())
-}
-
-/// Rough cost of a task.
-fn weight(method: Method) -> u64 {
-    match method {
-        Method::Linear | Method::Quadratic | Method::Quartic => 1,
-        Method::Forest | Method::Boosting => 40,
-        Method::GaussianProcess => 60,
-        Method::SupportVector => 60,
-        Method::Network => 150,
-    }
-}
-
-/// Counts what is done.
-pub(super) struct Progress<'a> {
-    total: u64,
-    done: AtomicU64,
-    report: &'a Report<'a>,
-}
-
-impl<'a> Progress<'a> {
-    pub(super) fn new(total: u64, report: &'a Report<'a>) -> Self {
-        Self { total, done: AtomicU64::new(0), report }
-    }
-
-    pub(super) fn advance(&self, method: Method) {
-        let done = self.done.fetch_add(weight(method), Ordering::Relaxed) + weight(method);
-        (self.report)((done as f64 / self.total.max(1) as f64).min(1.0), method.name());
-    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use sphcut_input::findings::Findings;
 use sphcut_input::record::Record;
 use sphcut_input::units::significant;
 use sphcut_physics::Quantity;
-use sphcut_physics::flow_stress::{FlowStressTable, TableError};
+use sphcut_physics::flow_stress::{FlowStressTable, FlowStressTableError};
 use std::sync::Arc;
 
 /// Largest file in bytes.
@@ -71,8 +71,12 @@ fn read(text: &str) -> Result<FlowStressTable, TableProblem> {
         .collect::<Result<_, _>>()?;
     FlowStressTable::new(&points).map_err(|error| {
         let line = match error {
-            TableError::NotPositive(index) | TableError::Twice(index) => lines[index].0,
-            TableError::Empty | TableError::Gap(..) => lines.last().map_or(1, |line| line.0),
+            FlowStressTableError::NotPositive(index) | FlowStressTableError::Twice(index) => {
+                lines[index].0
+            }
+            FlowStressTableError::Empty | FlowStressTableError::Gap(..) => {
+                lines.last().map_or(1, |line| line.0)
+            }
         };
         columns::whole(line, error.to_string())
     })
