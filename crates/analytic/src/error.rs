@@ -1,12 +1,12 @@
 //! Why there is no answer.
 
 use sphcut_physics::ParameterError;
-use std::fmt;
 
 /// Why a cut has no answer in closed form.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A number of the cut or of the condition that must be positive and finite is not.
+    #[error("{quantity} = {value}: must be positive and finite")]
     NotPositive {
         /// Its name.
         quantity: &'static str,
@@ -14,11 +14,16 @@ pub enum Error {
         value: f64,
     },
     /// An angle of the tool outside of what the model describes.
+    #[error("a rake angle of {value} rad lies outside [-0.5, 0.7]")]
     RakeAngle {
         /// Its value in rad.
         value: f64,
     },
     /// The uncut chip is thinner than what the rounded edge presses under itself.
+    #[error(
+        "no chip: the uncut chip thickness of {uncut_chip_thickness} m does not exceed {smallest} m, \
+         which the rounded edge presses under itself"
+    )]
     NoChip {
         /// h in m.
         uncut_chip_thickness: f64,
@@ -26,6 +31,10 @@ pub enum Error {
         smallest: f64,
     },
     /// No shear angle satisfies the closure.
+    #[error(
+        "no shear angle balances the forces on chip and tool at {cutting_speed} m/s and an uncut chip \
+         thickness of {uncut_chip_thickness} m"
+    )]
     NoShearAngle {
         /// v_c in m/s.
         cutting_speed: f64,
@@ -33,11 +42,16 @@ pub enum Error {
         uncut_chip_thickness: f64,
     },
     /// An effect that is not in the registry.
+    #[error("`{key}` is not an effect of this model")]
     UnknownEffect {
         /// The key as given.
         key: String,
     },
     /// A parameter of an effect that is missing, unknown or out of its range.
+    #[error(
+        "effect `{key}`:{}",
+        .mistakes.iter().map(|mistake| format!(" {mistake};")).collect::<String>()
+    )]
     Effect {
         /// The effect.
         key: &'static str,
@@ -45,36 +59,3 @@ pub enum Error {
         mistakes: Vec<ParameterError>,
     },
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotPositive { quantity, value } => {
-                write!(f, "{quantity} = {value}: must be positive and finite")
-            }
-            Self::RakeAngle { value } => {
-                write!(f, "a rake angle of {value} rad lies outside [-0.5, 0.7]")
-            }
-            Self::NoChip { uncut_chip_thickness, smallest } => write!(
-                f,
-                "no chip: the uncut chip thickness of {uncut_chip_thickness} m does not exceed {smallest} m, \
-                 which the rounded edge presses under itself"
-            ),
-            Self::NoShearAngle { cutting_speed, uncut_chip_thickness } => write!(
-                f,
-                "no shear angle balances the forces on chip and tool at {cutting_speed} m/s and an uncut chip \
-                 thickness of {uncut_chip_thickness} m"
-            ),
-            Self::UnknownEffect { key } => write!(f, "`{key}` is not an effect of this model"),
-            Self::Effect { key, mistakes } => {
-                write!(f, "effect `{key}`:")?;
-                for mistake in mistakes {
-                    write!(f, " {mistake};")?;
-                }
-                Ok(())
-            }
-        }
-    }
-}
-
-impl std::error::Error for Error {}

@@ -1,11 +1,13 @@
 //! Why a correction cannot be fitted or used.
 
-use std::fmt;
-
 /// What is wrong with tables or a stored model.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GreyBoxError {
     /// Too few different conditions for a cross-validation.
+    #[error(
+        "{found} different conditions (v_c, h): at least {needed} are needed to fit a correction and to \
+         test it on conditions it has not seen; repeats of a condition do not count"
+    )]
     TooFewConditions {
         /// How many there are.
         found: usize,
@@ -13,6 +15,10 @@ pub enum GreyBoxError {
         needed: usize,
     },
     /// More different conditions than the regressors can take.
+    #[error(
+        "{found} different conditions (v_c, h): at most {limit} can be taken; conditions within 1 % in \
+         both are one. Leave out some, or give means"
+    )]
     TooManyConditions {
         /// How many there are.
         found: usize,
@@ -20,6 +26,10 @@ pub enum GreyBoxError {
         limit: usize,
     },
     /// Measured conditions that were not simulated.
+    #[error(
+        "{count} of {of} measured conditions have no simulation (within 1 %):{}",
+        listed(.first, *.count, *.of)
+    )]
     NotSimulated {
         /// The first of them: v_c in m/s, h in m.
         first: Vec<[f64; 2]>,
@@ -29,41 +39,25 @@ pub enum GreyBoxError {
         of: usize,
     },
     /// A stored model that cannot be used.
+    #[error("{0}")]
     Model(String),
 }
 
 /// Conditions listed by name in a message.
 pub(crate) const LISTED: usize = 5;
 
-impl fmt::Display for GreyBoxError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooFewConditions { found, needed } => write!(
-                f,
-                "{found} different conditions (v_c, h): at least {needed} are needed to fit a correction and to \
-                 test it on conditions it has not seen; repeats of a condition do not count"
-            ),
-            Self::TooManyConditions { found, limit } => write!(
-                f,
-                "{found} different conditions (v_c, h): at most {limit} can be taken; conditions within 1 % in \
-                 both are one. Leave out some, or give means"
-            ),
-            Self::NotSimulated { first, count, of } => {
-                write!(f, "{count} of {of} measured conditions have no simulation (within 1 %):")?;
-                for [speed, thickness] in first {
-                    write!(f, " v_c {:.4} m/min, h {:.4} mm;", speed * 60.0, thickness * 1e3)?;
-                }
-                if *count > first.len() {
-                    write!(f, " and {} more;", count - first.len())?;
-                }
-                if count == of {
-                    return write!(f, " not one has: are the units of both tables right?");
-                }
-                write!(f, " simulate them, or take them out of the measured table")
-            }
-            Self::Model(reason) => write!(f, "{reason}"),
-        }
+/// The first conditions without a simulation, and what to do.
+fn listed(first: &[[f64; 2]], count: usize, of: usize) -> String {
+    let named = |[speed, thickness]: &[f64; 2]| {
+        format!(" v_c {:.4} m/min, h {:.4} mm;", speed * 60.0, thickness * 1e3)
+    };
+    let mut text: String = first.iter().map(named).collect();
+    if count > first.len() {
+        text += &format!(" and {} more;", count - first.len());
+    }
+    text + if count == of {
+        " not one has: are the units of both tables right?"
+    } else {
+        " simulate them, or take them out of the measured table"
     }
 }
-
-impl std::error::Error for GreyBoxError {}

@@ -1,7 +1,5 @@
 //! Flow curves: stress over plastic strain at one rate and one temperature.
 
-use std::fmt;
-
 /// One measured state. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
@@ -33,11 +31,16 @@ pub struct Curve {
 }
 
 /// Why there is nothing to fit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// A curve with a rate or temperature that is not positive.
+    #[error("`{name}`: strain rate and temperature have to be above 0")]
     NoCondition(String),
     /// Too few points in all curves together.
+    #[error(
+        "{points} points in {curves} curves: a law of five parameters needs more than five \
+         curves, over several rates and temperatures"
+    )]
     TooFew {
         /// Points that can be used.
         points: usize,
@@ -45,23 +48,6 @@ pub enum CurveError {
         curves: usize,
     },
 }
-
-impl fmt::Display for CurveError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoCondition(name) => {
-                write!(f, "`{name}`: strain rate and temperature have to be above 0")
-            }
-            Self::TooFew { points, curves } => write!(
-                f,
-                "{points} points in {curves} curves: a law of five parameters needs more than five \
-                 curves, over several rates and temperatures"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for CurveError {}
 
 /// Fewest curves and points.
 const FEWEST: (usize, usize) = (6, 20);

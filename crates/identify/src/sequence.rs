@@ -3,7 +3,6 @@
 use crate::law::stress_at;
 use crate::{LawChoice, Point, References};
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// The parameters found by the sequence, SI, and what they were found from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,30 +21,21 @@ pub struct Sequence {
 }
 
 /// Why the sequence cannot be gone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SequenceError {
     /// No curve at reference rate and reference temperature.
+    #[error("no curve at the reference rate and temperature gives A, B and n")]
     NoReference,
     /// Less than three points there lie above the yield stress.
+    #[error("the reference curve does not harden: no B and n")]
     NoHardening,
     /// No curve at the reference temperature with a higher rate.
+    #[error("no curve at the reference temperature has a higher rate: no C")]
     NoRates,
     /// No curve at the reference rate with a higher temperature.
+    #[error("no curve at the reference rate is warmer: no m")]
     NoTemperatures,
 }
-
-impl fmt::Display for SequenceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NoReference => "no curve at the reference rate and temperature gives A, B and n",
-            Self::NoHardening => "the reference curve does not harden: no B and n",
-            Self::NoRates => "no curve at the reference temperature has a higher rate: no C",
-            Self::NoTemperatures => "no curve at the reference rate is warmer: no m",
-        })
-    }
-}
-
-impl std::error::Error for SequenceError {}
 
 /// Temperatures that differ by less are the same.
 const SAME_TEMPERATURE: f64 = 15.0;

@@ -3,7 +3,6 @@
 
 use crate::Quantity;
 use crate::flow_stress::FlowStressTable;
-use std::fmt;
 use std::sync::Arc;
 
 /// The interval of admissible SI values of a parameter.
@@ -58,19 +57,25 @@ pub struct Parameter {
 }
 
 /// Why a set of parameter values was refused.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParameterError {
     /// A parameter without default was not given.
+    #[error("`{key}` is missing and has no default")]
     Missing {
         /// Key of the parameter.
         key: &'static str,
     },
     /// A key that the table does not have.
+    #[error("`{key}` is not a parameter of this table")]
     Unknown {
         /// The key as given.
         key: String,
     },
     /// A value outside the range of the table, or not finite.
+    #[error(
+        "`{key}` = {value} lies outside {}{}, {}]",
+        if .range.min_excluded { "(" } else { "[" }, .range.min, .range.max
+    )]
     OutOfRange {
         /// Key of the parameter.
         key: &'static str,
@@ -80,21 +85,6 @@ pub enum ParameterError {
         range: Range,
     },
 }
-
-impl fmt::Display for ParameterError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Missing { key } => write!(f, "`{key}` is missing and has no default"),
-            Self::Unknown { key } => write!(f, "`{key}` is not a parameter of this table"),
-            Self::OutOfRange { key, value, range } => {
-                let bracket = if range.min_excluded { "(" } else { "[" };
-                write!(f, "`{key}` = {value} lies outside {bracket}{}, {}]", range.min, range.max)
-            }
-        }
-    }
-}
-
-impl std::error::Error for ParameterError {}
 
 /// Checked SI values of a parameter table, in the table's order; with them the table of measured
 /// values for a law that has one.

@@ -10,45 +10,28 @@
 //! Of a specific heat the table also knows the heat content `H(T) = int_0^T cp dT` and its inverse
 //! in closed form: a piecewise parabola.
 
-use std::fmt;
-
 /// The temperature in K at which the single numbers of a tabulated property hold.
 pub const ROOM_TEMPERATURE: f64 = 293.15;
 
 /// Why pairs of temperature and value are no table.
-#[derive(Debug, Clone, PartialEq)]
-pub enum TableError {
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TemperatureTableError {
     /// There is no pair at all.
+    #[error("a table needs at least one pair")]
     Empty,
     /// A temperature is not above the one before it.
+    #[error("the temperature of pair {} is not above that of the pair before it", .index + 1)]
     NotRising {
         /// Which pair, from 0.
         index: usize,
     },
     /// A number is not finite, or a temperature or a value is not above zero.
+    #[error("pair {} has a number that is not above zero", .index + 1)]
     NotPositive {
         /// Which pair, from 0.
         index: usize,
     },
 }
-
-impl fmt::Display for TableError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "a table needs at least one pair"),
-            Self::NotRising { index } => write!(
-                f,
-                "the temperature of pair {} is not above that of the pair before it",
-                index + 1
-            ),
-            Self::NotPositive { index } => {
-                write!(f, "pair {} has a number that is not above zero", index + 1)
-            }
-        }
-    }
-}
-
-impl std::error::Error for TableError {}
 
 /// One knot with the integral of the property up to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,17 +53,17 @@ impl TemperatureTable {
     ///
     /// # Errors
     /// The first pair that is not positive or not in order.
-    pub fn new(pairs: &[(f64, f64)]) -> Result<Self, TableError> {
+    pub fn new(pairs: &[(f64, f64)]) -> Result<Self, TemperatureTableError> {
         let mut knots: Vec<Knot> = Vec::with_capacity(pairs.len());
         for (index, &(temperature, value)) in pairs.iter().enumerate() {
             let positive = |number: f64| number.is_finite() && number > 0.0;
             if !positive(temperature) || !positive(value) {
-                return Err(TableError::NotPositive { index });
+                return Err(TemperatureTableError::NotPositive { index });
             }
             let integral = match knots.last() {
                 None => value * temperature,
                 Some(last) if temperature <= last.temperature => {
-                    return Err(TableError::NotRising { index });
+                    return Err(TemperatureTableError::NotRising { index });
                 }
                 Some(last) => {
                     let width = temperature - last.temperature;
@@ -89,7 +72,7 @@ impl TemperatureTable {
             };
             knots.push(Knot { temperature, value, integral });
         }
-        if knots.is_empty() { Err(TableError::Empty) } else { Ok(Self { knots }) }
+        if knots.is_empty() { Err(TemperatureTableError::Empty) } else { Ok(Self { knots }) }
     }
 
     /// The pairs of temperature and value.
@@ -247,10 +230,16 @@ mod tests {
     #[test]
     fn no_disorder_and_nothing_below_zero() {
         let error = |pairs: &[(f64, f64)]| TemperatureTable::new(pairs).unwrap_err();
-        assert_eq!(error(&[]), TableError::Empty);
-        assert_eq!(error(&[(300.0, 1.0), (300.0, 2.0)]), TableError::NotRising { index: 1 });
-        assert_eq!(error(&[(300.0, 1.0), (400.0, 0.0)]), TableError::NotPositive { index: 1 });
-        assert_eq!(error(&[(f64::NAN, 1.0)]), TableError::NotPositive { index: 0 });
+        assert_eq!(error(&[]), TemperatureTableError::Empty);
+        assert_eq!(
+            error(&[(300.0, 1.0), (300.0, 2.0)]),
+            TemperatureTableError::NotRising { index: 1 }
+        );
+        assert_eq!(
+            error(&[(300.0, 1.0), (400.0, 0.0)]),
+            TemperatureTableError::NotPositive { index: 1 }
+        );
+        assert_eq!(error(&[(f64::NAN, 1.0)]), TemperatureTableError::NotPositive { index: 0 });
     }
 
     #[test]

@@ -1,14 +1,18 @@
 //! What keeps series from being diagnosed.
 
 use super::FEWEST_SEGMENTS;
-use std::fmt;
 
 /// Why series cannot be diagnosed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SeriesError {
     /// No record has a cut.
+    #[error("no record has a cut in it: there is no series to look at")]
     NoCut,
     /// No cut is long enough for the bins that are wanted.
+    #[error(
+        "the longest steady cut lasts {longest:.3} s: bins of {resolution:.3} Hz need {needed:.3} s, so that \
+         {FEWEST_SEGMENTS} segments can be averaged; cut longer, or state a wider `resolution`"
+    )]
     TooShort {
         /// Length of the longest in s.
         longest: f64,
@@ -18,6 +22,10 @@ pub enum SeriesError {
         needed: f64,
     },
     /// So few samples per second that the bins wanted are too few.
+    #[error(
+        "bins of {resolution:.3} Hz up to half the sampling rate, {nyquist:.1} Hz, are too few for a background; sample \
+         faster, or state a narrower `resolution`"
+    )]
     TooCoarse {
         /// Width of a bin in Hz.
         resolution: f64,
@@ -25,6 +33,10 @@ pub enum SeriesError {
         nyquist: f64,
     },
     /// A stated natural frequency that cannot be seen.
+    #[error(
+        "the natural frequency of {frequency:.1} Hz lies beyond half the sampling rate, {nyquist:.1} Hz: it would show at a wrong \
+         place; sample faster, or remove it"
+    )]
     BeyondNyquist {
         /// The frequency in Hz.
         frequency: f64,
@@ -32,6 +44,9 @@ pub enum SeriesError {
         nyquist: f64,
     },
     /// The free-running machine was recorded too shortly.
+    #[error(
+        "the recording of the free-running machine lasts {length:.3} s: {needed:.3} s are needed"
+    )]
     AirTooShort {
         /// Its length in s.
         length: f64,
@@ -39,32 +54,3 @@ pub enum SeriesError {
         needed: f64,
     },
 }
-
-impl fmt::Display for SeriesError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoCut => write!(f, "no record has a cut in it: there is no series to look at"),
-            Self::TooShort { longest, resolution, needed } => write!(
-                f,
-                "the longest steady cut lasts {longest:.3} s: bins of {resolution:.3} Hz need {needed:.3} s, so that \
-                 {FEWEST_SEGMENTS} segments can be averaged; cut longer, or state a wider `resolution`"
-            ),
-            Self::TooCoarse { resolution, nyquist } => write!(
-                f,
-                "bins of {resolution:.3} Hz up to half the sampling rate, {nyquist:.1} Hz, are too few for a background; sample \
-                 faster, or state a narrower `resolution`"
-            ),
-            Self::BeyondNyquist { frequency, nyquist } => write!(
-                f,
-                "the natural frequency of {frequency:.1} Hz lies beyond half the sampling rate, {nyquist:.1} Hz: it would show at a wrong \
-                 place; sample faster, or remove it"
-            ),
-            Self::AirTooShort { length, needed } => write!(
-                f,
-                "the recording of the free-running machine lasts {length:.3} s: {needed:.3} s are needed"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for SeriesError {}

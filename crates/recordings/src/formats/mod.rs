@@ -6,27 +6,15 @@ mod lvm;
 pub use csv::{CsvLayout, DecimalMark, Separator, read_csv};
 pub use lvm::read_lvm;
 
-use std::fmt;
-
 /// Why a file cannot be read, and where.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}{message}", .line.map_or_else(String::new, |line| format!("line {line}: ")))]
 pub struct FormatError {
     /// Line from 1, for text.
     pub line: Option<usize>,
     /// What is wrong.
     pub message: String,
 }
-
-impl fmt::Display for FormatError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.line {
-            Some(line) => write!(f, "line {line}: {}", self.message),
-            None => f.write_str(&self.message),
-        }
-    }
-}
-
-impl std::error::Error for FormatError {}
 
 pub(crate) fn at(line: usize, message: impl Into<String>) -> FormatError {
     FormatError { line: Some(line), message: message.into() }
