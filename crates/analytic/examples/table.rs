@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p sphcut-analytic --example table`
 
-use sphcut_analytic::{ActiveEffect, Cut, Observables, Physics, predict, solution};
+use sphcut_analytic::{ActiveEffect, Observables, OrthogonalCut, Physics, predict, solution};
 use sphcut_physics::CuttingCondition;
 use std::hint::black_box;
 use std::time::Instant;
@@ -21,7 +21,7 @@ fn main() -> Result<(), sphcut_analytic::Error> {
         ("opponent_all", Physics::OPPONENT_ALL),
     ];
     for (name, physics) in physics {
-        let mut cut = Cut::aisi_1045();
+        let mut cut = OrthogonalCut::aisi_1045();
         cut.physics = physics;
         for speed in [30.0, 50.0, 75.0, 100.0, 125.0, 150.0, 175.0, 200.0, 250.0, 300.0, 400.0] {
             for thickness in [0.02, 0.04, 0.06, 0.09, 0.12, 0.15, 0.2, 0.25] {
@@ -53,7 +53,7 @@ fn main() -> Result<(), sphcut_analytic::Error> {
 }
 
 /// Microseconds per condition, without effects and with two that act on the flow stress, on one core.
-fn cost(name: &str, cut: &Cut) -> Result<(), sphcut_analytic::Error> {
+fn cost(name: &str, cut: &OrthogonalCut) -> Result<(), sphcut_analytic::Error> {
     let two = [
         ActiveEffect::new("viscous_drag", &[("drag_coefficient", 0.1)])?,
         ActiveEffect::new("tanh_softening", &[("tanh_exponent", 0.1)])?,

@@ -1,8 +1,8 @@
 //! The rake face: contact length, secondary zone, interface temperature, Zorev's zones.
 
 use crate::heat;
-use crate::physics::{FrictionSpeed, Heat, ShearAngle};
-use crate::shear_zone::{Material, ShearZone};
+use crate::physics::{FrictionSpeed, HeatPartition, ShearAngle};
+use crate::shear_zone::{CutLaws, ParallelShearZone};
 use sphcut_physics::CuttingCondition;
 use sphcut_physics::flow_stress::FlowState;
 use sphcut_physics::friction::{ContactState, FrictionLaw, SpeedDependent, TemperatureDependent};
@@ -20,7 +20,7 @@ const EXPONENTIAL_SPEED: f64 = 1.0;
 /// xi: exponent of the pressure along the contact, 0 for a constant one (Oxley 1989; the general case: Moufki, Molinari and
 /// Dudzinski, J. Mech. Phys. Solids 46 (1998) 2103-2138). dT_M: [`heat`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct RakeContact {
     /// l in m.
     pub length: f64,
     /// F/(l b) in Pa.
@@ -48,12 +48,12 @@ pub enum Conductance {
     Finite(f64),
 }
 
-impl Contact {
+impl RakeContact {
     /// The contact below `zone`, whose friction is that which the balance of forces demands.
     pub fn below(
-        material: &Material,
+        material: &CutLaws,
         condition: &CuttingCondition,
-        zone: &ShearZone,
+        zone: &ParallelShearZone,
         (rate_constant, layer, pressure_exponent): (f64, f64, f64),
         conductance: Conductance,
     ) -> Self {
@@ -96,9 +96,9 @@ impl Contact {
 /// ```
 /// P = F v_ch: friction power; r_c: rise of the chip for unit power; r_t: that of the tool ([`heat::tool_rise`]).
 fn interface_temperature(
-    material: &Material,
+    material: &CutLaws,
     condition: &CuttingCondition,
-    zone: &ShearZone,
+    zone: &ParallelShearZone,
     (length, layer): (f64, f64),
     conductance: Conductance,
 ) -> (f64, f64) {
@@ -118,12 +118,12 @@ fn interface_temperature(
     let (specific_heat, conductivity) =
         (workpiece.specific_heat.at(chip), workpiece.conductivity.at(chip));
     let chip_rise = match cut.physics.heat {
-        Heat::Boothroyd => {
+        HeatPartition::Boothroyd => {
             let number = flow * specific_heat / (conductivity * cut.width_of_cut);
             let peak = heat::boothroyd_peak(number, zone.chip_thickness / length, layer);
             cut.interface_share * peak / (flow * specific_heat)
         }
-        Heat::MovingSource => {
+        HeatPartition::MovingSource => {
             let diffusivity = conductivity / (workpiece.density * specific_heat);
             heat::jaeger_rise(length, zone.chip_speed, conductivity, diffusivity) / cut.width_of_cut
         }
@@ -198,7 +198,7 @@ impl Sliding {
     /// ```
     /// Zorev, Interrelation between shear processes occurring along tool face and on shear plane in metal cutting, Int.
     /// Research in Production Engineering, ASME (1963) 42-49.
-    pub fn apparent(&self, zone: &ShearZone, contact: &Contact, xi: f64) -> (f64, f64) {
+    pub fn apparent(&self, zone: &ParallelShearZone, contact: &RakeContact, xi: f64) -> (f64, f64) {
         let coefficient = self.coefficient(zone.chip_speed, contact.temperature);
         let sliding_limit = coefficient * (1.0 + xi) * contact.mean_pressure;
         let sticking_limit = self.shear_friction_factor * contact.shear_strength;

@@ -57,7 +57,7 @@ impl FlowStress {
 
 /// The workpiece.
 #[derive(Debug, Clone)]
-pub struct Workpiece {
+pub struct WorkpieceMaterial {
     /// sigma_y.
     pub flow_stress: FlowStress,
     /// In kg/m^3.
@@ -76,7 +76,7 @@ pub struct Workpiece {
 
 /// The tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tool {
+pub struct CuttingTool {
     /// In rad, positive where it makes the edge keener (gamma; alpha in Oxley's letters).
     pub rake_angle: f64,
     /// r_n in m; 0 is an ideally sharp edge.
@@ -87,11 +87,11 @@ pub struct Tool {
 
 /// All that does not change from condition to condition.
 #[derive(Debug, Clone)]
-pub struct Cut {
+pub struct OrthogonalCut {
     /// The workpiece.
-    pub workpiece: Workpiece,
+    pub workpiece: WorkpieceMaterial,
     /// The tool.
-    pub tool: Tool,
+    pub tool: CuttingTool,
     /// b in m.
     pub width_of_cut: f64,
     /// mu of sliding contact.
@@ -110,7 +110,7 @@ pub struct Cut {
     pub physics: Physics,
 }
 
-impl Cut {
+impl OrthogonalCut {
     /// AISI 1045 normalized on carbide as in the grey-box paper, 3 mm wide: rake 5 degrees, edge radius 20 um, mu 0.25 while
     /// sliding, sticking with the full shear strength.
     ///
@@ -120,7 +120,7 @@ impl Cut {
     #[must_use]
     pub fn aisi_1045() -> Self {
         Self {
-            workpiece: Workpiece {
+            workpiece: WorkpieceMaterial {
                 flow_stress: FlowStress::JohnsonCook(JohnsonCook {
                     initial_yield: 331e6,
                     hardening_modulus: 614e6,
@@ -138,7 +138,7 @@ impl Cut {
                 initial_temperature: 293.15,
                 hardness: 1.76e9,
             },
-            tool: Tool {
+            tool: CuttingTool {
                 rake_angle: 5.0_f64.to_radians(),
                 edge_radius: 20e-6,
                 conductivity: 100.0,

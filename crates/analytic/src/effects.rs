@@ -13,7 +13,7 @@ const MOST_FREE: usize = 2;
 
 /// How an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Action {
+pub(crate) enum ClosedFormAction {
     FrictionSpeed,
     FrictionTemperature,
     ShearCap,
@@ -41,7 +41,7 @@ pub struct Effect {
     pub candidate: Candidate,
     /// The table that holds its parameters: the solver's own where the solver has the effect.
     pub table: &'static [Parameter],
-    pub(crate) action: Action,
+    pub(crate) action: ClosedFormAction,
 }
 
 impl Effect {
@@ -272,7 +272,7 @@ pub static EFFECTS: LazyLock<Vec<Effect>> = LazyLock::new(|| {
     let catalogued = catalogue::EFFECTS.iter().filter_map(|entry| {
         let candidate = entry.candidate?;
         let table = entry.parameters;
-        Some(Effect { key: entry.key, candidate, table, action: Action::Catalogue })
+        Some(Effect { key: entry.key, candidate, table, action: ClosedFormAction::Catalogue })
     });
     let mut all: Vec<Effect> = own_effects().into_iter().chain(catalogued).collect();
     let place = |family| Family::ALL.iter().position(|other| *other == family);
@@ -294,7 +294,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: friction_table("speed_dependent"),
-            action: Action::FrictionSpeed,
+            action: ClosedFormAction::FrictionSpeed,
         },
         // mu = mu_0 [1 - (T_int/T_m)^q]
         Effect {
@@ -307,7 +307,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: |values| WARM_CONTACT.powf(values[0]),
             },
             table: friction_table("temperature_dependent"),
-            action: Action::FrictionTemperature,
+            action: ClosedFormAction::FrictionTemperature,
         },
         // tau = min(mu p, m_s k)
         Effect {
@@ -320,7 +320,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: |values| 1.0 - values[0],
             },
             table: friction_table("shear_capped_coulomb"),
-            action: Action::ShearCap,
+            action: ClosedFormAction::ShearCap,
         },
         // c_p = c_0(T) + s c_0(T_0) (T - T_0)/1000 K
         Effect {
@@ -333,7 +333,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: SPECIFIC_HEAT,
-            action: Action::SpecificHeat,
+            action: ClosedFormAction::SpecificHeat,
         },
         // k = k_0(T) + s k_0(T_0) (T - T_0)/1000 K
         Effect {
@@ -347,7 +347,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: CONDUCTIVITY,
-            action: Action::Conductivity,
+            action: ClosedFormAction::Conductivity,
         },
         // q = h_c (T_chip - T_tool), the tool a steady corner
         Effect {
@@ -361,7 +361,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: TOOL_HEAT,
-            action: Action::ToolHeat,
+            action: ClosedFormAction::ToolHeat,
         },
         // ploughing force proportional to r_n + dr
         Effect {
@@ -374,7 +374,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: EDGE_RADIUS,
-            action: Action::EdgeRadius,
+            action: ClosedFormAction::EdgeRadius,
         },
         // rake + dg/(1 + exp((T_int - T_b)/40 K)), T_int without it
         Effect {
@@ -393,7 +393,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: BUILT_UP_EDGE,
-            action: Action::BuiltUpEdge,
+            action: ClosedFormAction::BuiltUpEdge,
         },
         // VB = w L; F_f + b VB p_0/3, F_c + mu of it
         Effect {
@@ -407,7 +407,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: FLANK_WEAR,
-            action: Action::FlankWear,
+            action: ClosedFormAction::FlankWear,
         },
         // h = h_cmd - F_f/K
         Effect {
@@ -420,7 +420,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: process::COMPLIANCE.parameters,
-            action: Action::Compliance,
+            action: ClosedFormAction::Compliance,
         },
         // F_f + c F_c
         Effect {
@@ -433,7 +433,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: CROSS_TALK,
-            action: Action::CrossTalk,
+            action: ClosedFormAction::CrossTalk,
         },
         // (1 + g_c) F_c, (1 + g_f) F_f
         Effect {
@@ -452,7 +452,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: GAIN,
-            action: Action::Gain,
+            action: ClosedFormAction::Gain,
         },
         // F_c + o_c, F_f + o_f
         Effect {
@@ -471,7 +471,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: OFFSET,
-            action: Action::Offset,
+            action: ClosedFormAction::Offset,
         },
         // F_c + d_c i, F_f + d_f i, i the place in the order of runs
         Effect {
@@ -490,7 +490,7 @@ fn own_effects() -> [Effect; 14] {
                 strength: first,
             },
             table: DRIFT,
-            action: Action::Drift,
+            action: ClosedFormAction::Drift,
         },
     ]
 }

@@ -35,14 +35,15 @@ mod root;
 mod shear_zone;
 mod solve;
 
-pub use contact::Contact;
-pub use cut::{Cut, FlowStress, Linear, Observables, Tool, Workpiece};
+pub use contact::RakeContact;
+pub use cut::{CuttingTool, FlowStress, Linear, Observables, OrthogonalCut, WorkpieceMaterial};
 pub use effects::{ActiveEffect, EFFECTS, Effect, REFERENCE_SPEED, THERMAL_SPAN, find};
 pub use error::Error;
 pub use physics::{
-    Closure, FrictionSpeed, Heat, Physics, Ploughing, RateConstant, SecondaryLayer, ShearAngle,
+    Closure, FrictionSpeed, HeatPartition, Physics, Ploughing, RateConstant, SecondaryLayer,
+    ShearAngle,
 };
 pub use predict::{predict, solution};
-pub use shear_zone::ShearZone;
+pub use shear_zone::ParallelShearZone;
 pub use solve::Solution;
 pub use sphcut_physics::candidate::{Candidate, Family, Free, Runs, Scale};

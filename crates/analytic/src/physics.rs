@@ -11,7 +11,7 @@ pub struct Physics {
     /// The angle between the resultant force and the shear plane.
     pub shear_angle: ShearAngle,
     /// Partition of heat.
-    pub heat: Heat,
+    pub heat: HeatPartition,
     /// Force on the rounded edge.
     pub ploughing: Ploughing,
     /// How friction falls with the sliding speed, where the effect is on.
@@ -23,7 +23,7 @@ impl Physics {
     pub const LIBRARY: Self = Self {
         closure: Closure::ZOREV,
         shear_angle: ShearAngle::Equilibrium,
-        heat: Heat::Boothroyd,
+        heat: HeatPartition::Boothroyd,
         ploughing: Ploughing::FlowStress,
         friction_speed: FrictionSpeed::Power,
     };
@@ -32,7 +32,7 @@ impl Physics {
     /// The library with other heat and other friction: closed solutions for moving heat sources, a coefficient that falls
     /// exponentially with the sliding speed.
     pub const OPPONENT_HEAT: Self = Self {
-        heat: Heat::MovingSource,
+        heat: HeatPartition::MovingSource,
         friction_speed: FrictionSpeed::Exponential,
         ..Self::LIBRARY
     };
@@ -41,7 +41,7 @@ impl Physics {
     pub const OPPONENT_ALL: Self = Self {
         closure: Closure::Zorev { pressure_exponent: 1.0, layer: 0.08 },
         shear_angle: ShearAngle::LeastEnergy,
-        heat: Heat::MovingSource,
+        heat: HeatPartition::MovingSource,
         ploughing: Ploughing::Hardness,
         friction_speed: FrictionSpeed::Exponential,
     };
@@ -79,7 +79,7 @@ impl Closure {
 /// C_O of Oxley's closure: strain rate on the shear plane over speed along it by its length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RateConstant {
-    /// That of [`crate::Cut::rate_constant`].
+    /// That of [`crate::OrthogonalCut::rate_constant`].
     Given,
     /// The one with which the normal stress at the edge is the same from the contact and from the shear plane.
     NormalStress,
@@ -108,7 +108,7 @@ pub enum ShearAngle {
 /// Partition of the heat of the shear plane and of friction. The tool takes heat only where the effect says so, a steady corner
 /// as Loewen and Shaw (1954) have it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Heat {
+pub enum HeatPartition {
     /// Fits of Boothroyd (1963) as used by Oxley (1989).
     Boothroyd,
     /// Closed solutions: Weiner (1955) for the shear plane, Jaeger (1942) for the chip.

@@ -1,11 +1,11 @@
 //! A cut with its effects: from the condition to what is measured.
 
 use crate::contact::{Conductance, Sliding};
-use crate::effects::{Action, BUILT_UP_WIDTH, REFERENCE_SPEED, THERMAL_SPAN};
+use crate::effects::{BUILT_UP_WIDTH, ClosedFormAction, REFERENCE_SPEED, THERMAL_SPAN};
 use crate::physics::Ploughing;
-use crate::shear_zone::Material;
+use crate::shear_zone::CutLaws;
 use crate::solve::{Solution, System};
-use crate::{ActiveEffect, Cut, EFFECTS, Error, Linear, Observables, edge};
+use crate::{ActiveEffect, EFFECTS, Error, Linear, Observables, OrthogonalCut, edge};
 use sphcut_physics::effects::{self as catalogue, ChosenEffect, EffectContext, HeatShare};
 use sphcut_physics::{CuttingCondition, Values};
 use std::cell::Cell;
@@ -15,7 +15,7 @@ const MOST_ROUNDS: usize = 40;
 
 /// A cut with what the effects change.
 struct Changed {
-    cut: Cut,
+    cut: OrthogonalCut,
     /// Effects that act through the physics catalogue.
     chosen: Vec<ChosenEffect>,
     heat_share: Option<Box<dyn HeatShare>>,
@@ -41,7 +41,7 @@ struct Instrument {
 
 /// What is measured of `cut` at `condition` with `effects`.
 ///
-/// Forces of the chip ([`crate::ShearZone`], closed by [`crate::Contact`]), of the rounded edge and of the wear land are
+/// Forces of the chip ([`crate::ParallelShearZone`], closed by [`crate::RakeContact`]), of the rounded edge and of the wear land are
 /// added; the layer that the edge presses under itself is not taken off the chip. The order of the effects does not
 /// matter; of one given twice the last counts.
 ///
@@ -49,7 +49,7 @@ struct Instrument {
 /// A number of cut or condition that makes no sense, an uncut chip thinner than what the edge presses under itself, or no
 /// shear angle.
 pub fn predict(
-    cut: &Cut,
+    cut: &OrthogonalCut,
     condition: &CuttingCondition,
     effects: &[ActiveEffect],
 ) -> Result<Observables, Error> {
@@ -63,7 +63,7 @@ pub fn predict(
 /// # Errors
 /// As [`predict`].
 pub fn solution(
-    cut: &Cut,
+    cut: &OrthogonalCut,
     condition: &CuttingCondition,
     effects: &[ActiveEffect],
 ) -> Result<Solution, Error> {
@@ -72,7 +72,7 @@ pub fn solution(
 
 impl Changed {
     fn new(
-        cut: &Cut,
+        cut: &OrthogonalCut,
         condition: &CuttingCondition,
         effects: &[ActiveEffect],
     ) -> Result<Self, Error> {
@@ -104,33 +104,33 @@ impl Changed {
         let values = active.values();
         let first = values[0];
         match active.effect.action {
-            Action::FrictionSpeed => self.friction_exponent = Some(first),
-            Action::FrictionTemperature => self.temperature_exponent = Some(first),
-            Action::ShearCap => self.cut.shear_friction_factor *= first,
-            Action::Catalogue => self.chosen.push(chosen(&self.cut, active)?),
-            Action::SpecificHeat => {
+            ClosedFormAction::FrictionSpeed => self.friction_exponent = Some(first),
+            ClosedFormAction::FrictionTemperature => self.temperature_exponent = Some(first),
+            ClosedFormAction::ShearCap => self.cut.shear_friction_factor *= first,
+            ClosedFormAction::Catalogue => self.chosen.push(chosen(&self.cut, active)?),
+            ClosedFormAction::SpecificHeat => {
                 let start = self.cut.workpiece.initial_temperature;
                 steepen(&mut self.cut.workpiece.specific_heat, first, start);
             }
-            Action::Conductivity => {
+            ClosedFormAction::Conductivity => {
                 let start = self.cut.workpiece.initial_temperature;
                 steepen(&mut self.cut.workpiece.conductivity, first, start);
             }
-            Action::ToolHeat => {
+            ClosedFormAction::ToolHeat => {
                 self.conductance =
                     if first > 0.0 { Conductance::Finite(first) } else { Conductance::None };
             }
-            Action::EdgeRadius => self.cut.tool.edge_radius += first,
-            Action::BuiltUpEdge => self.built_up_edge = Some((first, values[1])),
-            Action::FlankWear => self.wear_per_length = first,
-            Action::Compliance => {
+            ClosedFormAction::EdgeRadius => self.cut.tool.edge_radius += first,
+            ClosedFormAction::BuiltUpEdge => self.built_up_edge = Some((first, values[1])),
+            ClosedFormAction::FlankWear => self.wear_per_length = first,
+            ClosedFormAction::Compliance => {
                 let rigid = active.effect.candidate.free[0].vanishing.unwrap_or(f64::INFINITY);
                 self.stiffness = (first < rigid).then_some(first);
             }
-            Action::CrossTalk => self.instrument.cross_talk = first,
-            Action::Gain => self.instrument.gain = (first, values[1]),
-            Action::Offset => self.instrument.offset = (first, values[1]),
-            Action::Drift => self.instrument.drift = (first, values[1]),
+            ClosedFormAction::CrossTalk => self.instrument.cross_talk = first,
+            ClosedFormAction::Gain => self.instrument.gain = (first, values[1]),
+            ClosedFormAction::Offset => self.instrument.offset = (first, values[1]),
+            ClosedFormAction::Drift => self.instrument.drift = (first, values[1]),
         }
         Ok(())
     }
@@ -216,7 +216,7 @@ impl Changed {
         let context = EffectContext { uncut_chip_thickness: Some(condition.uncut_chip_thickness) };
         let law =
             catalogue::with_effects(cut.workpiece.flow_stress.build(), &self.chosen, &context);
-        let material = Material {
+        let material = CutLaws {
             cut: &cut,
             law: law.as_ref(),
             heat_share: self.heat_share.as_deref(),
@@ -258,7 +258,7 @@ fn steepen(line: &mut Linear, share: f64, start: f64) {
 }
 
 /// The effect as the physics catalogue has it: free parameters as given, what the cut knows from the cut.
-fn chosen(cut: &Cut, active: &ActiveEffect) -> Result<ChosenEffect, Error> {
+fn chosen(cut: &OrthogonalCut, active: &ActiveEffect) -> Result<ChosenEffect, Error> {
     let key = active.effect.key;
     let entry = catalogue::find(key).ok_or_else(|| Error::UnknownEffect { key: key.to_owned() })?;
     let mut given = vec![

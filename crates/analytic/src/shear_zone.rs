@@ -1,8 +1,8 @@
 //! The primary zone at a given shear angle.
 
-use crate::physics::{Heat, ShearAngle};
+use crate::physics::{HeatPartition, ShearAngle};
 use crate::root;
-use crate::{Cut, heat};
+use crate::{OrthogonalCut, heat};
 use sphcut_physics::CuttingCondition;
 use sphcut_physics::effects::HeatShare;
 use sphcut_physics::flow_stress::{FlowState, FlowStressModel};
@@ -30,7 +30,7 @@ const TEMPERATURE_WIDTH: f64 = 1e-9;
 /// The physics crate's `ShearPlane` is the special case of Johnson-Cook, Merchant's angle (theta = pi/2 - phi) and friction of one
 /// coefficient without sticking.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ShearZone {
+pub struct ParallelShearZone {
     /// phi in rad.
     pub shear_angle: f64,
     /// theta in rad: of the resultant force against the shear plane.
@@ -62,9 +62,9 @@ pub struct ShearZone {
 }
 
 /// A cut with the laws built.
-pub struct Material<'a> {
+pub struct CutLaws<'a> {
     /// What is cut.
-    pub cut: &'a Cut,
+    pub cut: &'a OrthogonalCut,
     /// sigma_y with its effects.
     pub law: &'a dyn FlowStressModel,
     /// beta, where an effect says it.
@@ -73,10 +73,10 @@ pub struct Material<'a> {
     pub last_temperature: Cell<f64>,
 }
 
-impl ShearZone {
+impl ParallelShearZone {
     /// The zone at phi with C_O.
     pub fn at(
-        material: &Material,
+        material: &CutLaws,
         condition: &CuttingCondition,
         phi: f64,
         rate_constant: f64,
@@ -154,7 +154,7 @@ impl ShearZone {
 
 /// T_AB and dT: the root of `T - T_0 - eta dT(T)`, which rises where the strength falls with temperature.
 fn plane_temperature(
-    material: &Material,
+    material: &CutLaws,
     condition: &CuttingCondition,
     state: &FlowState,
     tan_phi: f64,
@@ -171,8 +171,8 @@ fn plane_temperature(
         let capacity = flow * workpiece.specific_heat.at(temperature);
         let number = capacity / workpiece.conductivity.at(temperature);
         let into_workpiece = match cut.physics.heat {
-            Heat::Boothroyd => heat::boothroyd_share(number, tan_phi),
-            Heat::MovingSource => heat::weiner_share(number, tan_phi),
+            HeatPartition::Boothroyd => heat::boothroyd_share(number, tan_phi),
+            HeatPartition::MovingSource => heat::weiner_share(number, tan_phi),
         };
         plastic_heat * (1.0 - into_workpiece) * stress / 3.0_f64.sqrt() * swept / capacity
     };

@@ -1,10 +1,10 @@
 //! The shear angle that the closure asks for.
 
 use crate::Error;
-use crate::contact::{Conductance, Contact, Sliding};
+use crate::contact::{Conductance, RakeContact, Sliding};
 use crate::physics::{Closure, RateConstant, SecondaryLayer};
 use crate::root;
-use crate::shear_zone::{Material, ShearZone};
+use crate::shear_zone::{CutLaws, ParallelShearZone};
 use sphcut_physics::CuttingCondition;
 use std::f64::consts::FRAC_PI_4;
 
@@ -25,9 +25,9 @@ const LAYERS: (f64, f64) = (0.005, 0.2);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solution {
     /// The primary zone.
-    pub zone: ShearZone,
+    pub zone: ParallelShearZone,
     /// The rake face.
-    pub contact: Contact,
+    pub contact: RakeContact,
     /// Share of the contact length that sticks; 1 in Oxley's closure.
     pub sticking_share: f64,
     /// C_O.
@@ -36,25 +36,30 @@ pub struct Solution {
     pub layer: f64,
 }
 
-/// What acts on a cut: [`Material`] and what the contact does.
+/// What acts on a cut: [`CutLaws`] and what the contact does.
 pub struct System<'a> {
-    pub material: Material<'a>,
+    pub material: CutLaws<'a>,
     pub sliding: Sliding,
     pub conductance: Conductance,
 }
 
 impl System<'_> {
-    fn zone(&self, condition: &CuttingCondition, phi: f64, rate_constant: f64) -> ShearZone {
-        ShearZone::at(&self.material, condition, phi, rate_constant)
+    fn zone(
+        &self,
+        condition: &CuttingCondition,
+        phi: f64,
+        rate_constant: f64,
+    ) -> ParallelShearZone {
+        ParallelShearZone::at(&self.material, condition, phi, rate_constant)
     }
 
     fn contact(
         &self,
         condition: &CuttingCondition,
-        zone: &ShearZone,
+        zone: &ParallelShearZone,
         given: (f64, f64, f64),
-    ) -> Contact {
-        Contact::below(&self.material, condition, zone, given, self.conductance)
+    ) -> RakeContact {
+        RakeContact::below(&self.material, condition, zone, given, self.conductance)
     }
 
     /// An angle above which the rake face would pull the chip: lambda = 0 lies below.

@@ -2,7 +2,8 @@
 
 use approx::assert_relative_eq;
 use sphcut_analytic::{
-    ActiveEffect, Cut, EFFECTS, Effect, Error, Family, Observables, Physics, Scale, find, predict,
+    ActiveEffect, EFFECTS, Effect, Error, Family, Observables, OrthogonalCut, Physics, Scale, find,
+    predict,
 };
 use sphcut_physics::{Channel, CuttingCondition};
 
@@ -22,8 +23,8 @@ fn conditions() -> Vec<CuttingCondition> {
 }
 
 /// A cut whose contact slides and sticks, so that every effect on friction has something to act on.
-fn cut(physics: Physics) -> Cut {
-    Cut { physics, friction_coefficient: 0.55, ..Cut::aisi_1045() }
+fn cut(physics: Physics) -> OrthogonalCut {
+    OrthogonalCut { physics, friction_coefficient: 0.55, ..OrthogonalCut::aisi_1045() }
 }
 
 /// Values in the middle of the prior.
@@ -47,7 +48,7 @@ fn vanishing(effect: &'static Effect) -> ActiveEffect {
     ActiveEffect::of(effect, &values).unwrap()
 }
 
-fn all(cut: &Cut, effects: &[ActiveEffect]) -> Vec<Observables> {
+fn all(cut: &OrthogonalCut, effects: &[ActiveEffect]) -> Vec<Observables> {
     let keys: Vec<&str> = effects.iter().map(|active| active.effect.key).collect();
     conditions()
         .iter()

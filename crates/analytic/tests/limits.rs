@@ -2,7 +2,8 @@
 
 use approx::assert_relative_eq;
 use sphcut_analytic::{
-    Closure, Cut, Error, FlowStress, Linear, Physics, ShearAngle, Solution, predict, solution,
+    Closure, Error, FlowStress, Linear, OrthogonalCut, Physics, ShearAngle, Solution, predict,
+    solution,
 };
 use sphcut_physics::CuttingCondition;
 use sphcut_physics::flow_stress::JohnsonCook;
@@ -12,8 +13,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 const CONDITION: CuttingCondition = CuttingCondition::new(2.5, 0.12e-3);
 
 /// A rigid, ideally plastic solid of 600 MPa that nothing softens, with a sharp tool.
-fn ideal(rake_angle: f64, friction_coefficient: f64) -> Cut {
-    let mut cut = Cut::aisi_1045();
+fn ideal(rake_angle: f64, friction_coefficient: f64) -> OrthogonalCut {
+    let mut cut = OrthogonalCut::aisi_1045();
     cut.workpiece.flow_stress = FlowStress::JohnsonCook(JohnsonCook {
         initial_yield: 600e6,
         hardening_modulus: 0.0,
@@ -32,7 +33,7 @@ fn ideal(rake_angle: f64, friction_coefficient: f64) -> Cut {
     cut
 }
 
-fn solved(cut: &Cut) -> Solution {
+fn solved(cut: &OrthogonalCut) -> Solution {
     solution(cut, &CONDITION, &[]).unwrap()
 }
 
@@ -74,7 +75,7 @@ fn while_all_slides_the_force_leans_by_the_angle_of_friction() {
 #[test]
 fn a_high_coefficient_makes_the_contact_stick_and_matters_no_more() {
     let forces = [0.3, 0.6, 1.2, 2.0].map(|mu| {
-        let found = solved(&Cut { shear_friction_factor: 0.3, ..ideal(0.05, mu) });
+        let found = solved(&OrthogonalCut { shear_friction_factor: 0.3, ..ideal(0.05, mu) });
         let contact = found.contact;
         assert!(contact.mean_shear_stress < 0.3 * contact.shear_strength, "{mu}");
         assert!(found.zone.friction_angle.tan() <= mu * (1.0 + 1e-9));
@@ -90,7 +91,7 @@ fn the_power_of_the_cut_is_that_of_plane_and_contact() {
     for physics in [Physics::LIBRARY, Physics::OXLEY, Physics::OPPONENT_HEAT, Physics::OPPONENT_ALL]
     {
         for rake in [-7.0_f64, 0.0, 5.0] {
-            let mut cut = Cut::aisi_1045();
+            let mut cut = OrthogonalCut::aisi_1045();
             cut.physics = physics;
             cut.tool.rake_angle = rake.to_radians();
             cut.friction_coefficient = 0.5;
@@ -111,7 +112,7 @@ fn the_power_of_the_cut_is_that_of_plane_and_contact() {
 /// Merchant's circle: the components along and across the shear plane and the rake face are of one and the same force.
 #[test]
 fn the_components_are_those_of_one_force() {
-    let mut cut = Cut::aisi_1045();
+    let mut cut = OrthogonalCut::aisi_1045();
     cut.friction_coefficient = 0.45;
     let zone = solved(&cut).zone;
     let (rake, phi) = (cut.tool.rake_angle, zone.shear_angle);
@@ -129,7 +130,7 @@ fn the_components_are_those_of_one_force() {
 /// place and the shares of heat, which are set alike.
 #[test]
 fn the_shear_plane_is_a_special_case() {
-    let mut cut = Cut::aisi_1045();
+    let mut cut = OrthogonalCut::aisi_1045();
     let FlowStress::JohnsonCook(law) = cut.workpiece.flow_stress.clone() else { unreachable!() };
     cut.physics = Physics { shear_angle: ShearAngle::LeastEnergy, ..Physics::LIBRARY };
     cut.workpiece.specific_heat = Linear::constant(500.0);
@@ -173,7 +174,7 @@ fn merchants_and_lee_and_shaffers_angles_are_met() {
 /// h and 1/v scaled together keep R, and in a solid without rate all angles and temperatures: forces scale with h.
 #[test]
 fn without_rate_and_size_forces_scale_with_the_cut() {
-    let mut cut = Cut::aisi_1045();
+    let mut cut = OrthogonalCut::aisi_1045();
     let FlowStress::JohnsonCook(law) = &mut cut.workpiece.flow_stress else { unreachable!() };
     law.rate_coefficient = 0.0;
     cut.friction_coefficient = 0.6;
@@ -193,8 +194,8 @@ fn without_rate_and_size_forces_scale_with_the_cut() {
 
 #[test]
 fn forces_are_in_proportion_to_the_width() {
-    let narrow = Cut::aisi_1045();
-    let wide = Cut { width_of_cut: 6e-3, ..narrow.clone() };
+    let narrow = OrthogonalCut::aisi_1045();
+    let wide = OrthogonalCut { width_of_cut: 6e-3, ..narrow.clone() };
     let (one, two) = (predict(&narrow, &CONDITION, &[]), predict(&wide, &CONDITION, &[]));
     let (one, two) = (one.unwrap(), two.unwrap());
     assert_relative_eq!(two.cutting_force, 2.0 * one.cutting_force, max_relative = 1e-9);
@@ -220,7 +221,8 @@ fn the_chip_carries_the_power_that_nothing_else_takes() {
 fn the_answer_is_smooth_over_the_range() {
     for physics in [Physics::LIBRARY, Physics::OPPONENT_HEAT, Physics::OPPONENT_ALL] {
         for mu in [0.2, 0.5, 0.8] {
-            let cut = Cut { physics, friction_coefficient: mu, ..Cut::aisi_1045() };
+            let cut =
+                OrthogonalCut { physics, friction_coefficient: mu, ..OrthogonalCut::aisi_1045() };
             let mut before: Option<f64> = None;
             for step in 0..=400 {
                 let speed = 0.5 * (6.67_f64 / 0.5).powf(f64::from(step) / 400.0);
@@ -243,7 +245,7 @@ fn the_answer_is_smooth_over_the_range() {
 /// fitted to it. A closed-form model of that kind is right to a fifth or so.
 #[test]
 fn forces_are_of_the_measured_size() {
-    let cut = Cut::aisi_1045();
+    let cut = OrthogonalCut::aisi_1045();
     let force = |thickness| {
         predict(&cut, &CuttingCondition::new(2.5, thickness), &[]).unwrap().cutting_force
     };
@@ -253,7 +255,7 @@ fn forces_are_of_the_measured_size() {
 
 #[test]
 fn nonsense_is_refused() {
-    let cut = Cut::aisi_1045();
+    let cut = OrthogonalCut::aisi_1045();
     for (speed, thickness) in [(0.0, 1e-4), (-1.0, 1e-4), (1.0, f64::NAN), (f64::INFINITY, 1e-4)] {
         let error = predict(&cut, &CuttingCondition::new(speed, thickness), &[]).unwrap_err();
         assert!(matches!(error, Error::NotPositive { .. }), "{error}");

@@ -9,7 +9,8 @@
 //! eta = 0.9, which public implementations of the paper carry, it is 20 K less.
 
 use sphcut_analytic::{
-    Closure, Cut, FlowStress, Linear, Physics, RateConstant, SecondaryLayer, Solution, solution,
+    Closure, FlowStress, Linear, OrthogonalCut, Physics, RateConstant, SecondaryLayer, Solution,
+    solution,
 };
 use sphcut_physics::CuttingCondition;
 use sphcut_physics::flow_stress::JohnsonCook;
@@ -73,8 +74,8 @@ fn rows() -> impl Iterator<Item = Row> {
 }
 
 /// AISI 1045 of the paper: Johnson-Cook of Jaspers (1999), 1.6 mm wide, room at 25 degC.
-fn cut(row: &Row, rate_constant: RateConstant, layer: SecondaryLayer) -> Cut {
-    let mut cut = Cut::aisi_1045();
+fn cut(row: &Row, rate_constant: RateConstant, layer: SecondaryLayer) -> OrthogonalCut {
+    let mut cut = OrthogonalCut::aisi_1045();
     let room = 298.15;
     cut.workpiece.flow_stress = FlowStress::JohnsonCook(JohnsonCook {
         initial_yield: 553.1e6,

@@ -6,7 +6,7 @@ use sphcut_diagnose::DiagnosisFile;
 use sphcut_identify::Identification;
 use sphcut_input::{Colours, Mistake, OutsideFiles, Problem};
 use sphcut_record::{Provenance, Setting};
-use sphcut_recordings::Recordings;
+use sphcut_recordings::RecordingPlan;
 use sphcut_scenario::{LoadOptions, Scenario, ScenarioPatch};
 use sphcut_sweep::Sweep;
 use std::io::IsTerminal;
@@ -22,7 +22,7 @@ pub fn scenario(arguments: &PatchableArguments) -> Result<Scenario, Failure> {
 }
 
 /// Reads and checks a file of recordings.
-pub fn recordings(arguments: &ScenarioArguments) -> Result<Recordings, Failure> {
+pub fn recordings(arguments: &ScenarioArguments) -> Result<RecordingPlan, Failure> {
     sphcut_recordings::load_recordings(&arguments.scenario, options(arguments).outside_files)
         .map_err(|problems| refused(arguments, &problems))
 }

@@ -2,7 +2,7 @@
 //! another batch of steel, a dynamometer with gain, offset and drift, 3 % of noise and one concealed effect:
 //! `cargo run --release -p sphcut-diagnose --example diagnosis_example > scenarios/diagnosis/cuts.csv`
 
-use sphcut_analytic::{ActiveEffect, Cut, FlowStress, predict};
+use sphcut_analytic::{ActiveEffect, FlowStress, OrthogonalCut, predict};
 use sphcut_greybox::Random;
 use sphcut_physics::CuttingCondition;
 
@@ -13,7 +13,7 @@ const REPEATS: usize = 2;
 
 fn main() {
     let mut random = Random::new(7, &[1]);
-    let mut cut = Cut::aisi_1045();
+    let mut cut = OrthogonalCut::aisi_1045();
     if let FlowStress::JohnsonCook(law) = &mut cut.workpiece.flow_stress {
         law.initial_yield *= (0.08 * random.normal()).exp();
         law.hardening_modulus *= (0.08 * random.normal()).exp();

@@ -3,10 +3,10 @@
 use crate::DiagnosisCase;
 use crate::data::recordings::{Recording, Recordings};
 use crate::error::DiagnoseError;
-use crate::inference::commissioning::{Batch, Comparison};
+use crate::inference::commissioning::{Batch, ReferenceComparison};
 use crate::inference::problem::InstrumentPriors;
 use crate::model::predictor::Predictor;
-use crate::session::{Diagnosis, Request, diagnose};
+use crate::session::{Diagnosis, DiagnosisRequest, diagnose};
 use sphcut_input::CutTableRow;
 
 /// The recordings of a case and what they say against `model`.
@@ -27,18 +27,21 @@ pub fn diagnose_case(
 pub fn diagnose_case_as(
     case: &DiagnosisCase,
     model: &dyn Predictor,
-    change: impl FnOnce(&mut Request<'_>),
+    change: impl FnOnce(&mut DiagnosisRequest<'_>),
 ) -> Result<(Recordings, Diagnosis), DiagnoseError> {
     let measured = recordings(&case.measured, model, "measured")?;
     let reference = case.reference.as_ref();
     let cuts = reference.map(|cuts| recordings(&cuts.rows, model, "reference")).transpose()?;
     let reference = cuts.as_ref().zip(reference).map(|(cuts, stated)| {
-        let comparison =
-            if stated.difference { Comparison::Difference } else { Comparison::BiasField };
+        let comparison = if stated.difference {
+            ReferenceComparison::Difference
+        } else {
+            ReferenceComparison::BiasField
+        };
         (cuts, comparison, if stated.same_batch { Batch::Same } else { Batch::Another })
     });
     let [gain, offset, drift] = case.instruments;
-    let mut request = Request {
+    let mut request = DiagnosisRequest {
         recordings: &measured,
         reference,
         model_error: case.model_error,

@@ -1,12 +1,12 @@
 //! `diagnosis.json`.
 
-use crate::check::held_out::{Held, Part};
+use crate::check::held_out::{HeldOutErrors, Part};
 use crate::check::self_test::Rate;
 use crate::data::recordings::{NoiseSource, Recordings};
 use crate::inference::attribute::Hypothesis;
 use crate::inference::commissioning::BiasOrigin;
 use crate::inference::fit::Fit;
-use crate::inference::verdict::Verdict;
+use crate::inference::verdict::ClaimVerdict;
 use crate::model::predictor::Predictor;
 use crate::session::Diagnosis;
 use serde_json::{Value, json};
@@ -15,7 +15,7 @@ use sphcut_physics::{CuttingCondition, ToolGeometry};
 /// Version of the schema of `diagnosis.json`.
 const SCHEMA_VERSION: &str = "1.0";
 
-impl Verdict {
+impl ClaimVerdict {
     /// Its name in files.
     #[must_use]
     pub const fn key(&self) -> &'static str {
@@ -44,7 +44,7 @@ impl Part {
 
 /// Where a diagnosis comes from.
 #[derive(Debug, Clone, Copy)]
-pub struct Provenance<'a> {
+pub struct DiagnosisProvenance<'a> {
     /// What was measured.
     pub title: &'a str,
     /// Where it comes from.
@@ -60,7 +60,7 @@ pub struct Provenance<'a> {
 /// All figures; SI units.
 #[must_use]
 pub fn diagnosis_json(
-    provenance: &Provenance<'_>,
+    provenance: &DiagnosisProvenance<'_>,
     found: &Diagnosis,
     recordings: &Recordings,
     predictor: &dyn Predictor,
@@ -68,7 +68,8 @@ pub fn diagnosis_json(
     let effects = predictor.effects();
     let keys = |list: &[usize]| list.iter().map(|&k| effects[k].key).collect::<Vec<_>>();
     let finding = &found.finding;
-    let named = if let Verdict::Named(named) = &finding.verdict { keys(named) } else { Vec::new() };
+    let named =
+        if let ClaimVerdict::Named(named) = &finding.verdict { keys(named) } else { Vec::new() };
     let page = json!({
         "schema_version": SCHEMA_VERSION,
         "program_version": provenance.version,
@@ -265,7 +266,7 @@ fn rate(rate: Rate, asked: usize) -> Value {
     json!({ "asked": asked, "hits": rate.hits, "trials": rate.trials, "interval": rate.interval() })
 }
 
-fn held(held: &Held) -> Value {
+fn held(held: &HeldOutErrors) -> Value {
     json!({
         "part": held.part.key(),
         "values": held.values,

@@ -10,7 +10,7 @@
 //! phi_k of a hypothesis k about what is missing, and the run order o from -1/2 to 1/2. Nuisances are never a
 //! discovery: they are fitted anew under every hypothesis, with their priors. In order:
 //!
-//! 1. [`Recordings`] become a [`Problem`]: logarithms, noise from repeats or stated deviations, instrument columns.
+//! 1. [`Recordings`] become a [`RegressionProblem`]: logarithms, noise from repeats or stated deviations, instrument columns.
 //! 2. [`fit`] finds the most probable nuisances when nothing is missing.
 //! 3. [`Templates`] hold what each effect would change there, and all that is linear is integrated out.
 //! 4. [`locate`] says where the residual is more than chance.
@@ -38,38 +38,40 @@ mod patch;
 mod plan;
 pub mod series;
 mod session;
+#[cfg(test)]
+mod tests;
 mod wear;
 
 pub use case::{diagnose_case, diagnose_case_as};
-pub use check::held_out::{Held, HeldValue, Part, does_it_help};
+pub use check::held_out::{HeldOutErrors, HeldValue, Part, does_it_help};
 pub use check::rerun::{
     Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions, unseen_fits,
 };
 pub use check::self_test::{PositiveControl, Rate, Simulator};
-pub use data::recordings::{Noise, NoiseSource, Recording, Recordings};
+pub use data::recordings::{ChannelNoise, NoiseSource, Recording, Recordings};
 pub use error::DiagnoseError;
 pub use file::{
     AirRecord, DiagnosisCase, DiagnosisFile, PairedRunsPlan, ReferenceCuts, SeriesPlan,
     load_diagnosis, load_diagnosis_file,
 };
-pub use files::{Provenance, diagnosis_json, held_out_csv};
+pub use files::{DiagnosisProvenance, diagnosis_json, held_out_csv};
 pub use inference::attribute::{Attribution, Hypothesis, Scored, attribute};
-pub use inference::commissioning::{Batch, Bias, BiasOrigin, Comparison};
+pub use inference::commissioning::{Batch, Bias, BiasOrigin, ReferenceComparison};
 pub use inference::fit::{Fit, fit};
 pub use inference::locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
 pub use inference::monotone::never_falling;
-pub use inference::problem::{InstrumentPriors, Problem, Row, Site};
+pub use inference::problem::{InstrumentPriors, RegressionProblem, RegressionRow, Site};
 pub use inference::setups::SetupScatter;
 pub use inference::templates::Templates;
-pub use inference::verdict::{Finding, Gate, Verdict, judge};
+pub use inference::verdict::{ClaimVerdict, Conclusion, Gate, judge};
 pub use model::closed_form::ClosedForm;
 pub use model::closed_form_cut::closed_form_cut;
 pub use model::paired::{
     Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support,
 };
-pub use model::predictor::{Active, Effect, EffectParameter, Nuisance, Predictor, Prior};
+pub use model::predictor::{Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior};
 pub use patch::{patch, scenario_patch};
 pub use plan::next_experiment::{NextExperiment, Rival, next_experiment};
-pub use session::{Diagnosis, Estimate, Request, diagnose};
+pub use session::{Diagnosis, DiagnosisRequest, ParameterEstimate, diagnose};
 pub use wear::files::{growth_csv, growth_json, growth_words};
-pub use wear::growth::{Amount, Cause, Direction, Growth, LeftOut, Segment, grows};
+pub use wear::growth::{Amount, Cause, Direction, LeftOutTool, WearGrowth, WearSegment, grows};

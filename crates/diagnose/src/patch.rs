@@ -2,8 +2,8 @@
 
 use crate::DiagnosisCase;
 use crate::error::DiagnoseError;
-use crate::files::Provenance;
-use crate::inference::verdict::Verdict;
+use crate::files::DiagnosisProvenance;
+use crate::inference::verdict::ClaimVerdict;
 use crate::model::paired::Change;
 use crate::model::predictor::Predictor;
 use crate::model::scenario_keys::ScenarioKeys;
@@ -16,12 +16,12 @@ use std::fmt::Write;
 /// # Errors
 /// A change that the scenario cannot have.
 pub fn patch(
-    provenance: &Provenance<'_>,
+    provenance: &DiagnosisProvenance<'_>,
     case: &DiagnosisCase,
     found: &Diagnosis,
     predictor: &dyn Predictor,
 ) -> Result<Option<String>, DiagnoseError> {
-    let (Verdict::Named(named), Some(repair)) = (&found.finding.verdict, found.repair) else {
+    let (ClaimVerdict::Named(named), Some(repair)) = (&found.finding.verdict, found.repair) else {
         return Ok(None);
     };
     let fit = &found.fits[repair];

@@ -1,18 +1,18 @@
 //! A whole diagnosis, from recordings to what should be measured next.
 
-use crate::check::held_out::{Held, does_it_help};
+use crate::check::held_out::{HeldOutErrors, does_it_help};
 use crate::check::rerun::Rerun;
 use crate::check::self_test::{PositiveControl, Rate, Simulator};
 use crate::data::recordings::{Recordings, groups, tools};
 use crate::error::DiagnoseError;
 use crate::inference::attribute::{Attribution, Hypothesis, attribute};
-use crate::inference::commissioning::{Batch, Bias, Comparison};
+use crate::inference::commissioning::{Batch, Bias, ReferenceComparison};
 use crate::inference::fit::{Fit, fit};
 use crate::inference::locate::{Location, locate};
-use crate::inference::problem::{InstrumentPriors, Problem};
+use crate::inference::problem::{InstrumentPriors, RegressionProblem};
 use crate::inference::setups::SetupScatter;
 use crate::inference::templates::Templates;
-use crate::inference::verdict::{Finding, Verdict, judge};
+use crate::inference::verdict::{ClaimVerdict, Conclusion, judge};
 use crate::model::predictor::{Active, Predictor};
 use crate::plan::next_experiment::{NextExperiment, Rival, next_experiment};
 use nalgebra::{DMatrix, DVector};
@@ -29,11 +29,11 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// What a diagnosis starts from.
 #[derive(Debug, Clone)]
-pub struct Request<'a> {
+pub struct DiagnosisRequest<'a> {
     /// The recordings.
     pub recordings: &'a Recordings,
     /// Cuts in which nothing is missing.
-    pub reference: Option<(&'a Recordings, Comparison, Batch)>,
+    pub reference: Option<(&'a Recordings, ReferenceComparison, Batch)>,
     /// Share by which the model is wrong by itself, smoothly over the conditions, where no reference teaches it.
     pub model_error: Option<f64>,
     /// What instruments add.
@@ -54,7 +54,7 @@ pub struct Request<'a> {
 
 /// A parameter with its 95 % interval. SI units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
+pub struct ParameterEstimate {
     /// The effect.
     pub effect: usize,
     /// Its place among the effect's parameters.
@@ -69,7 +69,7 @@ pub struct Estimate {
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
     /// The regression.
-    pub problem: Problem,
+    pub problem: RegressionProblem,
     /// The fit in which nothing is missing.
     pub null: Fit,
     /// Fits of the explanations that are left, the most probable first.
@@ -79,7 +79,7 @@ pub struct Diagnosis {
     /// How probable each explanation is.
     pub attribution: Attribution,
     /// What may be claimed.
-    pub finding: Finding,
+    pub finding: Conclusion,
     /// Scatter between conditions that repeats do not show; with a reference it is part of the bias.
     pub setups: Vec<SetupScatter>,
     /// Bias that the reference taught or that is stated: that of the channel where it is largest.
@@ -89,7 +89,7 @@ pub struct Diagnosis {
     /// Place in `fits` of the repair: what is named, or the most probable of the set.
     pub repair: Option<usize>,
     /// Whether the repair helps.
-    pub help: Vec<Held>,
+    pub help: Vec<HeldOutErrors>,
     /// Simulated recordings asked for, without and with the repair's effects. Those at which the model has no answer do not count.
     pub asked: [usize; 2],
     /// False alarms of simulated recordings in which nothing is missing.
@@ -105,7 +105,7 @@ pub struct Diagnosis {
 impl Diagnosis {
     /// The parameters of a fit with their intervals.
     #[must_use]
-    pub fn estimates(&self, predictor: &dyn Predictor, found: &Fit) -> Vec<Estimate> {
+    pub fn estimates(&self, predictor: &dyn Predictor, found: &Fit) -> Vec<ParameterEstimate> {
         let mut place = self.problem.unknowns();
         let Some(covariance) = widened(&found.covariance, predictor.likelihood_power()) else {
             return Vec::new();
@@ -118,7 +118,7 @@ impl Diagnosis {
                 let at = |t: f64| entry.prior.value(t);
                 let (a, b) = (at(t - half), at(t + half));
                 let interval = [a.min(b), a.max(b)];
-                estimates.push(Estimate { effect, parameter, value: at(t), interval });
+                estimates.push(ParameterEstimate { effect, parameter, value: at(t), interval });
                 place += 1;
             }
         }
@@ -131,13 +131,14 @@ impl Diagnosis {
 /// # Errors
 /// Recordings at which the model has no answer, or that give no invertible covariance.
 pub fn diagnose(
-    request: &Request<'_>,
+    request: &DiagnosisRequest<'_>,
     predictor: &dyn Predictor,
 ) -> Result<Diagnosis, DiagnoseError> {
     let mut setups = Vec::new();
     let (problem, biases) = match request.reference {
         None => {
-            let plain = Problem::new(request.recordings, predictor, &request.instruments)?;
+            let plain =
+                RegressionProblem::new(request.recordings, predictor, &request.instruments)?;
             let (plain, found) = plain.with_setup_scatter(predictor)?;
             setups = found;
             match request.model_error {
@@ -146,8 +147,12 @@ pub fn diagnose(
             }
         }
         Some(reference) => {
-            let (problem, biases) =
-                Problem::beside(request.recordings, reference, predictor, &request.instruments)?;
+            let (problem, biases) = RegressionProblem::beside(
+                request.recordings,
+                reference,
+                predictor,
+                &request.instruments,
+            )?;
             (problem, biases)
         }
     };
@@ -217,20 +222,20 @@ fn largest(biases: &[(Channel, Bias)]) -> Option<Bias> {
 }
 
 /// The fit of what is named, or of the most probable explanation of the set.
-fn repair(finding: &Finding, fits: &[Fit]) -> Option<usize> {
+fn repair(finding: &Conclusion, fits: &[Fit]) -> Option<usize> {
     match &finding.verdict {
-        Verdict::Named(named) => fits
+        ClaimVerdict::Named(named) => fits
             .iter()
             .position(|fit| fit.effects == *named)
             .or_else(|| fits.iter().position(|fit| named.iter().all(|k| fit.effects.contains(k)))),
-        Verdict::OneOf => (!fits.is_empty()).then_some(0),
-        Verdict::NoAlarm | Verdict::NoneOfThese => None,
+        ClaimVerdict::OneOf => (!fits.is_empty()).then_some(0),
+        ClaimVerdict::NoAlarm | ClaimVerdict::NoneOfThese => None,
     }
 }
 
 fn next(
-    request: &Request<'_>,
-    (problem, predictor): (&Problem, &dyn Predictor),
+    request: &DiagnosisRequest<'_>,
+    (problem, predictor): (&RegressionProblem, &dyn Predictor),
     null: &Fit,
     fits: &[Fit],
     attribution: &Attribution,
@@ -253,7 +258,7 @@ fn next(
 }
 
 /// A grid, even in the logarithms, of cuts with every tool of the recordings and the edge as it is at their end.
-fn candidates(request: &Request<'_>) -> Vec<CuttingCondition> {
+fn candidates(request: &DiagnosisRequest<'_>) -> Vec<CuttingCondition> {
     let all = request.recordings.all();
     let of = |axis: fn(&CuttingCondition) -> f64| {
         let values = groups(all).into_iter().map(move |group| axis(&all[group[0]].condition));

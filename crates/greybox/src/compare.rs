@@ -1,15 +1,15 @@
 //! A stored correction against measurements it was not taught with.
 
 use crate::error::GreyBoxError;
-use crate::fit::Table;
-use crate::metrics::{Estimate, Outcomes, Scores, bias, scores};
+use crate::fit::ForceTable;
+use crate::metrics::{BootstrapEstimate, Outcomes, Scores, bias, scores};
 use crate::model_file::{GreyBox, Prediction};
 use crate::pairing::{ForceKind, Pairs, pair_at_least};
 use crate::regressor::Method;
 
 /// A comparison of both forces.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Comparison {
+pub struct TableComparison {
     /// What was compared.
     pub pairs: Pairs,
     /// F_c and F_f.
@@ -36,9 +36,9 @@ pub struct ForceComparison {
     /// Corrected, rows inside the hull; `None` if there are none.
     pub grey_box_inside: Option<Scores>,
     /// Mean of measured minus corrected in N, all rows: how far they differ in one direction.
-    pub bias: Estimate,
+    pub bias: BootstrapEstimate,
     /// The same of the rows inside the hull; `None` if there are none.
-    pub bias_inside: Option<Estimate>,
+    pub bias_inside: Option<BootstrapEstimate>,
     /// Share of the measurements inside the 95 % interval.
     pub coverage: f64,
 }
@@ -50,14 +50,14 @@ pub struct ForceComparison {
 pub fn compare(
     model: &GreyBox,
     method: Option<Method>,
-    simulated: &Table,
-    measured: &Table,
+    simulated: &ForceTable,
+    measured: &ForceTable,
     resamples: usize,
-) -> Result<Comparison, GreyBoxError> {
+) -> Result<TableComparison, GreyBoxError> {
     let pairs = pair_at_least(1, &simulated.rows, &measured.rows)?;
     let force = |force| one(model, method, force, &pairs, resamples);
     let forces = [force(ForceKind::Cutting)?, force(ForceKind::Feed)?];
-    Ok(Comparison {
+    Ok(TableComparison {
         same_measurements: model.tables[1].sha256 == measured.origin.sha256,
         inside: forces[0].predictions.iter().filter(|prediction| prediction.inside).count(),
         forces,

@@ -1,6 +1,6 @@
 //! `greybox.json` and the tables of a fit, of predictions and of a comparison.
 
-use crate::compare::Comparison;
+use crate::compare::TableComparison;
 use crate::fit::{ForceFit, GreyBoxFit, MethodFit};
 use crate::model_file::Prediction;
 use crate::pairing::ForceKind;
@@ -138,7 +138,7 @@ pub fn predictions_csv(rows: &[(Input, [Prediction; 2])]) -> String {
 
 /// The figures of a comparison; forces in N.
 #[must_use]
-pub fn comparison_json(comparison: &Comparison) -> String {
+pub fn comparison_json(comparison: &TableComparison) -> String {
     let page = json!({
         "schema_version": SCHEMA_VERSION,
         "rows": comparison.pairs.rows.len(),

@@ -3,7 +3,7 @@
 use crate::metrics::quantile;
 use crate::random::Random;
 use crate::regressor::{Model, Regressor};
-use crate::samples::{Input, Samples, mean, spread};
+use crate::samples::{Input, TrainingRows, mean, spread};
 use crate::validation::HeldOut;
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,11 @@ const REPETITIONS: u64 = 50;
 /// The loss for v_c and for h: every row is predicted by the model that has not seen it, with one input taken
 /// from another row. `None` if the targets do not vary.
 #[must_use]
-pub fn permutation(samples: &Samples, parts: &[HeldOut], seed: u64) -> Option<[Permutation; 2]> {
+pub fn permutation(
+    samples: &TrainingRows,
+    parts: &[HeldOut],
+    seed: u64,
+) -> Option<[Permutation; 2]> {
     let variation = spread(&samples.targets).powi(2);
     if variation <= 1e-18 * mean(&samples.targets).powi(2) || variation == 0.0 {
         return None;

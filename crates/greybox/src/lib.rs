@@ -33,19 +33,19 @@ pub mod regressor;
 mod samples;
 pub mod validation;
 
-pub use compare::{Comparison, ForceComparison, compare};
+pub use compare::{ForceComparison, TableComparison, compare};
 pub use error::GreyBoxError;
 pub use files::{comparison_json, fit_json, points_csv, predictions_csv};
 pub use fit::{
-    BlackBox, Choice, Extrapolated, FitOptions, ForceFit, GreyBoxFit, LearningPoint, MethodFit,
-    Report, Table, TableOrigin, Validated, fit,
+    BlackBox, Choice, Extrapolated, FitOptions, ForceFit, ForceTable, GreyBoxFit, LearningPoint,
+    MethodFit, Report, TableOrigin, Validated, fit,
 };
 pub use folds::grouped_folds;
 pub use hull::Hull;
 pub use importance::{Permutation, Sobol};
-pub use metrics::{Estimate, Outcomes, Scores, bias, difference, scores};
+pub use metrics::{BootstrapEstimate, Outcomes, Scores, bias, difference, scores};
 pub use model_file::{Correction, GreyBox, Prediction, Taught};
-pub use noise::{NoiseFloor, NoiseSource, noise_floor};
+pub use noise::{FloorSource, NoiseFloor, noise_floor};
 pub use pairing::{ForceKind, ForceRow, PairedCondition, PairedRow, Pairs, pair};
 pub use random::Random;
-pub use samples::{Input, Samples};
+pub use samples::{Input, TrainingRows};

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 /// A figure with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
+pub struct BootstrapEstimate {
     /// From all rows.
     pub value: f64,
     /// 2.5 % quantile of the resamples.
@@ -19,15 +19,15 @@ pub struct Estimate {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scores {
     /// Mean absolute error in N.
-    pub mae: Estimate,
+    pub mae: BootstrapEstimate,
     /// Mean squared error in N^2.
-    pub mse: Estimate,
+    pub mse: BootstrapEstimate,
     /// 1 - squared errors / squared deviations of the residual y - f_T from its mean; `None` if it does not vary.
-    pub r_squared: Option<Estimate>,
+    pub r_squared: Option<BootstrapEstimate>,
     /// Mean of |error / (y - f_T)|: of the error model, as in Table 6 of the paper. `None` if a residual is 0.
-    pub mape_of_error: Option<Estimate>,
+    pub mape_of_error: Option<BootstrapEstimate>,
     /// Mean of |error / y|: of the force. `None` if a force is 0.
-    pub mape_of_force: Option<Estimate>,
+    pub mape_of_force: Option<BootstrapEstimate>,
     /// Standard deviation of |error / y|.
     pub spread_of_relative_error: f64,
 }
@@ -119,7 +119,7 @@ pub fn scores(outcomes: &Outcomes<'_>, resamples: usize, seed: u64) -> Scores {
     let estimate = |k: usize| {
         let value = figures[k];
         let (low, high) = interval(draws.iter().map(|draw| draw[k]).collect());
-        Estimate { value, low, high }
+        BootstrapEstimate { value, low, high }
     };
     let finite = |k: usize| figures[k].is_finite().then(|| estimate(k));
     let varies = crate::samples::spread(outcomes.residuals)
@@ -166,7 +166,7 @@ pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
 /// Mean of measured minus corrected force in N, by draws of the conditions: what the predictions miss by in one
 /// direction.
 #[must_use]
-pub fn bias(outcomes: &Outcomes<'_>, resamples: usize, seed: u64) -> Estimate {
+pub fn bias(outcomes: &Outcomes<'_>, resamples: usize, seed: u64) -> BootstrapEstimate {
     let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
     for (row, &group) in outcomes.groups.iter().enumerate() {
         let sum = sums.entry(group).or_default();
@@ -182,7 +182,7 @@ pub fn bias(outcomes: &Outcomes<'_>, resamples: usize, seed: u64) -> Estimate {
     let value = mean(&mut (0..conditions.len()));
     let all = draws(conditions.len(), resamples, seed).map(|drawn| mean(&mut drawn.into_iter()));
     let (low, high) = interval(all.collect());
-    Estimate { value, low, high }
+    BootstrapEstimate { value, low, high }
 }
 
 /// Mean absolute error of `first` minus that of `second`, by the same draws of conditions.
@@ -192,7 +192,7 @@ pub fn difference(
     second: &Outcomes<'_>,
     resamples: usize,
     seed: u64,
-) -> Estimate {
+) -> BootstrapEstimate {
     let [a, b] = [by_condition(first), by_condition(second)];
     let gap = |drawn: &mut dyn Iterator<Item = usize>| {
         let (mut sum, mut count) = (0.0, 0.0);
@@ -205,7 +205,7 @@ pub fn difference(
     let value = gap(&mut (0..a.len()));
     let all = draws(a.len(), resamples, seed).map(|drawn| gap(&mut drawn.into_iter())).collect();
     let (low, high) = interval(all);
-    Estimate { value, low, high }
+    BootstrapEstimate { value, low, high }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::error::GreyBoxError;
 use crate::fit::{GreyBoxFit, NORMAL_95, TableOrigin};
 use crate::hull::Hull;
 use crate::pairing::ForceKind;
-use crate::regressor::{Method, Model, Regressor, Settings};
+use crate::regressor::{Method, Model, Regressor, RegressorSettings};
 use crate::samples::Input;
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +47,7 @@ pub struct Taught {
     /// Which.
     pub method: Method,
     /// Its hyper-parameters.
-    pub settings: Settings,
+    pub settings: RegressorSettings,
     /// Half widths of the 95 % interval inside and outside the hull in N.
     pub half_widths: [f64; 2],
     /// Mean absolute error of the cross-validation in N.

@@ -14,13 +14,13 @@ pub struct NoiseFloor {
     /// Rows or degrees of freedom it was found with.
     pub weight: f64,
     /// Where it comes from.
-    pub source: NoiseSource,
+    pub source: FloorSource,
 }
 
 /// Where a noise floor comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum NoiseSource {
+pub enum FloorSource {
     /// Scatter of the rows of one condition.
     Repeats,
     /// The standard deviations of the table, over the square root of the numbers of measurements.
@@ -53,7 +53,7 @@ fn from_repeats(pairs: &Pairs, force: ForceKind) -> Option<NoiseFloor> {
         mae: absolute / rows,
         mse: squares / freedom,
         weight: freedom,
-        source: NoiseSource::Repeats,
+        source: FloorSource::Repeats,
     })
 }
 
@@ -72,7 +72,7 @@ fn from_deviations(pairs: &Pairs, force: ForceKind) -> Option<NoiseFloor> {
         mae: mean(&absolute),
         mse: mean(&squares),
         weight: squares.len() as f64,
-        source: NoiseSource::Deviations,
+        source: FloorSource::Deviations,
     })
 }
 
@@ -121,7 +121,7 @@ mod tests {
         // 1000 degrees of freedom: a variance to 4.5 %, taken three times. sqrt(2 / pi) 5 = 3.99.
         assert!((floor.mse / 25.0 - 1.0).abs() < 0.135, "{floor:?}");
         assert!((floor.mae / 3.99 - 1.0).abs() < 0.07, "{floor:?}");
-        assert_eq!((floor.weight, floor.source), (1000.0, NoiseSource::Repeats));
+        assert_eq!((floor.weight, floor.source), (1000.0, FloorSource::Repeats));
     }
 
     #[test]
@@ -132,7 +132,7 @@ mod tests {
         // c_4(3) = sqrt(pi) / 2, c_4(4) = sqrt(2 / 3) / c_4(3) = 0.9213.
         let expected = 3.0 / 0.921_317_7 * (2.0 / std::f64::consts::PI).sqrt();
         assert!((floor.mae - expected).abs() < 1e-6, "{floor:?}");
-        assert!((floor.mse - 9.0).abs() < 1e-12 && floor.source == NoiseSource::Deviations);
+        assert!((floor.mse - 9.0).abs() < 1e-12 && floor.source == FloorSource::Deviations);
         assert_eq!(noise_floor(&pair(&simulated, &simulated).unwrap(), ForceKind::Feed), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Measured rows beside the simulation of their condition.
 
 use crate::error::{GreyBoxError, LISTED};
-use crate::samples::{Input, Samples, mean};
+use crate::samples::{Input, TrainingRows, mean};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -256,9 +256,9 @@ impl Pairs {
 
     /// What the regressor of a force is taught: measured minus simulated over (v_c, h).
     #[must_use]
-    pub fn residuals(&self, force: ForceKind) -> Samples {
+    pub fn residuals(&self, force: ForceKind) -> TrainingRows {
         let (measured, simulated) = (self.measured(force), self.simulated(force));
-        Samples {
+        TrainingRows {
             inputs: self.inputs(),
             targets: measured.iter().zip(&simulated).map(|(y, f)| y - f).collect(),
             groups: self.rows.iter().map(|row| row.condition).collect(),

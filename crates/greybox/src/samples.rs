@@ -5,7 +5,7 @@ pub type Input = [f64; 2];
 
 /// Inputs with their targets; rows of one group are repeats of one condition.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Samples {
+pub struct TrainingRows {
     /// Cutting conditions.
     pub inputs: Vec<Input>,
     /// What is to be predicted.
@@ -14,7 +14,7 @@ pub struct Samples {
     pub groups: Vec<usize>,
 }
 
-impl Samples {
+impl TrainingRows {
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -4,14 +4,14 @@
 //! search, the early stopping or the fit. Repeats of one condition are always in the same fold.
 
 use crate::folds::{distinct, grouped_folds};
-use crate::regressor::{Method, Model, Regressor, Settings};
-use crate::samples::{Samples, mean};
+use crate::regressor::{Method, Model, Regressor, RegressorSettings};
+use crate::samples::{TrainingRows, mean};
 
 /// What a search found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tuned {
     /// The settings with the least error.
-    pub settings: Settings,
+    pub settings: RegressorSettings,
     /// Their mean squared error over the inner folds (Eq. 9); `None` if there was nothing to choose.
     pub score: Option<f64>,
 }
@@ -27,21 +27,27 @@ pub enum Scoring {
 
 /// Searches the grid of `method` by cross-validation of `samples` alone.
 #[must_use]
-pub fn tune(method: Method, samples: &Samples, folds: usize, seed: u64, scoring: Scoring) -> Tuned {
+pub fn tune(
+    method: Method,
+    samples: &TrainingRows,
+    folds: usize,
+    seed: u64,
+    scoring: Scoring,
+) -> Tuned {
     let grid = method.grid();
     if grid.len() == 1 && scoring == Scoring::IfNeeded {
         let settings = grid.into_iter().next().expect("a grid has one point at least");
         return Tuned { settings, score: None };
     }
     let folds = grouped_folds(&samples.groups, folds, seed);
-    let parts: Vec<(Samples, Samples)> = distinct(&folds)
+    let parts: Vec<(TrainingRows, TrainingRows)> = distinct(&folds)
         .into_iter()
         .map(|fold| {
             (samples.filtered(|row| folds[row] != fold), samples.filtered(|row| folds[row] == fold))
         })
         .filter(|(training, _)| !training.is_empty())
         .collect();
-    let mut best: Option<(f64, Settings)> = None;
+    let mut best: Option<(f64, RegressorSettings)> = None;
     for settings in grid {
         let score = mean_square(&settings, &parts, seed);
         if best.as_ref().is_none_or(|(least, _)| score < *least) {
@@ -52,7 +58,11 @@ pub fn tune(method: Method, samples: &Samples, folds: usize, seed: u64, scoring:
     Tuned { settings, score: Some(score) }
 }
 
-fn mean_square(settings: &Settings, parts: &[(Samples, Samples)], seed: u64) -> f64 {
+fn mean_square(
+    settings: &RegressorSettings,
+    parts: &[(TrainingRows, TrainingRows)],
+    seed: u64,
+) -> f64 {
     let mut squares = Vec::new();
     for (training, held) in parts {
         let model = settings.fit(training, seed);
@@ -83,7 +93,7 @@ pub struct HeldOut {
 #[must_use]
 pub fn hold_out(
     method: Method,
-    samples: &Samples,
+    samples: &TrainingRows,
     folds: &[usize],
     fold: usize,
     options: &Inner,

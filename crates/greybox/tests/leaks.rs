@@ -2,14 +2,14 @@
 
 use sphcut_greybox::regressor::{Method, Regressor};
 use sphcut_greybox::validation::{Inner, Scoring, assemble, hold_out, tune};
-use sphcut_greybox::{Random, Samples, grouped_folds};
+use sphcut_greybox::{Random, TrainingRows, grouped_folds};
 
 const INNER: Inner = Inner { folds: 5, seed: 3, scoring: Scoring::Always };
 
 /// Thirty conditions measured three times; targets drawn once per condition, from nothing.
-fn noise() -> Samples {
+fn noise() -> TrainingRows {
     let mut random = Random::new(11, &[]);
-    let mut samples = Samples::default();
+    let mut samples = TrainingRows::default();
     for condition in 0..30 {
         let input = [1.0 + 3.0 * random.uniform(), 1e-4 * (1.0 + random.uniform())];
         let target = 100.0 + 20.0 * random.normal();
@@ -22,13 +22,13 @@ fn noise() -> Samples {
     samples
 }
 
-fn r_squared(samples: &Samples, predicted: &[f64]) -> f64 {
+fn r_squared(samples: &TrainingRows, predicted: &[f64]) -> f64 {
     let mean = samples.targets.iter().sum::<f64>() / samples.len() as f64;
     let error: f64 = samples.targets.iter().zip(predicted).map(|(y, p)| (y - p).powi(2)).sum();
     1.0 - error / samples.targets.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
 }
 
-fn cross_validated(method: Method, samples: &Samples, folds: &[usize]) -> Vec<f64> {
+fn cross_validated(method: Method, samples: &TrainingRows, folds: &[usize]) -> Vec<f64> {
     let parts: Vec<_> =
         (0..10).map(|fold| hold_out(method, samples, folds, fold, &INNER)).collect();
     assemble(&parts, samples.len()).0

@@ -3,10 +3,10 @@
 //! Data and figures were made by `tests/data/parity.py`, which lies beside them.
 
 use serde_json::Value;
-use sphcut_greybox::Samples;
+use sphcut_greybox::TrainingRows;
 use sphcut_greybox::regressor::{
     BoostingSettings, ForestSettings, GaussianProcessSettings, InputScale, NetworkSettings,
-    PolynomialSettings, Regressor, Settings, SupportVectorSettings,
+    PolynomialSettings, Regressor, RegressorSettings, SupportVectorSettings,
 };
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -21,8 +21,8 @@ fn data(name: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-fn set(number: usize) -> (Samples, Vec<usize>) {
-    let (mut samples, mut folds) = (Samples::default(), Vec::new());
+fn set(number: usize) -> (TrainingRows, Vec<usize>) {
+    let (mut samples, mut folds) = (TrainingRows::default(), Vec::new());
     for line in data(&format!("set_{number}.csv")).lines().skip(1) {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
         samples.inputs.push([cells[0], cells[1]]);
@@ -35,8 +35,8 @@ fn set(number: usize) -> (Samples, Vec<usize>) {
 }
 
 /// The settings of the reference, and whether they use random numbers.
-fn regressors() -> Vec<(&'static str, Settings, bool)> {
-    let polynomial = |degree| Settings::Polynomial(PolynomialSettings { degree });
+fn regressors() -> Vec<(&'static str, RegressorSettings, bool)> {
+    let polynomial = |degree| RegressorSettings::Polynomial(PolynomialSettings { degree });
     let linear = InputScale::Linear;
     vec![
         ("linear", polynomial(1), false),
@@ -44,7 +44,7 @@ fn regressors() -> Vec<(&'static str, Settings, bool)> {
         ("quartic", polynomial(4), false),
         (
             "support_vector",
-            Settings::SupportVector(SupportVectorSettings {
+            RegressorSettings::SupportVector(SupportVectorSettings {
                 penalty: 100.0,
                 tube: 0.05,
                 sharpness: 0.3,
@@ -54,7 +54,7 @@ fn regressors() -> Vec<(&'static str, Settings, bool)> {
         ),
         (
             "forest",
-            Settings::Forest(ForestSettings {
+            RegressorSettings::Forest(ForestSettings {
                 trees: 200,
                 max_depth: 64,
                 min_leaf: 2,
@@ -64,7 +64,7 @@ fn regressors() -> Vec<(&'static str, Settings, bool)> {
         ),
         (
             "boosting",
-            Settings::Boosting(BoostingSettings {
+            RegressorSettings::Boosting(BoostingSettings {
                 trees: 200,
                 max_depth: 3,
                 learning_rate: 0.1,
@@ -76,7 +76,7 @@ fn regressors() -> Vec<(&'static str, Settings, bool)> {
         ),
         (
             "network",
-            Settings::Network(NetworkSettings {
+            RegressorSettings::Network(NetworkSettings {
                 neurons: [16, 16],
                 decay: 1e-4,
                 learning_rate: 0.01,
@@ -89,13 +89,20 @@ fn regressors() -> Vec<(&'static str, Settings, bool)> {
         ),
         (
             "gaussian_process",
-            Settings::GaussianProcess(GaussianProcessSettings { input_scales: vec![linear] }),
+            RegressorSettings::GaussianProcess(GaussianProcessSettings {
+                input_scales: vec![linear],
+            }),
             false,
         ),
     ]
 }
 
-fn held_out_error(settings: &Settings, samples: &Samples, folds: &[usize], seed: u64) -> f64 {
+fn held_out_error(
+    settings: &RegressorSettings,
+    samples: &TrainingRows,
+    folds: &[usize],
+    seed: u64,
+) -> f64 {
     let mut sum = 0.0;
     for fold in 0..10 {
         let model = settings.fit(&samples.filtered(|row| folds[row] != fold), seed);

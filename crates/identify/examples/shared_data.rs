@@ -3,7 +3,7 @@
 //! `cargo run --release -p sphcut-identify --example shared_data -- ../shared/data`
 
 use sphcut_identify::{
-    Curve, Fit, LawChoice, References, compare, fit, points_of, residual_map, sequence,
+    Curve, LawChoice, LawFit, References, compare, fit, points_of, residual_map, sequence,
 };
 use std::path::{Path, PathBuf};
 
@@ -105,7 +105,7 @@ fn report(title: &str, curves: &[Curve], references: References, smallest: f64) 
     }
 }
 
-fn show(fit: &Fit) {
+fn show(fit: &LawFit) {
     println!("{}: rms {:.4}", fit.law.key(), fit.deviation);
     for p in &fit.parameters {
         println!(

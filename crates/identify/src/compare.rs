@@ -2,7 +2,7 @@
 
 use crate::fit::{fit_within, weights};
 use crate::table::{residuals, tabulate};
-use crate::{Fit, LawChoice, Point, References};
+use crate::{CurvePoint, LawChoice, LawFit, References};
 use sphcut_physics::flow_stress::{FlowStressModel, Tabulated};
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ const WARMTH: f64 = 100.0;
 
 /// The residuals of a fit over strain, rate and temperature; cells without points are left out.
 #[must_use]
-pub fn residual_map(points: &[Point], residuals: &[f64]) -> Vec<Bin> {
+pub fn residual_map(points: &[CurvePoint], residuals: &[f64]) -> Vec<Bin> {
     let warmest = points.iter().map(|p| p.temperature).fold(0.0, f64::max);
     let coldest = points.iter().map(|p| p.temperature).fold(f64::INFINITY, f64::min);
     let first = (coldest / WARMTH).floor();
@@ -40,7 +40,7 @@ pub fn residual_map(points: &[Point], residuals: &[f64]) -> Vec<Bin> {
         for rate in RATES.windows(2) {
             for row in 0..rows {
                 let from = (first + row as f64) * WARMTH;
-                let inside = |p: &Point| {
+                let inside = |p: &CurvePoint| {
                     (strain[0]..strain[1]).contains(&p.plastic_strain)
                         && (rate[0]..rate[1]).contains(&p.plastic_strain_rate)
                         && (from..from + WARMTH).contains(&p.temperature)
@@ -54,9 +54,9 @@ pub fn residual_map(points: &[Point], residuals: &[f64]) -> Vec<Bin> {
 }
 
 fn bin(
-    points: &[Point],
+    points: &[CurvePoint],
     residuals: &[f64],
-    inside: impl Fn(&Point) -> bool,
+    inside: impl Fn(&CurvePoint) -> bool,
     [strain, rate, temperature]: [[f64; 2]; 3],
 ) -> Option<Bin> {
     let mut curves: Vec<(usize, f64, f64)> = Vec::new();
@@ -83,7 +83,7 @@ fn bin(
 
 /// A law beside Johnson-Cook.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rival {
+pub struct RivalLaw {
     /// Name in the catalogue.
     pub law: &'static str,
     /// Root mean square of ln(model / measured) on the curves it was fitted to.
@@ -97,11 +97,11 @@ pub struct Rival {
 
 /// The laws side by side, Johnson-Cook first.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Comparison {
+pub struct LawComparison {
     /// Number of different rates and temperatures, each left out once.
     pub conditions: usize,
     /// The laws.
-    pub laws: Vec<Rival>,
+    pub laws: Vec<RivalLaw>,
 }
 
 /// Rounds of weights for a fit that begins at that of all curves.
@@ -114,19 +114,19 @@ const LAWS: [&str; 3] = ["johnson_cook", "tanh_johnson_cook", "tabulated"];
 /// left out together: otherwise a law would have seen what it is asked for.
 #[must_use]
 pub fn compare(
-    points: &[Point],
+    points: &[CurvePoint],
     references: References,
-    johnson_cook: &Fit,
-    tanh: &Fit,
-) -> Option<Comparison> {
+    johnson_cook: &LawFit,
+    tanh: &LawFit,
+) -> Option<LawComparison> {
     let conditions = conditions(points);
     let count = conditions.iter().max()? + 1;
     let folds = FOLDS.min(count);
-    let start = |fit: &Fit| fit.parameters.iter().map(|p| p.value).collect::<Vec<f64>>();
+    let start = |fit: &LawFit| fit.parameters.iter().map(|p| p.value).collect::<Vec<f64>>();
     let mut unseen = [vec![0.0; points.len()], vec![0.0; points.len()], vec![0.0; points.len()]];
     for fold in 0..folds {
         let kept = |k: usize| conditions[k] % folds != fold;
-        let training: Vec<Point> =
+        let training: Vec<CurvePoint> =
             (0..points.len()).filter(|&k| kept(k)).map(|k| points[k]).collect();
         let base =
             fit_within(AGAIN, LawChoice::JohnsonCook, references, &training, &start(johnson_cook))?;
@@ -158,14 +158,14 @@ pub fn compare(
     let laws = (0..3).map(|k| {
         let other = per_condition(&unseen[k]);
         let gain: Vec<f64> = base.iter().zip(&other).map(|(a, b)| a - b).collect();
-        Rival {
+        RivalLaw {
             law: LAWS[k],
             fitted: of(&seen[k]),
             unseen: of(&unseen[k]),
             advantage: over_its_error(&gain),
         }
     });
-    Some(Comparison { conditions: count, laws: laws.collect() })
+    Some(LawComparison { conditions: count, laws: laws.collect() })
 }
 
 /// Mean over its standard error; 0 for values that are all the same.
@@ -178,9 +178,10 @@ fn over_its_error(values: &[f64]) -> f64 {
 }
 
 /// The number of the condition of each point; neighbours along the rate fall into different folds.
-fn conditions(points: &[Point]) -> Vec<usize> {
-    let key =
-        |p: &Point| ((p.plastic_strain_rate.log10() * 4.0).round(), (p.temperature / 10.0).round());
+fn conditions(points: &[CurvePoint]) -> Vec<usize> {
+    let key = |p: &CurvePoint| {
+        ((p.plastic_strain_rate.log10() * 4.0).round(), (p.temperature / 10.0).round())
+    };
     let mut known: Vec<(f64, f64)> = points.iter().map(key).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     known.dedup();

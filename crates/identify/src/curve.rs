@@ -2,7 +2,7 @@
 
 /// One measured state. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct CurvePoint {
     /// Which curve it belongs to.
     pub curve: usize,
     /// True plastic strain.
@@ -34,7 +34,7 @@ pub struct Curve {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// A curve with a rate or temperature that is not positive.
-    #[error("`{name}`: strain rate and temperature have to be above 0")]
+    #[error("`{0}`: strain rate and temperature have to be above 0")]
     NoCondition(String),
     /// Too few points in all curves together.
     #[error(
@@ -56,7 +56,7 @@ const FEWEST: (usize, usize) = (6, 20);
 ///
 /// # Errors
 /// A curve without condition, too few curves or points.
-pub fn points_of(curves: &[Curve], smallest_strain: f64) -> Result<Vec<Point>, CurveError> {
+pub fn points_of(curves: &[Curve], smallest_strain: f64) -> Result<Vec<CurvePoint>, CurveError> {
     let mut points = Vec::new();
     for (index, curve) in curves.iter().enumerate() {
         if !(curve.plastic_strain_rate > 0.0 && curve.temperature > 0.0) {
@@ -73,7 +73,7 @@ pub fn points_of(curves: &[Curve], smallest_strain: f64) -> Result<Vec<Point>, C
                         && **stress > 0.0
                         && stress.is_finite()
                 })
-                .map(|(strain, stress)| Point {
+                .map(|(strain, stress)| CurvePoint {
                     curve: index,
                     plastic_strain: *strain,
                     plastic_strain_rate: curve.plastic_strain_rate,

@@ -1,7 +1,7 @@
 //! The joint fit: all parameters from all curves at once, robust, with intervals.
 
 use crate::law::stress_at;
-use crate::{LawChoice, Point, References};
+use crate::{CurvePoint, LawChoice, References};
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::flow_stress::{FlowState, FlowStressModel};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -21,7 +21,7 @@ pub struct Fitted {
 
 /// A law fitted to all points.
 #[derive(Debug)]
-pub struct Fit {
+pub struct LawFit {
     /// Which law.
     pub law: LawChoice,
     /// What was stated.
@@ -38,7 +38,7 @@ pub struct Fit {
     pub model: Box<dyn FlowStressModel>,
 }
 
-impl Fit {
+impl LawFit {
     /// The value of a parameter.
     #[must_use]
     pub fn value(&self, key: &str) -> Option<f64> {
@@ -69,7 +69,7 @@ const LEAST_STRESS: f64 = 1e4;
 struct Problem<'a> {
     law: LawChoice,
     references: References,
-    points: &'a [Point],
+    points: &'a [CurvePoint],
     weights: Vec<f64>,
     limits: Vec<(f64, f64)>,
 }
@@ -78,7 +78,7 @@ impl Problem<'_> {
     /// r = ln(model / measured): errors of a test are shares of the stress.
     fn residuals(&self, x: &[f64]) -> Option<DVector<f64>> {
         let law = self.law.build(x, self.references)?;
-        let of = |p: &Point| (stress_at(law.as_ref(), p).max(LEAST_STRESS) / p.stress).ln();
+        let of = |p: &CurvePoint| (stress_at(law.as_ref(), p).max(LEAST_STRESS) / p.stress).ln();
         Some(DVector::from_iterator(self.points.len(), self.points.iter().map(of)))
     }
 
@@ -116,7 +116,12 @@ impl Problem<'_> {
 /// 11 (1963) 431) within limits. Points of one curve share the error of their test, so the covariance is
 /// that of clusters (jackknife, see below) with Student's t of curves less parameters.
 #[must_use]
-pub fn fit(law: LawChoice, references: References, points: &[Point], start: &[f64]) -> Option<Fit> {
+pub fn fit(
+    law: LawChoice,
+    references: References,
+    points: &[CurvePoint],
+    start: &[f64],
+) -> Option<LawFit> {
     fit_within(ROUNDS, law, references, points, start)
 }
 
@@ -125,9 +130,9 @@ pub(crate) fn fit_within(
     rounds: usize,
     law: LawChoice,
     references: References,
-    points: &[Point],
+    points: &[CurvePoint],
     start: &[f64],
-) -> Option<Fit> {
+) -> Option<LawFit> {
     let free = law.free();
     let limits: Vec<(f64, f64)> = free.iter().map(|f| (f.1, f.2)).collect();
     let problem = Problem { law, references, points, weights: weights(points), limits };
@@ -151,7 +156,7 @@ pub(crate) fn fit_within(
 }
 
 /// One over the points of the curve, so that they add up to one for each curve.
-pub(crate) fn weights(points: &[Point]) -> Vec<f64> {
+pub(crate) fn weights(points: &[CurvePoint]) -> Vec<f64> {
     let most = points.iter().map(|p| p.curve + 1).max().unwrap_or(0);
     let mut counts = vec![0.0; most];
     points.iter().for_each(|p| counts[p.curve] += 1.0);
@@ -210,7 +215,7 @@ fn weighted(jacobian: &DMatrix<f64>, problem: &Problem<'_>, robust: &[f64]) -> D
     rows
 }
 
-fn finished(problem: &Problem<'_>, x: Vec<f64>, scales: &[f64], robust: &[f64]) -> Option<Fit> {
+fn finished(problem: &Problem<'_>, x: Vec<f64>, scales: &[f64], robust: &[f64]) -> Option<LawFit> {
     let residuals = problem.residuals(&x)?;
     let jacobian = problem.jacobian(&x, scales)?;
     let rows = weighted(&jacobian, problem, robust);
@@ -235,7 +240,7 @@ fn finished(problem: &Problem<'_>, x: Vec<f64>, scales: &[f64], robust: &[f64]) 
         covariance.as_ref().map_or(f64::NAN, |c| c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt())
     };
     let ones = vec![1.0; residuals.len()];
-    Some(Fit {
+    Some(LawFit {
         law: problem.law,
         references: problem.references,
         parameters: parameters.collect(),

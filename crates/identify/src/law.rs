@@ -1,6 +1,6 @@
 //! The laws that are fitted, through the catalogue of `physics`.
 
-use crate::Point;
+use crate::CurvePoint;
 use sphcut_physics::Values;
 use sphcut_physics::flow_stress::{self, FlowState, FlowStressEntry, FlowStressModel};
 
@@ -25,16 +25,16 @@ pub enum LawChoice {
 }
 
 /// A parameter: key, smallest and largest value that the fit may take, SI.
-pub(crate) type Free = (&'static str, f64, f64);
+pub(crate) type FitRange = (&'static str, f64, f64);
 
-const JOHNSON_COOK: [Free; 5] = [
+const JOHNSON_COOK: [FitRange; 5] = [
     ("initial_yield", 1e5, 1e10),
     ("hardening_modulus", 0.0, 1e10),
     ("hardening_exponent", 0.01, 2.0),
     ("rate_coefficient", 0.0, 1.0),
     ("softening_exponent", 0.05, 5.0),
 ];
-const TANH: [Free; 5] = [
+const TANH: [FitRange; 5] = [
     ("hardening_damping", 0.0, 10.0),
     ("offset_exponent", 0.0, 10.0),
     ("strain_exponent", 0.05, 10.0),
@@ -57,7 +57,7 @@ impl LawChoice {
     }
 
     /// The parameters that are fitted.
-    pub(crate) fn free(self) -> Vec<Free> {
+    pub(crate) fn free(self) -> Vec<FitRange> {
         match self {
             Self::JohnsonCook => JOHNSON_COOK.to_vec(),
             Self::Tanh => JOHNSON_COOK.into_iter().chain(TANH).collect(),
@@ -84,7 +84,7 @@ impl LawChoice {
 }
 
 /// The flow stress of a law at a measured state.
-pub(crate) fn stress_at(law: &dyn FlowStressModel, point: &Point) -> f64 {
+pub(crate) fn stress_at(law: &dyn FlowStressModel, point: &CurvePoint) -> f64 {
     law.flow_stress(&FlowState {
         plastic_strain: point.plastic_strain,
         plastic_strain_rate: point.plastic_strain_rate,

@@ -18,12 +18,12 @@ mod specimen;
 mod table;
 mod text;
 
-pub use compare::{Bin, Comparison, Rival, compare, residual_map};
-pub use curve::{Curve, CurveError, Point, points_of};
+pub use compare::{Bin, LawComparison, RivalLaw, compare, residual_map};
+pub use curve::{Curve, CurveError, CurvePoint, points_of};
 pub use file::{Identification, StatedMaterial, TestCurve, load_identification};
-pub use fit::{Fit, Fitted, fit};
+pub use fit::{Fitted, LawFit, fit};
 pub use law::{LawChoice, References};
-pub use pulses::{Bar, Pulses};
+pub use pulses::{PressureBar, Pulses};
 pub use sequence::{Sequence, SequenceError, sequence};
 pub use specimen::{Cylinder, LoadPath};
 pub use table::tabulate;

@@ -4,7 +4,7 @@ use crate::Curve;
 
 /// Input and output bar of equal material. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bar {
+pub struct PressureBar {
     /// A_rod in m^2.
     pub area: f64,
     /// E_rod in Pa.
@@ -33,7 +33,7 @@ impl Pulses {
     /// (grey-box paper, Eqs. 2 to 4). They hold once the forces on both faces of the specimen are equal,
     /// after three or four passages of the wave through it. The integral is by trapezia.
     #[must_use]
-    pub fn engineering(&self, bar: &Bar, area: f64, length: f64) -> [Vec<f64>; 3] {
+    pub fn engineering(&self, bar: &PressureBar, area: f64, length: f64) -> [Vec<f64>; 3] {
         let stress = self.transmitted.iter().map(|e| bar.area * bar.modulus / area * e).collect();
         let rate: Vec<f64> =
             self.reflected.iter().map(|e| 2.0 * bar.wave_speed / length * e).collect();
@@ -52,7 +52,7 @@ impl Pulses {
     pub fn curve(
         &self,
         name: &str,
-        bar: &Bar,
+        bar: &PressureBar,
         (area, length): (f64, f64),
         (modulus, temperature): (f64, f64),
         from: f64,
@@ -86,7 +86,7 @@ mod tests {
     #[test]
     fn square_pulses_have_the_figures_of_the_equations() {
         // Rods of 20 mm, specimen of 6 mm diameter and 9 mm length.
-        let bar = Bar { area: 3.1416e-4, modulus: 210e9, wave_speed: 5231.0 };
+        let bar = PressureBar { area: 3.1416e-4, modulus: 210e9, wave_speed: 5231.0 };
         let pulses =
             Pulses { interval: 1e-6, reflected: vec![1e-3; 101], transmitted: vec![0.5e-3; 101] };
         let area = 2.8274e-5;
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn empty_pulses_give_an_empty_curve() {
-        let bar = Bar { area: 1.0, modulus: 1.0, wave_speed: 1.0 };
+        let bar = PressureBar { area: 1.0, modulus: 1.0, wave_speed: 1.0 };
         let pulses = Pulses { interval: 1e-6, reflected: Vec::new(), transmitted: Vec::new() };
         let curve = pulses.curve("none", &bar, (1.0, 1.0), (1.0, 300.0), 0.0);
         assert!(curve.stress.is_empty() && curve.plastic_strain_rate == 0.0);

@@ -1,7 +1,7 @@
 //! Johnson-Cook one parameter after the other, as it is done by hand.
 
 use crate::law::stress_at;
-use crate::{LawChoice, Point, References};
+use crate::{CurvePoint, LawChoice, References};
 use std::collections::BTreeMap;
 
 /// The parameters found by the sequence, SI, and what they were found from.
@@ -54,13 +54,13 @@ const OFFSET: f64 = 0.002;
 ///
 /// # Errors
 /// A step for which there is no curve.
-pub fn sequence(points: &[Point], references: References) -> Result<Sequence, SequenceError> {
-    let cold = |p: &&Point| (p.temperature - references.temperature).abs() <= SAME_TEMPERATURE;
-    let slow = |p: &&Point| {
+pub fn sequence(points: &[CurvePoint], references: References) -> Result<Sequence, SequenceError> {
+    let cold = |p: &&CurvePoint| (p.temperature - references.temperature).abs() <= SAME_TEMPERATURE;
+    let slow = |p: &&CurvePoint| {
         let ratio = p.plastic_strain_rate / references.rate;
         (1.0 / SAME_RATE..=SAME_RATE).contains(&ratio)
     };
-    let reference: Vec<&Point> = points.iter().filter(|p| cold(p) && slow(p)).collect();
+    let reference: Vec<&CurvePoint> = points.iter().filter(|p| cold(p) && slow(p)).collect();
     let [yield_strain, yield_stress] = yield_point(&reference).ok_or(SequenceError::NoReference)?;
     let mut left_out = 0;
     let line: Vec<(f64, f64)> = reference
@@ -74,7 +74,7 @@ pub fn sequence(points: &[Point], references: References) -> Result<Sequence, Se
         .collect();
     let (exponent, intercept) = straight_line(&line).ok_or(SequenceError::NoHardening)?;
     let modulus = intercept.exp();
-    let static_stress = |p: &Point| yield_stress + modulus * p.plastic_strain.powf(exponent);
+    let static_stress = |p: &CurvePoint| yield_stress + modulus * p.plastic_strain.powf(exponent);
     let fast: Vec<(f64, f64)> = points
         .iter()
         .filter(|p| cold(p) && !slow(p) && p.plastic_strain_rate > references.rate)
@@ -107,7 +107,7 @@ pub fn sequence(points: &[Point], references: References) -> Result<Sequence, Se
 }
 
 /// Root mean square of ln(model / measured), every curve with the same weight.
-fn deviation(parameters: &[f64; 5], points: &[Point], references: References) -> Option<f64> {
+fn deviation(parameters: &[f64; 5], points: &[CurvePoint], references: References) -> Option<f64> {
     let law = LawChoice::JohnsonCook.build(parameters, references)?;
     let mut curves: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
     for point in points {
@@ -121,12 +121,12 @@ fn deviation(parameters: &[f64; 5], points: &[Point], references: References) ->
 
 /// Mean plastic strain and stress at 0.2 % plastic strain: of the curves that reach below it by interpolation, of
 /// others their first point.
-fn yield_point(points: &[&Point]) -> Option<[f64; 2]> {
+fn yield_point(points: &[&CurvePoint]) -> Option<[f64; 2]> {
     let mut curves: Vec<usize> = points.iter().map(|p| p.curve).collect();
     curves.sort_unstable();
     curves.dedup();
     let of = |curve: usize| -> Option<[f64; 2]> {
-        let own: Vec<&&Point> = points.iter().filter(|p| p.curve == curve).collect();
+        let own: Vec<&&CurvePoint> = points.iter().filter(|p| p.curve == curve).collect();
         let after = own.iter().position(|p| p.plastic_strain >= OFFSET)?;
         let (b, a) = (own[after], own[after.saturating_sub(1)]);
         if after == 0 || b.plastic_strain <= a.plastic_strain {

@@ -2,7 +2,7 @@
 
 use crate::fit::weights;
 use crate::law::stress_at;
-use crate::{Fit, Point};
+use crate::{CurvePoint, LawFit};
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::flow_stress::{FlowState, FlowStressTable};
 
@@ -30,7 +30,7 @@ struct Grid {
 
 impl Grid {
     /// Through the rates and temperatures of the curves, on to 10^6 1/s and to melting.
-    fn new(points: &[Point], melting: f64) -> Self {
+    fn new(points: &[CurvePoint], melting: f64) -> Self {
         let largest = points.iter().map(|p| p.plastic_strain).fold(0.0, f64::max);
         let above = STRAINS.iter().position(|s| *s >= largest).unwrap_or(STRAINS.len() - 1);
         let mut rates =
@@ -68,7 +68,7 @@ impl Grid {
     }
 
     /// The corners around a point with the weights of the linear interpolation.
-    fn around(&self, point: &Point) -> Corners {
+    fn around(&self, point: &CurvePoint) -> Corners {
         let value = [point.plastic_strain, point.plastic_strain_rate.ln(), point.temperature];
         let cells = [0, 1, 2].map(|axis| {
             let nodes = &self.axes[axis];
@@ -119,7 +119,7 @@ fn clusters(values: impl Iterator<Item = f64>, width: f64) -> Vec<f64> {
 ///
 /// Where nothing was measured it goes over into Johnson-Cook; at the melting temperature 1 MPa is left.
 #[must_use]
-pub fn tabulate(points: &[Point], base: &Fit) -> Option<FlowStressTable> {
+pub fn tabulate(points: &[CurvePoint], base: &LawFit) -> Option<FlowStressTable> {
     let grid = Grid::new(points, base.references.melting);
     let stress: Vec<f64> = grid
         .corners()
@@ -175,7 +175,7 @@ pub fn tabulate(points: &[Point], base: &Fit) -> Option<FlowStressTable> {
 /// ln(law / measured) of each point.
 pub(crate) fn residuals(
     law: &dyn sphcut_physics::flow_stress::FlowStressModel,
-    points: &[Point],
+    points: &[CurvePoint],
 ) -> Vec<f64> {
     points.iter().map(|p| (stress_at(law, p).max(1e4) / p.stress).ln()).collect()
 }

@@ -1,6 +1,6 @@
 //! Files of an identification.
 
-use crate::{Comparison, Fit, Point, Sequence};
+use crate::{CurvePoint, LawComparison, LawFit, Sequence};
 use serde_json::{Value, json};
 use sphcut_physics::Quantity;
 use sphcut_physics::flow_stress::FlowStressTable;
@@ -20,7 +20,7 @@ const NAMES: [&str; 5] = [
 pub fn material_toml(
     title: &str,
     properties: &[(&str, f64, Quantity)],
-    fit: &Fit,
+    fit: &LawFit,
     table_file: Option<&str>,
     source: &str,
 ) -> String {
@@ -82,7 +82,7 @@ pub fn table_csv(table: &FlowStressTable) -> String {
 
 /// Every point with what the laws say.
 #[must_use]
-pub fn residuals_csv(points: &[Point], fits: [&Fit; 2]) -> String {
+pub fn residuals_csv(points: &[CurvePoint], fits: [&LawFit; 2]) -> String {
     let mut text = "curve,plastic_strain,strain_rate [1/s],temperature [K],stress [MPa],\
                     johnson_cook ln ratio,tanh ln ratio\n"
         .to_owned();
@@ -107,11 +107,11 @@ pub fn residuals_csv(points: &[Point], fits: [&Fit; 2]) -> String {
 #[must_use]
 pub fn identification_json(
     sequence: Option<&Sequence>,
-    fits: [&Fit; 2],
-    comparison: &Comparison,
+    fits: [&LawFit; 2],
+    comparison: &LawComparison,
 ) -> String {
     let finite = |value: f64| value.is_finite().then_some(value);
-    let one = |fit: &Fit| {
+    let one = |fit: &LawFit| {
         let parameters = fit.parameters.iter().map(|p| {
             let value = json!({
                 "value": p.value, "ci95": finite(p.half_width), "at_limit": p.at_limit,

@@ -62,7 +62,7 @@ fn curves(seed: u64, point: f64, curve: f64) -> Vec<Curve> {
         .collect()
 }
 
-fn joint(seed: u64, point: f64, curve: f64) -> sphcut_identify::Fit {
+fn joint(seed: u64, point: f64, curve: f64) -> sphcut_identify::LawFit {
     let points = points_of(&curves(seed, point, curve), 0.001).unwrap();
     let start = sequence(&points, REFERENCES).unwrap().parameters;
     fit(LawChoice::JohnsonCook, REFERENCES, &points, &start).unwrap()

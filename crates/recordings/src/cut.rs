@@ -38,7 +38,7 @@ pub enum Unsteady {
 
 /// How records are evaluated. SI units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct EvaluationSettings {
     /// The clock of the files.
     pub time: TimeSource,
     /// The forces; the cutting force is among them.
@@ -147,7 +147,11 @@ const SHORTEST_WINDOW: usize = 20;
 
 /// Evaluates one record.
 #[must_use]
-pub fn evaluate_cut(table: &RawTable, settings: &Settings, conditions: &Conditions) -> CutResult {
+pub fn evaluate_cut(
+    table: &RawTable,
+    settings: &EvaluationSettings,
+    conditions: &Conditions,
+) -> CutResult {
     let mut result = CutResult { conditions: conditions.clone(), ..CutResult::default() };
     match follow(table, settings, &mut result) {
         Ok(()) => {}
@@ -161,7 +165,11 @@ pub fn evaluate_cut(table: &RawTable, settings: &Settings, conditions: &Conditio
     result
 }
 
-fn follow(table: &RawTable, settings: &Settings, result: &mut CutResult) -> Result<(), Vec<Fault>> {
+fn follow(
+    table: &RawTable,
+    settings: &EvaluationSettings,
+    result: &mut CutResult,
+) -> Result<(), Vec<Fault>> {
     let mut names: Vec<&str> = settings.channels.iter().map(|c| c.name.as_str()).collect();
     names.extend(settings.trigger.as_deref());
     let mut channels = table.channels(&names, &settings.time)?;
@@ -218,7 +226,7 @@ fn follow(table: &RawTable, settings: &Settings, result: &mut CutResult) -> Resu
 }
 
 /// The filter, and whether the responses reach as far as it lets pass.
-fn low_pass(settings: &Settings, rate: f64) -> Result<Option<LowPass>, Fault> {
+fn low_pass(settings: &EvaluationSettings, rate: f64) -> Result<Option<LowPass>, Fault> {
     let passes = settings.low_pass.map_or(0.5 * rate, |(_, cut_off)| cut_off);
     for channel in &settings.channels {
         let Some(response) = &channel.response else { continue };
@@ -261,7 +269,7 @@ fn clipping(channel: &ForceChannel, force: &[f64], rate: f64) -> Option<Fault> {
 fn find_cut(
     forces: &[Vec<f64>],
     trigger: Option<&Vec<f64>>,
-    settings: &Settings,
+    settings: &EvaluationSettings,
     conditions: &Conditions,
     rate: f64,
 ) -> Result<Span, Fault> {
@@ -361,7 +369,7 @@ fn without(force: &[f64], rate: f64, revolution: Option<f64>) -> Vec<f64> {
 fn steady_window(
     channels: &[Prepared],
     inside: Span,
-    settings: &Settings,
+    settings: &EvaluationSettings,
     result: &mut CutResult,
 ) -> Span {
     let (rate, conditions) = (result.rate, &result.conditions);
@@ -404,7 +412,7 @@ fn not_steady(
     found: &Examination,
     samples: usize,
     largest: f64,
-    settings: &Settings,
+    settings: &EvaluationSettings,
     rate: f64,
 ) -> Option<NotSteady> {
     if 2 * found.first > samples {

@@ -24,12 +24,13 @@ mod tests;
 mod zero;
 
 pub use cut::{
-    ComponentResult, Conditions, CutResult, ForceChannel, Settings, Unsteady, evaluate_cut,
+    ComponentResult, Conditions, CutResult, EvaluationSettings, ForceChannel, Unsteady,
+    evaluate_cut,
 };
 pub use detection::{Detection, Span};
 pub use fault::{Fault, NotSteady};
 pub use file::{
-    RecordingChannel, RecordingCut, RecordingFile, Recordings, ResponseLine, load_recordings,
+    RecordingChannel, RecordingCut, RecordingFile, RecordingPlan, ResponseLine, load_recordings,
 };
 pub use filter::LowPass;
 pub use pooled::{Pooled, PooledCuts, PooledForce, Repeatability, pool};

@@ -4,7 +4,7 @@ use super::*;
 use sphcut_physics::Channel;
 use sphcut_postprocess::synthetic::SyntheticChannel;
 
-fn settings() -> Settings {
+fn settings() -> EvaluationSettings {
     let channel = |component: Channel, name: &str| ForceChannel {
         component,
         name: name.to_owned(),
@@ -12,7 +12,7 @@ fn settings() -> Settings {
         full_scale: None,
         response: None,
     };
-    Settings {
+    EvaluationSettings {
         time: TimeSource { sampling_rate: Some(2000.0), ..TimeSource::default() },
         channels: vec![channel(Channel::CuttingForce, "Fx"), channel(Channel::FeedForce, "Fy")],
         trigger: None,
@@ -108,7 +108,7 @@ fn the_interval_covers_the_truth_as_often_as_it_says() {
 }
 
 /// Faults of a record after `change`.
-fn faults(change: impl Fn(&mut RawTable, &mut Settings)) -> (bool, Vec<Fault>) {
+fn faults(change: impl Fn(&mut RawTable, &mut EvaluationSettings)) -> (bool, Vec<Fault>) {
     let (mut table, mut settings) = (record(5), settings());
     change(&mut table, &mut settings);
     let cut = evaluate_cut(&table, &settings, &conditions());
@@ -116,7 +116,7 @@ fn faults(change: impl Fn(&mut RawTable, &mut Settings)) -> (bool, Vec<Fault>) {
 }
 
 /// With time stamps that `stamp` gives each sample.
-fn stamped(stamp: impl Fn(usize) -> f64) -> impl Fn(&mut RawTable, &mut Settings) {
+fn stamped(stamp: impl Fn(usize) -> f64) -> impl Fn(&mut RawTable, &mut EvaluationSettings) {
     move |table, settings| {
         let values = (0..table.columns[0].values.len()).map(&stamp).collect();
         table.columns.push(RawColumn { name: "t".to_owned(), values, clock: None });
@@ -136,7 +136,7 @@ macro_rules! refused {
 #[test]
 fn missing_samples_are_named_and_bridged_only_where_allowed() {
     let hole = |from: usize, to: usize| {
-        move |table: &mut RawTable, _: &mut Settings| {
+        move |table: &mut RawTable, _: &mut EvaluationSettings| {
             table.columns[0].values[from..to].fill(f64::NAN);
         }
     };
@@ -147,7 +147,7 @@ fn missing_samples_are_named_and_bridged_only_where_allowed() {
     });
     assert!(accepted && found.contains(&Fault::Bridged { channel: "Fx".to_owned(), samples: 4 }));
     refused!(
-        |table: &mut RawTable, settings: &mut Settings| {
+        |table: &mut RawTable, settings: &mut EvaluationSettings| {
             hole(3000, 3005)(table, settings);
             settings.time.longest_gap = 0.0025;
         },
@@ -158,7 +158,8 @@ fn missing_samples_are_named_and_bridged_only_where_allowed() {
     refused!(stamped(jump), Fault::Gap { samples: 50, .. });
     // An infinite number is none.
     refused!(
-        |table: &mut RawTable, _: &mut Settings| table.columns[1].values[7] = f64::INFINITY,
+        |table: &mut RawTable, _: &mut EvaluationSettings| table.columns[1].values[7] =
+            f64::INFINITY,
         Fault::Gap { .. }
     );
 }
@@ -177,18 +178,18 @@ fn clocks_that_do_not_agree_are_named() {
     let (accepted, found) = faults(stamped(|k| (k as f64 / 2.0).floor() / 1000.0));
     assert!(accepted && matches!(found[..], [Fault::CoarseTime { .. }]), "{found:?}");
     refused!(
-        |table: &mut RawTable, _: &mut Settings| {
+        |table: &mut RawTable, _: &mut EvaluationSettings| {
             table.columns[0].clock = Some((0.0, 0.0005));
             table.columns[1].clock = Some((0.0, 0.000_501));
         },
         Fault::UnequalClocks { .. }
     );
     refused!(
-        |table: &mut RawTable, _: &mut Settings| table.columns[1].values.truncate(5990),
+        |table: &mut RawTable, _: &mut EvaluationSettings| table.columns[1].values.truncate(5990),
         Fault::UnequalLengths { .. }
     );
     refused!(
-        |_: &mut RawTable, settings: &mut Settings| settings.time.sampling_rate = None,
+        |_: &mut RawTable, settings: &mut EvaluationSettings| settings.time.sampling_rate = None,
         Fault::NoClock
     );
 }
@@ -196,31 +197,33 @@ fn clocks_that_do_not_agree_are_named() {
 #[test]
 fn what_a_chain_does_to_a_signal_is_named() {
     refused!(
-        |table: &mut RawTable, _: &mut Settings| {
+        |table: &mut RawTable, _: &mut EvaluationSettings| {
             table.columns[0].values.iter_mut().for_each(|v| *v = v.min(540.0));
         },
         Fault::Clipped { .. }
     );
     refused!(
-        |_: &mut RawTable, settings: &mut Settings| settings.channels[0].full_scale = Some(550.0),
+        |_: &mut RawTable, settings: &mut EvaluationSettings| settings.channels[0].full_scale =
+            Some(550.0),
         Fault::Clipped { .. }
     );
     refused!(
-        |_: &mut RawTable, settings: &mut Settings| settings.channels[0].scale = -1.0,
+        |_: &mut RawTable, settings: &mut EvaluationSettings| settings.channels[0].scale = -1.0,
         Fault::WrongSign { .. }
     );
     let (accepted, found) = faults(|_, settings| settings.channels[1].scale = -1.0);
     assert!(accepted && matches!(found[..], [Fault::NegativeFeed { .. }]), "{found:?}");
     refused!(
-        |_: &mut RawTable, settings: &mut Settings| settings.channels[1].name = "Fz".to_owned(),
+        |_: &mut RawTable, settings: &mut EvaluationSettings| settings.channels[1].name =
+            "Fz".to_owned(),
         Fault::MissingChannel { .. }
     );
     refused!(
-        |_: &mut RawTable, settings: &mut Settings| settings.low_pass = Some((4, 1000.0)),
+        |_: &mut RawTable, settings: &mut EvaluationSettings| settings.low_pass = Some((4, 1000.0)),
         Fault::LowPassTooHigh { .. }
     );
     let trigger = |high: f64| {
-        move |table: &mut RawTable, settings: &mut Settings| {
+        move |table: &mut RawTable, settings: &mut EvaluationSettings| {
             let on = |k: usize| if (1000..5000).contains(&k) { high } else { 0.0 };
             let values = (0..6000).map(on).collect();
             table.columns.push(RawColumn { name: "T".to_owned(), values, clock: None });
@@ -236,7 +239,7 @@ fn what_a_chain_does_to_a_signal_is_named() {
 #[test]
 fn where_the_zero_is_not_known_it_is_said() {
     let keep = |from: usize, to: usize| {
-        move |table: &mut RawTable, _: &mut Settings| {
+        move |table: &mut RawTable, _: &mut EvaluationSettings| {
             for column in &mut table.columns {
                 column.values = column.values[from..to].to_vec();
             }
@@ -250,7 +253,7 @@ fn where_the_zero_is_not_known_it_is_said() {
     assert_eq!(found, [Fault::BeginsInCut, Fault::DriftUnknown]);
     refused!(keep(1500, 4500), Fault::NoCut { .. });
     refused!(
-        |table: &mut RawTable, settings: &mut Settings| {
+        |table: &mut RawTable, settings: &mut EvaluationSettings| {
             keep(950, 5050)(table, settings);
         },
         Fault::NoAirCut { .. }
@@ -259,7 +262,7 @@ fn where_the_zero_is_not_known_it_is_said() {
 
 #[test]
 fn a_cut_that_is_not_steady_gives_no_force_unless_asked() {
-    let ramp = |table: &mut RawTable, _: &mut Settings| {
+    let ramp = |table: &mut RawTable, _: &mut EvaluationSettings| {
         for (k, value) in table.columns[0].values.iter_mut().enumerate() {
             let share = (k as f64 - 1000.0) / 4000.0;
             *value += if (0.0..1.0).contains(&share) { 120.0 * share } else { 0.0 };
@@ -272,7 +275,7 @@ fn a_cut_that_is_not_steady_gives_no_force_unless_asked() {
     });
     assert!(accepted && matches!(found[..], [Fault::Unsteady { .. }]), "{found:?}");
     refused!(
-        |_: &mut RawTable, settings: &mut Settings| settings.precision = 0.001,
+        |_: &mut RawTable, settings: &mut EvaluationSettings| settings.precision = 0.001,
         Fault::Unsteady { reason: NotSteady::Imprecise { .. }, .. }
     );
 }
@@ -345,7 +348,7 @@ mod files_of_strangers {
                 (0..length).map(move |k| level + (k as f64 * 1.7).sin())
             }).collect();
             let table = table(values.clone(), values);
-            let settings = Settings { low_pass: Some((4, cut_off)), ..settings() };
+            let settings = EvaluationSettings { low_pass: Some((4, cut_off)), ..settings() };
             let known = Conditions { revolution, ..conditions() };
             let cut = evaluate_cut(&table, &settings, &known);
             let _ = (cuts_csv(std::slice::from_ref(&cut)), forces_csv(&pool(&[cut])));

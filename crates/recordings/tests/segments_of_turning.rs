@@ -4,7 +4,8 @@
 use sphcut_physics::Channel;
 use sphcut_recordings::formats::{CsvLayout, read_csv};
 use sphcut_recordings::{
-    Conditions, Detection, Fault, ForceChannel, Settings, TimeSource, Unsteady, evaluate_cut,
+    Conditions, Detection, EvaluationSettings, Fault, ForceChannel, TimeSource, Unsteady,
+    evaluate_cut,
 };
 use std::path::Path;
 
@@ -28,7 +29,7 @@ fn the_published_table_loads_and_says_what_it_lacks() {
     for column in &mut table.columns {
         column.values = column.values[rows.clone()].to_vec();
     }
-    let settings = Settings {
+    let settings = EvaluationSettings {
         time: TimeSource { sampling_rate: Some(1.0), ..TimeSource::default() },
         channels: vec![ForceChannel {
             component: Channel::CuttingForce,

@@ -5,7 +5,7 @@ mod support;
 
 use approx::assert_relative_eq;
 use sphcut_physics::elasticity::ElasticModuli;
-use sphcut_physics::equation_of_state::{self, MieGruneisen, Reference};
+use sphcut_physics::equation_of_state::{self, MieGruneisen, ReferenceState};
 use sphcut_physics::{TemperatureTable, Values, flow_stress};
 use sphcut_sph::setup::{
     Body, Dimension, HeatSource, HeatSourceForm, Lattice, Material, Setup, Shape, Support, Switch,
@@ -22,7 +22,7 @@ fn law(density: f64, speed: f64) -> MieGruneisen {
     let given =
         [("bulk_sound_speed", speed), ("shock_slope", 1.489), ("gruneisen_parameter", 1.99)];
     let values = Values::resolve(entry.parameters, &given).unwrap();
-    entry.build.unwrap()(&values, &Reference { density, specific_heat: 386.0 })
+    entry.build.unwrap()(&values, &ReferenceState { density, specific_heat: 386.0 })
 }
 
 fn copper(young_modulus: f64) -> Material {

@@ -193,7 +193,7 @@ mod tests {
     use super::super::draw::{Kind, Plan, cases};
     use super::super::truth::Hidden;
     use super::*;
-    use sphcut_analytic::{Cut, predict};
+    use sphcut_analytic::{OrthogonalCut, predict};
 
     #[test]
     fn files_name_no_answer_and_answers_come_back() {
@@ -248,7 +248,7 @@ mod tests {
             let mut stated = sphcut_diagnose::closed_form_cut(&read.base).unwrap();
             stated.workpiece.hardness = base().workpiece.hardness;
             for one in case.recordings.iter().step_by(9) {
-                let seen = |cut: &Cut| predict(cut, &one.condition, &[]).unwrap();
+                let seen = |cut: &OrthogonalCut| predict(cut, &one.condition, &[]).unwrap();
                 let (theirs, ours) = (seen(&stated), seen(&base()));
                 for channel in [Channel::CuttingForce, Channel::InterfaceTemperature] {
                     let ratio = theirs.get(channel) / ours.get(channel);

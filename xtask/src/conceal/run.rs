@@ -4,8 +4,8 @@ use super::score::HEAD;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sphcut_diagnose::{
-    ClosedForm, Diagnosis, DiagnosisCase, Held, HeldValue, Predictor, Verdict, closed_form_cut,
-    diagnose_case_as,
+    ClaimVerdict, ClosedForm, Diagnosis, DiagnosisCase, HeldOutErrors, HeldValue, Predictor,
+    closed_form_cut, diagnose_case_as,
 };
 use sphcut_input::Colours;
 use sphcut_scenario::LoadOptions;
@@ -94,7 +94,7 @@ pub fn load(path: &Path) -> Result<DiagnosisCase, String> {
 }
 
 /// Recording and channel of every value, and log(prediction / recorded): repaired, fitted again, regressions.
-fn each(held: &Held) -> Value {
+fn each(held: &HeldOutErrors) -> Value {
     let of = |value: &HeldValue| {
         let errors =
             [value.plain[2], value.plain[1]].into_iter().chain(value.grey_box.iter().copied());
@@ -113,10 +113,10 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
     order.sort_by(|&a, &b| finding.inclusion[b].total_cmp(&finding.inclusion[a]));
     let ranking: Vec<&str> = order.iter().map(key).collect();
     let (verdict, named) = match &finding.verdict {
-        Verdict::NoAlarm => ("nothing", Vec::new()),
-        Verdict::Named(named) => ("named", named.clone()),
-        Verdict::OneOf => ("one_of", Vec::new()),
-        Verdict::NoneOfThese => ("none_of_these", Vec::new()),
+        ClaimVerdict::NoAlarm => ("nothing", Vec::new()),
+        ClaimVerdict::Named(named) => ("named", named.clone()),
+        ClaimVerdict::OneOf => ("one_of", Vec::new()),
+        ClaimVerdict::NoneOfThese => ("none_of_these", Vec::new()),
     };
     let mut set: Vec<&str> = finding.set.iter().map(key).collect();
     if finding.set_has_none {

@@ -1,6 +1,8 @@
 //! The cuts as they are: base, batch, what is hidden, and what the instruments make of it.
 
-use sphcut_analytic::{ActiveEffect, Cut, Error, FlowStress, Observables, Physics, predict};
+use sphcut_analytic::{
+    ActiveEffect, Error, FlowStress, Observables, OrthogonalCut, Physics, predict,
+};
 use sphcut_greybox::Random;
 use sphcut_physics::{Channel, CuttingCondition};
 
@@ -15,12 +17,12 @@ pub const NUISANCES: [(&str, f64); 6] = [
 ];
 
 /// The cut that the case names as its base: AISI 1045 with a contact that slides and sticks.
-pub fn base() -> Cut {
-    Cut { friction_coefficient: 0.5, ..Cut::aisi_1045() }
+pub fn base() -> OrthogonalCut {
+    OrthogonalCut { friction_coefficient: 0.5, ..OrthogonalCut::aisi_1045() }
 }
 
 /// `cut` of another batch.
-pub fn batch(mut cut: Cut, nuisances: &[f64; NUISANCES.len()]) -> Cut {
+pub fn batch(mut cut: OrthogonalCut, nuisances: &[f64; NUISANCES.len()]) -> OrthogonalCut {
     let factor = nuisances.map(f64::exp);
     if let FlowStress::JohnsonCook(law) = &mut cut.workpiece.flow_stress {
         law.initial_yield *= factor[0];
@@ -76,7 +78,7 @@ pub struct Hidden {
 
 /// A cut with what is hidden in it.
 pub struct Truth {
-    pub cut: Cut,
+    pub cut: OrthogonalCut,
     pub hidden: Hidden,
     pub middle: Middle,
 }

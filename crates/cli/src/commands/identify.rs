@@ -4,9 +4,9 @@ use crate::arguments::IdentifyArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use sphcut_identify::{
-    Bar, Curve, Cylinder, Fit, Identification, LawChoice, LoadPath, Point, Pulses, References,
-    TestCurve, compare, fit, identification_json, material_toml, points_of, residuals_csv,
-    sequence, table_csv, tabulate,
+    Curve, CurvePoint, Cylinder, Identification, LawChoice, LawFit, LoadPath, PressureBar, Pulses,
+    References, TestCurve, compare, fit, identification_json, material_toml, points_of,
+    residuals_csv, sequence, table_csv, tabulate,
 };
 use sphcut_report::{IdentificationPage, identification_words, render_identification};
 
@@ -61,7 +61,7 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
         comparison: &comparison,
     };
     let source = format!("identified by sphcut {} from: {}", page.version, plan.source);
-    let material = |law: &Fit, file: Option<&str>| {
+    let material = |law: &LawFit, file: Option<&str>| {
         material_toml(&plan.title, &plan.material, law, file, &source)
     };
     let texts = [
@@ -83,14 +83,14 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::Done)
 }
 
-fn plain_start(points: &[Point]) -> [f64; 5] {
+fn plain_start(points: &[CurvePoint]) -> [f64; 5] {
     let stress = points.iter().map(|p| p.stress).fold(0.0, f64::max);
     let [modulus, exponent, rate, softening] = PLAIN_START;
     [0.5 * stress, 0.5 * modulus * stress, exponent, rate, softening]
 }
 
 /// The better of the fits with tanh softening.
-fn with_tanh(base: &Fit, references: References, points: &[Point]) -> Option<Fit> {
+fn with_tanh(base: &LawFit, references: References, points: &[CurvePoint]) -> Option<LawFit> {
     TANH_STARTS
         .into_iter()
         .filter_map(|extra| {
@@ -126,7 +126,7 @@ fn curve(test: &TestCurve, plan: &Identification) -> Curve {
             let [diameter, stiffness, wave_speed] =
                 plan.bar.expect("scenario refuses tests on a bar without the bar");
             let area = Cylinder { length: 1.0, diameter }.area();
-            let bar = Bar { area, modulus: stiffness, wave_speed };
+            let bar = PressureBar { area, modulus: stiffness, wave_speed };
             let pulses = Pulses {
                 interval: *interval,
                 reflected: column(points, 0),

@@ -3,7 +3,7 @@
 use crate::arguments::WearArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{results, terminal};
-use sphcut_diagnose::{Segment, grows, growth_csv, growth_json, growth_words};
+use sphcut_diagnose::{WearSegment, grows, growth_csv, growth_json, growth_words};
 use sphcut_input::read_series_table;
 use sphcut_report::{WearPage, render_wear};
 
@@ -25,9 +25,9 @@ pub fn wear(arguments: &WearArguments) -> Result<ExitCode, Failure> {
         .map_err(|error| Failure::input(format!("cannot read `{table}`: {error}")))?;
     let rows = read_series_table(&text)
         .map_err(|problem| Failure::input(format!("`{table}`: {problem}")))?;
-    let segments: Vec<Segment> = rows
+    let segments: Vec<WearSegment> = rows
         .iter()
-        .map(|row| Segment { tool: row.tool, time: row.time, forces: row.forces })
+        .map(|row| WearSegment { tool: row.tool, time: row.time, forces: row.forces })
         .collect();
     let found = grows(&segments, arguments.fresh.get())
         .map_err(|error| Failure::input(format!("`{table}`: {error}")))?;

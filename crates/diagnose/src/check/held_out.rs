@@ -4,14 +4,14 @@ use crate::data::recordings::Recordings;
 use crate::error::DiagnoseError;
 use crate::inference::change_error::{self, Loose};
 use crate::inference::fit::{Fit, NEGLIGIBLE, active, fit};
-use crate::inference::law::Spectrum;
-use crate::inference::problem::Problem;
+use crate::inference::law::Eigenpairs;
+use crate::inference::problem::RegressionProblem;
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use sphcut_greybox::regressor::{Method, Regressor, Settings};
+use sphcut_greybox::regressor::{Method, Regressor, RegressorSettings};
 use sphcut_greybox::validation::{Scoring, tune};
-use sphcut_greybox::{Random, Samples};
+use sphcut_greybox::{Random, TrainingRows};
 use sphcut_physics::{Channel, CuttingCondition};
 
 /// Resamples of the interval of a ratio.
@@ -45,13 +45,13 @@ pub struct HeldValue {
     pub channel: Channel,
     /// By the base scenario as it is, fitted again, repaired.
     pub plain: [f64; 3],
-    /// By each regression, in the order of [`Held::grey_box`].
+    /// By each regression, in the order of [`HeldOutErrors::grey_box`].
     pub grey_box: Vec<f64>,
 }
 
 /// Errors on what was held out: mean of |log(prediction / measured)|.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Held {
+pub struct HeldOutErrors {
     /// What was held out.
     pub part: Part,
     /// Number of values.
@@ -73,7 +73,7 @@ pub struct Held {
     pub each: Vec<HeldValue>,
 }
 
-impl Held {
+impl HeldOutErrors {
     /// Whether the repair helps beyond doubt: the interval of the ratio lies below 1.
     #[must_use]
     pub fn improves(&self) -> bool {
@@ -86,12 +86,12 @@ impl Held {
 /// # Errors
 /// A covariance that cannot be inverted.
 pub fn does_it_help(
-    problem: &Problem,
+    problem: &RegressionProblem,
     recordings: &Recordings,
     predictor: &dyn Predictor,
     repair: &Fit,
     seed: u64,
-) -> Result<Vec<Held>, DiagnoseError> {
+) -> Result<Vec<HeldOutErrors>, DiagnoseError> {
     let condition_of = conditions(recordings);
     let blocks = Blocks::of(problem, recordings);
     let base = problem.predict(predictor, &DVector::zeros(problem.model_unknowns()), &[]);
@@ -127,7 +127,7 @@ struct Blocks {
 }
 
 impl Blocks {
-    fn of(problem: &Problem, recordings: &Recordings) -> Self {
+    fn of(problem: &RegressionProblem, recordings: &Recordings) -> Self {
         let rank = |axis: fn(&CuttingCondition) -> f64| {
             let mut values: Vec<f64> =
                 recordings.all().iter().map(|r| axis(&r.condition)).collect();
@@ -158,7 +158,7 @@ impl Blocks {
         self.rows.iter().filter(|(_, place)| keep(*place)).map(|(row, _)| *row).collect()
     }
 
-    fn parts(&self, problem: &Problem) -> Vec<(Part, Vec<Vec<usize>>)> {
+    fn parts(&self, problem: &RegressionProblem) -> Vec<(Part, Vec<Vec<usize>>)> {
         let quarter = |fast: bool, thick: bool| {
             self.those(|[v, h]| (v >= 0.5) == fast && (h >= 0.5) == thick)
         };
@@ -184,7 +184,7 @@ impl Blocks {
 }
 
 struct Context<'a> {
-    problem: &'a Problem,
+    problem: &'a RegressionProblem,
     predictor: &'a dyn Predictor,
     repair: &'a Fit,
     learners: &'a Learners<'a>,
@@ -254,7 +254,7 @@ impl Context<'_> {
             let loose = Loose::new(&white, channels, &slopes, &law.whiten_vector(deviation));
             error = change_error::scaled(columns, &loose.most_probable(shares).0);
             let white = law.whiten(error.select_rows(kept));
-            law = law.tilted(&Spectrum::of(&white, NEGLIGIBLE));
+            law = law.tilted(&Eigenpairs::of(&white, NEGLIGIBLE));
         }
         let weights = law.unwhiten_transposed(law.whiten_vector(found.residual.clone()));
         let mut spread = DVector::zeros(problem.rows.len());
@@ -268,12 +268,12 @@ impl Context<'_> {
 struct Task {
     method: usize,
     channel: Channel,
-    settings: Option<Settings>,
+    settings: Option<RegressorSettings>,
 }
 
 /// Regressions of the residual of the base scenario over v_c and h, channel by channel.
 struct Learners<'a> {
-    problem: &'a Problem,
+    problem: &'a RegressionProblem,
     base: DVector<f64>,
     condition_of: &'a [usize],
     seed: u64,
@@ -292,11 +292,11 @@ impl Learners<'_> {
         [condition.cutting_speed, condition.uncut_chip_thickness]
     }
 
-    fn samples(&self, rows: &[usize], channel: Channel) -> Samples {
+    fn samples(&self, rows: &[usize], channel: Channel) -> TrainingRows {
         let rows: Vec<usize> = self.rows(rows, channel).collect();
         let residual = |row: usize| self.problem.rows[row].log_value - self.base[row];
         let group = |row: usize| self.condition_of[self.problem.rows[row].recording];
-        Samples {
+        TrainingRows {
             inputs: rows.iter().map(|&row| self.input(row)).collect(),
             targets: rows.iter().map(|&row| residual(row)).collect(),
             groups: rows.iter().map(|&row| group(row)).collect(),
@@ -341,7 +341,7 @@ impl Learners<'_> {
     }
 }
 
-fn summary(part: Part, each: Vec<HeldValue>, condition_of: &[usize], seed: u64) -> Held {
+fn summary(part: Part, each: Vec<HeldValue>, condition_of: &[usize], seed: u64) -> HeldOutErrors {
     let mean = |of: &dyn Fn(&HeldValue) -> f64| {
         each.iter().map(|value| of(value).abs()).sum::<f64>() / each.len() as f64
     };
@@ -360,7 +360,7 @@ fn summary(part: Part, each: Vec<HeldValue>, condition_of: &[usize], seed: u64) 
     };
     let channels = Channel::RECORDED.into_iter().filter_map(of).collect();
     let values = each.len();
-    Held { part, values, before, refitted, repaired, ratio, channels, grey_box, each }
+    HeldOutErrors { part, values, before, refitted, repaired, ratio, channels, grey_box, each }
 }
 
 /// 95 % interval of the ratio of the mean errors: whole conditions drawn with replacement, both errors of a value together

@@ -4,7 +4,7 @@ use crate::check::held_out::ratio_interval;
 use crate::data::recordings::same_cut;
 use crate::inference::fit::{Fit, fit};
 use crate::inference::places::{AXES, scaled_places};
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use crate::model::paired::{Change, PairedRun, can_be_run};
 use crate::model::predictor::Predictor;
 use nalgebra::DVector;
@@ -42,7 +42,7 @@ const LEFT_OUT: usize = 3;
 /// Conditions of the recordings at which to look: at most `most` and a third of all, spread over speed and thickness by always taking the one that is
 /// farthest from those taken (Kennard and Stone 1969), from the fastest on.
 #[must_use]
-pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<CuttingCondition> {
+pub fn rerun_conditions(problem: &RegressionProblem, most: usize) -> Vec<CuttingCondition> {
     let places = scaled_places(problem);
     let mut left: Vec<usize> = Vec::new();
     for row in (0..problem.rows.len()).filter(|&row| problem.is_diagnosed(row)) {
@@ -72,7 +72,7 @@ pub fn rerun_conditions(problem: &Problem, most: usize) -> Vec<CuttingCondition>
 /// The fit in which nothing is missing and that of `repair`, without the recordings at `conditions`. `None` where a fit fails.
 #[must_use]
 pub fn unseen_fits(
-    problem: &Problem,
+    problem: &RegressionProblem,
     predictor: &dyn Predictor,
     repair: &Fit,
     conditions: &[CuttingCondition],
@@ -91,7 +91,7 @@ pub fn unseen_fits(
 /// What the three states change at a condition. `None` if the scenario has no key for an effect of the repair.
 #[must_use]
 pub fn rerun_changes(
-    problem: &Problem,
+    problem: &RegressionProblem,
     predictor: &dyn Predictor,
     (null, repair): (&Fit, &Fit),
     condition: &CuttingCondition,
@@ -105,7 +105,7 @@ pub fn rerun_changes(
 /// Compares what was run at each condition in the three states with the recordings there. `None` if too little was run.
 #[must_use]
 pub fn compare_rerun(
-    problem: &Problem,
+    problem: &RegressionProblem,
     (null, repair): (&Fit, &Fit),
     runs: &[[Option<PairedRun>; STATES]],
     seed: u64,

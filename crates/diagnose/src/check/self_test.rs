@@ -2,7 +2,7 @@
 
 use crate::inference::attribute::{ALARM, CLAIM, Hypothesis, attribute};
 use crate::inference::fit::Fit;
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
 use crate::inference::verdict::smallest_set;
 use crate::model::predictor::{Active, Predictor};
@@ -62,7 +62,7 @@ pub struct PositiveControl {
 
 /// A diagnosis whose design and noise are simulated.
 pub struct Simulator<'a> {
-    problem: &'a Problem,
+    problem: &'a RegressionProblem,
     predictor: &'a dyn Predictor,
     templates: &'a Templates,
     gains: &'a [f64],
@@ -75,7 +75,7 @@ impl<'a> Simulator<'a> {
     /// Around the null fit on whose templates the diagnosis rests; `None` if it is singular.
     #[must_use]
     pub fn new(
-        problem: &'a Problem,
+        problem: &'a RegressionProblem,
         predictor: &'a dyn Predictor,
         (templates, gains): (&'a Templates, &'a [f64]),
         null: &Fit,
@@ -136,7 +136,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// Simulated data and their null fit; `None` where the model has no answer.
-    fn recorded(&self, active: &[Active], mut random: Random) -> Option<(Problem, Fit)> {
+    fn recorded(&self, active: &[Active], mut random: Random) -> Option<(RegressionProblem, Fit)> {
         let model = self.problem.model_unknowns();
         let white = |count: usize, random: &mut Random| {
             DVector::from_iterator(count, (0..count).map(|_| random.normal()))
@@ -157,7 +157,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// The null fit by Gauss-Newton steps with the derivative of the diagnosis.
-    fn chord_fit(&self, problem: &Problem, measured: &DVector<f64>) -> Option<Fit> {
+    fn chord_fit(&self, problem: &RegressionProblem, measured: &DVector<f64>) -> Option<Fit> {
         let model = problem.model_unknowns();
         let white = problem.noise.whiten(self.jacobian.clone());
         let mut unknowns = self.start.clone();

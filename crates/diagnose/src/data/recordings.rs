@@ -42,7 +42,7 @@ pub enum NoiseSource {
 
 /// Noise of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
+pub struct ChannelNoise {
     /// The channel.
     pub channel: Channel,
     /// Root mean square of the standard deviation of a single cut, as a share of the value.
@@ -59,7 +59,7 @@ pub struct Noise {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recordings {
     recordings: Vec<Recording>,
-    noise: Vec<Noise>,
+    noise: Vec<ChannelNoise>,
     /// Variance of log y of each value.
     variances: Vec<[Option<f64>; Channel::RECORDED.len()]>,
 }
@@ -122,7 +122,7 @@ impl Recordings {
 
     /// Noise of each channel that is used.
     #[must_use]
-    pub fn noise(&self) -> &[Noise] {
+    pub fn noise(&self) -> &[ChannelNoise] {
         &self.noise
     }
 
@@ -203,14 +203,14 @@ impl Recordings {
         }
         let deviation = (squares / rows.len() as f64).sqrt();
         self.noise.push(match law {
-            Some(NoiseLaw { constant, share, freedom }) => Noise {
+            Some(NoiseLaw { constant, share, freedom }) => ChannelNoise {
                 channel,
                 deviation,
                 parts: [constant.sqrt(), share.sqrt()],
                 freedom,
                 source: NoiseSource::Repeats,
             },
-            None => Noise {
+            None => ChannelNoise {
                 channel,
                 deviation,
                 parts: [0.0, deviation],

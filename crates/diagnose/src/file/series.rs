@@ -6,7 +6,7 @@ use sphcut_input::findings::Findings;
 use sphcut_input::problem::Problem;
 use sphcut_input::reader;
 use sphcut_input::record::Record;
-use sphcut_recordings::{Recordings, load_recordings};
+use sphcut_recordings::{RecordingPlan, load_recordings};
 use sphcut_scenario::LoadOptions;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeriesPlan {
     /// The records, and how they are read.
-    pub recordings: Recordings,
+    pub recordings: RecordingPlan,
     /// The free-running machine.
     pub air: Option<AirRecord>,
     /// Width of a bin in Hz.

@@ -1,7 +1,7 @@
 //! How probable each explanation is.
 
 use crate::inference::fit::{Fit, fit};
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
 use crate::model::predictor::Predictor;
 use nalgebra::DVector;
@@ -213,7 +213,12 @@ impl Attribution {
     /// Fits the most probable explanations again with the model itself, nuisances and parameters together, and weighs
     /// all anew with their evidence. Gives the fits, the most probable first.
     #[must_use]
-    pub fn refine(&mut self, problem: &Problem, predictor: &dyn Predictor, null: &Fit) -> Vec<Fit> {
+    pub fn refine(
+        &mut self,
+        problem: &RegressionProblem,
+        predictor: &dyn Predictor,
+        null: &Fit,
+    ) -> Vec<Fit> {
         let mut fits: Vec<Fit> = Vec::new();
         for k in self.finalists() {
             let scored = &mut self.scored[k];

@@ -1,7 +1,7 @@
 //! How wrong the model may be in what an effect changes.
 
 use crate::inference::places::{AXES, scaled_places, tool_axes};
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use nalgebra::{DMatrix, DVector};
 
 /// Share of the variance of the error that is the same at all conditions; the rest is shared by the other terms.
@@ -25,12 +25,16 @@ const TERMS: usize = 6;
 /// its own share of [`Predictor::change_errors`](crate::Predictor::change_errors). Another physics of the cut has the same effects with other
 /// strengths from channel to channel and condition to condition; without this term the data are taken to speak
 /// against the right effect as soon as they are more precise than the model.
-pub(crate) fn columns(problem: &Problem, rows: &[usize], change: &DVector<f64>) -> DMatrix<f64> {
+pub(crate) fn columns(
+    problem: &RegressionProblem,
+    rows: &[usize],
+    change: &DVector<f64>,
+) -> DMatrix<f64> {
     columns_at(problem, &scaled_places(problem), rows, change)
 }
 
 fn columns_at(
-    problem: &Problem,
+    problem: &RegressionProblem,
     places: &[[f64; AXES]],
     rows: &[usize],
     change: &DVector<f64>,
@@ -56,7 +60,7 @@ fn columns_at(
 /// [`columns`] for all rows of a problem: nothing where effects do not act. Beyond the range of the rows `known` the terms p and q stay what they
 /// are at its border.
 pub(crate) fn everywhere(
-    problem: &Problem,
+    problem: &RegressionProblem,
     change: &DVector<f64>,
     known: Option<&[usize]>,
 ) -> DMatrix<f64> {

@@ -3,9 +3,11 @@
 use crate::data::recordings::{Recordings, same_cut};
 use crate::error::DiagnoseError;
 use crate::inference::fit::fit;
-use crate::inference::law::{Factor, Law, principal};
+use crate::inference::law::{Factor, GaussianLaw, principal};
 use crate::inference::places::{TOOL_AXES, scaled_places};
-use crate::inference::problem::{InstrumentPriors, Problem, add_rows, instrument_columns};
+use crate::inference::problem::{
+    InstrumentPriors, RegressionProblem, add_rows, instrument_columns,
+};
 use crate::inference::templates::SMOOTH;
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
@@ -26,7 +28,7 @@ const UNKNOWN: f64 = 1.0;
 
 /// How the data without a missing effect are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Comparison {
+pub enum ReferenceComparison {
     /// They teach a smooth bias over the conditions.
     BiasField,
     /// The bias of each condition is unknown and the same in both states: only the difference of the two is diagnosed.
@@ -69,7 +71,7 @@ pub struct Bias {
     pub origin: BiasOrigin,
 }
 
-impl Problem {
+impl RegressionProblem {
     /// The same problem with a model that is wrong by a smooth share of `amplitude`, unknown and independent between channels.
     ///
     /// Every explanation has to do with such a model; what is left to be explained is what the model could not be wrong by.
@@ -98,7 +100,7 @@ impl Problem {
     /// A condition at which the model has no answer.
     pub fn beside(
         recordings: &Recordings,
-        (reference, comparison, batch): (&Recordings, Comparison, Batch),
+        (reference, comparison, batch): (&Recordings, ReferenceComparison, Batch),
         predictor: &dyn Predictor,
         priors: &InstrumentPriors,
     ) -> Result<(Self, Vec<(Channel, Bias)>), DiagnoseError> {
@@ -119,8 +121,8 @@ impl Problem {
         let plain = Self::assemble(sites, rows, parts, predictor)?;
         let channels = plain.channels();
         let biases: Vec<(Channel, Bias)> = match comparison {
-            Comparison::BiasField => plain.most_probable_biases(own..count, predictor)?,
-            Comparison::Difference => {
+            ReferenceComparison::BiasField => plain.most_probable_biases(own..count, predictor)?,
+            ReferenceComparison::Difference => {
                 let origin = BiasOrigin::Difference;
                 let unknown = Bias { amplitude: UNKNOWN, length: 0.0, origin };
                 channels.into_iter().map(|channel| (channel, unknown)).collect()
@@ -134,7 +136,7 @@ impl Problem {
     /// With more that rows have in common.
     pub(crate) fn with_common(mut self, factors: Vec<Factor>) -> Result<Self, DiagnoseError> {
         self.covariance.factors.extend(factors);
-        self.noise = Law::new(&self.covariance)?;
+        self.noise = GaussianLaw::new(&self.covariance)?;
         Ok(self)
     }
 
@@ -202,7 +204,7 @@ impl Problem {
                 let bias = learnt(amplitude, length);
                 let mut covariance = self.covariance.clone();
                 covariance.factors.push(self.bias_factor(channel, bias));
-                let law = Law::new(&covariance.select(rows))?;
+                let law = GaussianLaw::new(&covariance.select(rows))?;
                 let white = law.whiten(seen.clone());
                 let log_determinant = law.log_determinant();
                 all.push(Tried { bias, products: white.tr_mul(&white), log_determinant });

@@ -2,8 +2,8 @@
 
 use crate::inference::change_error::{self, Loose};
 use crate::inference::gaussian::log_determinant;
-use crate::inference::law::{Factor, Law, Spectrum};
-use crate::inference::problem::Problem;
+use crate::inference::law::{Eigenpairs, Factor, GaussianLaw};
+use crate::inference::problem::RegressionProblem;
 use crate::model::paired::Change;
 use crate::model::predictor::{Active, Predictor};
 use nalgebra::{DMatrix, DVector};
@@ -52,7 +52,7 @@ impl Fit {
     /// What it changes in the scenario, for an edge that has cut `cut_length` in m before.
     pub(crate) fn change(
         &self,
-        problem: &Problem,
+        problem: &RegressionProblem,
         predictor: &dyn Predictor,
         cut_length: f64,
     ) -> Change {
@@ -107,7 +107,7 @@ pub(crate) fn active(predictor: &dyn Predictor, effects: &[usize], t: &[f64]) ->
 /// and the fit goes on from there.
 #[must_use]
 pub fn fit(
-    problem: &Problem,
+    problem: &RegressionProblem,
     predictor: &dyn Predictor,
     effects: &[usize],
     start: &DVector<f64>,
@@ -121,7 +121,7 @@ pub fn fit(
 }
 
 fn descend(
-    problem: &Problem,
+    problem: &RegressionProblem,
     predictor: &dyn Predictor,
     effects: &[usize],
     start: &DVector<f64>,
@@ -136,13 +136,13 @@ fn descend(
         let columns = system.error(&point);
         let (best, _) = system.loose(&point, &columns).most_probable(errors);
         let own = problem.noise.whiten(change_error::scaled(columns, &best));
-        let law = problem.noise.tilted(&Spectrum::of(&own, NEGLIGIBLE));
+        let law = problem.noise.tilted(&Eigenpairs::of(&own, NEGLIGIBLE));
         point = system.descend(&law, point)?;
     }
     let columns = system.error(&point);
     let (best, evidence) = system.loose(&point, &columns).most_probable(errors);
     let own = change_error::scaled(columns, &best);
-    let law = problem.noise.tilted(&Spectrum::of(&problem.noise.whiten(own.clone()), NEGLIGIBLE));
+    let law = problem.noise.tilted(&Eigenpairs::of(&problem.noise.whiten(own.clone()), NEGLIGIBLE));
     let evidence = evidence - 0.5 * problem.noise.log_determinant();
     system.end(point, &law, Some(Factor::of_all(own)), Some(evidence))
 }
@@ -157,7 +157,7 @@ struct Point {
 }
 
 struct System<'a> {
-    problem: &'a Problem,
+    problem: &'a RegressionProblem,
     predictor: &'a dyn Predictor,
     effects: &'a [usize],
     measured: DVector<f64>,
@@ -171,7 +171,12 @@ impl System<'_> {
         self.problem.predict(self.predictor, unknowns, &active) + &self.problem.instrument * own
     }
 
-    fn target(&self, law: &Law, prediction: &DVector<f64>, u: &DVector<f64>) -> Option<f64> {
+    fn target(
+        &self,
+        law: &GaussianLaw,
+        prediction: &DVector<f64>,
+        u: &DVector<f64>,
+    ) -> Option<f64> {
         let white = law.whiten_vector(&self.measured - prediction);
         let target = white.norm_squared() + u.norm_squared();
         target.is_finite().then_some(target)
@@ -185,7 +190,7 @@ impl System<'_> {
     }
 
     /// Damped Gauss-Newton steps; the derivative is taken anew after steps that are not small.
-    fn descend(&self, law: &Law, start: Point) -> Option<Point> {
+    fn descend(&self, law: &GaussianLaw, start: Point) -> Option<Point> {
         let Point { mut unknowns, mut prediction, mut jacobian, .. } = start;
         let mut target = self.target(law, &prediction, &unknowns)?;
         let mut damping = 1e-3;
@@ -246,7 +251,7 @@ impl System<'_> {
     fn end(
         &self,
         point: Point,
-        law: &Law,
+        law: &GaussianLaw,
         error: Option<Factor>,
         log_evidence: Option<f64>,
     ) -> Option<Fit> {

@@ -77,12 +77,12 @@ impl Covariance {
 
 /// Columns E of a problem that is whitened already, as the eigenvalues and directions of E E'.
 #[derive(Debug, Clone)]
-pub struct Spectrum {
+pub struct Eigenpairs {
     pub values: Vec<f64>,
     pub directions: DMatrix<f64>,
 }
 
-impl Spectrum {
+impl Eigenpairs {
     /// Directions below a share of the largest eigenvalue are left out.
     pub fn of(columns: &DMatrix<f64>, negligible: f64) -> Self {
         let (values, turned) = principal(columns.tr_mul(columns), negligible);
@@ -134,12 +134,12 @@ impl Stretch {
 /// A root A of the inverse covariance: A'A = V^-1. Work grows with rows times columns of the factors (Woodbury 1950), not
 /// with the square of the rows.
 #[derive(Debug, Clone)]
-pub struct Law {
+pub struct GaussianLaw {
     scale: DVector<f64>,
     stretches: Vec<Stretch>,
 }
 
-impl Law {
+impl GaussianLaw {
     /// # Errors
     /// A variance that is not above 0.
     pub fn new(covariance: &Covariance) -> Result<Self, DiagnoseError> {
@@ -174,7 +174,7 @@ impl Law {
     }
 
     /// The law with E E' more, E whitened by this law.
-    pub fn tilted(&self, spectrum: &Spectrum) -> Self {
+    pub fn tilted(&self, spectrum: &Eigenpairs) -> Self {
         let by = spectrum.values.iter().map(|value| (1.0 + value).sqrt());
         let mut law = self.clone();
         law.stretches.push(Stretch {
@@ -233,7 +233,7 @@ fn stretch(rows: Vec<usize>, white: &DMatrix<f64>) -> Result<Option<Stretch>, Di
     if own.iter().any(|value| !value.is_finite()) {
         return Err(DiagnoseError::Singular);
     }
-    let Spectrum { values, directions } = Spectrum::of(&own, NEGLIGIBLE);
+    let Eigenpairs { values, directions } = Eigenpairs::of(&own, NEGLIGIBLE);
     if values.is_empty() {
         return Ok(None);
     }
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn the_law_is_that_of_the_matrix_written_out() {
         let covariance = example();
-        let law = Law::new(&covariance).unwrap();
+        let law = GaussianLaw::new(&covariance).unwrap();
         let dense = Whitener::new(covariance.dense()).unwrap();
         assert!((law.log_determinant() - dense.log_determinant()).abs() < 1e-10);
         let x = DVector::from_fn(12, |k, _| (k as f64).sin());
@@ -293,13 +293,13 @@ mod tests {
     #[test]
     fn a_tilted_law_has_the_columns_more() {
         let covariance = example();
-        let law = Law::new(&covariance).unwrap();
+        let law = GaussianLaw::new(&covariance).unwrap();
         let columns = DMatrix::from_fn(12, 3, |i, j| ((i * (j + 2)) as f64).sin());
         let mut more = covariance.clone();
         more.factors.push(Factor::of_all(0.7 * &columns));
-        let expected = Law::new(&more).unwrap();
+        let expected = GaussianLaw::new(&more).unwrap();
         let white = law.whiten(0.7 * columns);
-        let spectrum = Spectrum::of(&white, 1e-13);
+        let spectrum = Eigenpairs::of(&white, 1e-13);
         let tilted = law.tilted(&spectrum);
         assert!((tilted.log_determinant() - expected.log_determinant()).abs() < 1e-9);
         let x = DVector::from_fn(12, |k, _| (k as f64).cos());
@@ -325,6 +325,6 @@ mod tests {
     fn a_row_without_noise_is_refused() {
         let mut covariance = example();
         covariance.variances[3] = 0.0;
-        assert!(Law::new(&covariance).is_err());
+        assert!(GaussianLaw::new(&covariance).is_err());
     }
 }

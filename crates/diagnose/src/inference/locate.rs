@@ -1,7 +1,7 @@
 //! Where the residual is more than chance.
 
 use crate::inference::places::{AXES, scaled_places};
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
 use nalgebra::DVector;
 use sphcut_physics::Channel;
@@ -77,7 +77,11 @@ pub fn benjamini_hochberg(chances: &[f64], q: f64) -> Vec<bool> {
 /// Sigma^-1 times the residual of the null fit. A place is evidence, never an explanation: the fit of the nuisances moves
 /// an effect that lives at small h to where they cannot follow.
 #[must_use]
-pub fn locate(problem: &Problem, templates: &Templates, signal: &DVector<f64>) -> Location {
+pub fn locate(
+    problem: &RegressionProblem,
+    templates: &Templates,
+    signal: &DVector<f64>,
+) -> Location {
     let places = scaled_places(problem);
     let normal = Normal::new(0.0, 1.0).expect("a standard deviation of 1");
     let score = |contrast: DVector<f64>| {
@@ -104,7 +108,7 @@ pub fn locate(problem: &Problem, templates: &Templates, signal: &DVector<f64>) -
     Location { contrasts, maps, shape: MAP }
 }
 
-fn is_of(problem: &Problem, row: usize, channel: Channel) -> bool {
+fn is_of(problem: &RegressionProblem, row: usize, channel: Channel) -> bool {
     problem.rows[row].channel == channel && problem.is_diagnosed(row)
 }
 
@@ -112,7 +116,7 @@ type Value<'a> = &'a dyn Fn(usize) -> f64;
 
 /// The patterns that the design of a channel can show.
 fn patterns(
-    problem: &Problem,
+    problem: &RegressionProblem,
     places: &[[f64; AXES]],
     channel: Channel,
 ) -> Vec<(&'static str, DVector<f64>)> {
@@ -163,7 +167,7 @@ fn is_parallel(a: &DVector<f64>, b: &DVector<f64>) -> bool {
 
 /// The score of a window around each point of the map.
 fn map(
-    problem: &Problem,
+    problem: &RegressionProblem,
     places: &[[f64; AXES]],
     channel: Channel,
     score: &dyn Fn(DVector<f64>) -> f64,

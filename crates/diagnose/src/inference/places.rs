@@ -1,6 +1,6 @@
 //! Where cuts lie among each other: the coordinates of everything smooth over the conditions.
 
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 
 /// Of a cut: log v_c, log h, cut length, rake angle, edge radius.
 pub(crate) const AXES: usize = 5;
@@ -8,7 +8,7 @@ pub(crate) const AXES: usize = 5;
 pub(crate) const TOOL_AXES: std::ops::Range<usize> = 3..AXES;
 
 /// The place of each row along [`AXES`], from 0 to 1 over all rows; 0 along an axis where all are at the same place.
-pub(crate) fn scaled_places(problem: &Problem) -> Vec<[f64; AXES]> {
+pub(crate) fn scaled_places(problem: &RegressionProblem) -> Vec<[f64; AXES]> {
     let raw: Vec<[f64; AXES]> = (0..problem.rows.len())
         .map(|row| {
             let condition = problem.condition(row);

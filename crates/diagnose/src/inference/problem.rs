@@ -2,7 +2,7 @@
 
 use crate::data::recordings::Recordings;
 use crate::error::DiagnoseError;
-use crate::inference::law::{Covariance, Factor, Law};
+use crate::inference::law::{Covariance, Factor, GaussianLaw};
 use crate::model::predictor::{Active, Predictor};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -36,8 +36,8 @@ pub struct Site {
 
 /// One measured value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
-    /// Its place in [`Problem::sites`].
+pub struct RegressionRow {
+    /// Its place in [`RegressionProblem::sites`].
     pub site: usize,
     /// The channel.
     pub channel: Channel,
@@ -57,18 +57,18 @@ type Unknown<'a> = dyn Fn(Channel, &[CuttingCondition]) -> Option<DMatrix<f64>> 
 /// The regression. Unknowns are standard normal: first the nuisances of the model for each batch, then the columns of
 /// the instruments.
 #[derive(Debug, Clone)]
-pub struct Problem {
+pub struct RegressionProblem {
     /// Where the model is asked.
     pub sites: Vec<Site>,
     /// What was measured.
-    pub rows: Vec<Row>,
+    pub rows: Vec<RegressionRow>,
     /// Number of sets of nuisances.
     pub batches: usize,
     /// What one standard deviation of each instrument unknown adds to each row.
     pub instrument: DMatrix<f64>,
     /// Of noise and bias.
     pub(crate) covariance: Covariance,
-    pub(crate) noise: Law,
+    pub(crate) noise: GaussianLaw,
     /// For each channel its place in the predictor's answer.
     places: [Option<usize>; Channel::RECORDED.len()],
     deviations: Vec<f64>,
@@ -76,7 +76,7 @@ pub struct Problem {
     first: Vec<[usize; 2]>,
 }
 
-impl Problem {
+impl RegressionProblem {
     /// The regression of `recordings`.
     ///
     /// # Errors
@@ -95,7 +95,7 @@ impl Problem {
     /// From its parts, without a bias.
     pub(crate) fn assemble(
         sites: Vec<Site>,
-        rows: Vec<Row>,
+        rows: Vec<RegressionRow>,
         (batches, instrument): (usize, DMatrix<f64>),
         predictor: &dyn Predictor,
     ) -> Result<Self, DiagnoseError> {
@@ -105,7 +105,7 @@ impl Problem {
         }
         let variances = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.variance));
         let covariance = Covariance { variances, factors: Vec::new() };
-        let noise = Law::new(&covariance)?;
+        let noise = GaussianLaw::new(&covariance)?;
         let first = (0..sites.len()).map(|site| first_of(&sites, site)).collect();
         let deviations = predictor.nuisances().iter().map(|nuisance| nuisance.deviation).collect();
         let problem =
@@ -205,7 +205,7 @@ impl Problem {
                 asked.then(|| self.ask(predictor, &self.sites[site], unknowns, active))
             })
             .collect();
-        let of = |row: &Row| {
+        let of = |row: &RegressionRow| {
             let place = self.places[row.channel.index()]?;
             answers[asked[row.site]].as_ref().map(|answer| answer[place])
         };
@@ -261,7 +261,7 @@ impl Problem {
         Ok(Self {
             rows: rows.iter().map(|&row| self.rows[row]).collect(),
             instrument: self.instrument.select_rows(rows),
-            noise: Law::new(&covariance)?,
+            noise: GaussianLaw::new(&covariance)?,
             covariance,
             ..self.clone()
         })
@@ -312,7 +312,7 @@ pub(crate) fn add_rows(
     recordings: &Recordings,
     (batch, diagnosed): (usize, bool),
     sites: &mut Vec<Site>,
-    rows: &mut Vec<Row>,
+    rows: &mut Vec<RegressionRow>,
 ) {
     let orders = scaled_orders(recordings);
     for (number, recording) in recordings.all().iter().enumerate() {
@@ -324,7 +324,7 @@ pub(crate) fn add_rows(
         for channel in recordings.channels() {
             let value = recording.values[channel.index()];
             if let (Some(value), Some(variance)) = (value, recordings.variance(number, channel)) {
-                rows.push(Row {
+                rows.push(RegressionRow {
                     site: place,
                     channel,
                     log_value: value.ln(),
@@ -349,14 +349,14 @@ fn scaled_orders(recordings: &Recordings) -> Vec<f64> {
 
 /// Gain, offset and drift of each channel for the rows of `range`: d log y = gain + offset / y + drift o.
 pub(crate) fn instrument_columns(
-    rows: &[Row],
+    rows: &[RegressionRow],
     range: Range<usize>,
     priors: &InstrumentPriors,
 ) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
     for channel in Channel::RECORDED {
-        let column = |value: &dyn Fn(&Row) -> f64| {
-            let of = |(k, row): (usize, &Row)| {
+        let column = |value: &dyn Fn(&RegressionRow) -> f64| {
+            let of = |(k, row): (usize, &RegressionRow)| {
                 if range.contains(&k) && row.channel == channel { value(row) } else { 0.0 }
             };
             DVector::from_iterator(rows.len(), rows.iter().enumerate().map(of))

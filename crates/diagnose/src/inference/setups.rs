@@ -3,9 +3,9 @@
 use crate::data::recordings::same_cut;
 use crate::error::DiagnoseError;
 use crate::inference::commissioning::{Bias, BiasOrigin};
-use crate::inference::law::{Covariance, Factor, Law};
+use crate::inference::law::{Covariance, Factor, GaussianLaw};
 use crate::inference::places::{scaled_places, tool_axes};
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::Channel;
@@ -31,7 +31,7 @@ pub struct SetupScatter {
     pub deviation: f64,
 }
 
-impl Problem {
+impl RegressionProblem {
     /// The same problem with the scatter between conditions as noise that all repeats of a condition share.
     ///
     /// Repeats that were cut one after the other in one setup, with edges of one box, say nothing of what changes from setup to setup.
@@ -91,7 +91,7 @@ impl Problem {
             UNKNOWN * place[of_tool[(term - 6) / 3]] * [1.0, x, y][(term - 6) % 3]
         });
         let noise = Covariance { factors: Vec::new(), ..self.covariance.clone() };
-        let plain = Law::new(&noise.select(&rows))?.with(&Factor::of_all(quadratic))?;
+        let plain = GaussianLaw::new(&noise.select(&rows))?.with(&Factor::of_all(quadratic))?;
         let own = |bias: Bias| Factor::of_all(self.bias_factor(channel, bias).columns);
         let mut best = [(f64::NEG_INFINITY, 0.0); 2];
         for length in LENGTHS {
@@ -123,7 +123,7 @@ fn independent(deviation: f64) -> Bias {
 mod tests {
     use crate::data::recordings::{Recording, Recordings};
     use crate::model::predictor::{Active, Predictor};
-    use crate::model::twin::Twin;
+    use crate::tests::twin::Twin;
     use sphcut_greybox::Random;
     use sphcut_physics::CuttingCondition;
 

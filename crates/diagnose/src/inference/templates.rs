@@ -4,9 +4,9 @@ use crate::error::DiagnoseError;
 use crate::inference::change_error::{self, Loose};
 use crate::inference::fit::{Fit, NEGLIGIBLE, active};
 use crate::inference::gaussian::{Whitener, log_determinant};
-use crate::inference::law::{Factor, Law, Spectrum, principal};
+use crate::inference::law::{Eigenpairs, Factor, GaussianLaw, principal};
 use crate::inference::places::{AXES, scaled_places};
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use crate::model::nodes::{coordinates, filled, weights};
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
@@ -52,7 +52,7 @@ struct Table {
 /// these rows given the others, and what the others say of nothing missing is one number more in each whitened vector.
 #[derive(Debug, Clone)]
 pub struct Templates {
-    problem: Problem,
+    problem: RegressionProblem,
     errors: Vec<f64>,
     pub(crate) power: f64,
     tables: Vec<Table>,
@@ -69,7 +69,7 @@ pub struct Templates {
 #[derive(Debug, Clone)]
 struct Given {
     rows: Vec<usize>,
-    law: Law,
+    law: GaussianLaw,
     /// What all rows have in common, as columns.
     common: DMatrix<f64>,
     /// The part of it in these rows, whitened.
@@ -78,7 +78,7 @@ struct Given {
 
 impl Given {
     fn new(
-        problem: &Problem,
+        problem: &RegressionProblem,
         rows: Vec<usize>,
         gradient: &DMatrix<f64>,
     ) -> Result<Self, DiagnoseError> {
@@ -94,7 +94,7 @@ impl Given {
         let common = DMatrix::from_columns(&columns);
         let mut covariance = problem.covariance.clone();
         covariance.factors.push(Factor::of_all(gradient.clone()));
-        let law = Law::new(&covariance.select(&rows))?;
+        let law = GaussianLaw::new(&covariance.select(&rows))?;
         let white = law.whiten(common.select_rows(&rows));
         Ok(Self { rows, law, common, white })
     }
@@ -102,7 +102,7 @@ impl Given {
 
 /// Where the parameters of some effects explain the data best.
 #[derive(Debug, Clone)]
-pub(crate) struct Peak {
+pub(crate) struct EvidencePeak {
     pub coordinates: Vec<f64>,
     pub log_evidence: f64,
 }
@@ -113,7 +113,7 @@ impl Templates {
     /// # Errors
     /// A covariance that cannot be inverted.
     pub fn new(
-        problem: &Problem,
+        problem: &RegressionProblem,
         predictor: &dyn Predictor,
         null: &Fit,
     ) -> Result<Self, DiagnoseError> {
@@ -270,7 +270,7 @@ impl Templates {
     }
 
     /// The most probable parameters of `effects` and the evidence there; `None` where the model had no answer.
-    pub(crate) fn peak(&self, signal: &DVector<f64>, effects: &[usize]) -> Option<Peak> {
+    pub(crate) fn peak(&self, signal: &DVector<f64>, effects: &[usize]) -> Option<EvidencePeak> {
         if !effects.iter().all(|&effect| self.is_known(effect)) {
             return None;
         }
@@ -286,7 +286,12 @@ impl Templates {
     }
 
     /// With the error of the change, as in [`fit`](crate::fit()).
-    fn loosened(&self, signal: &DVector<f64>, effects: &[usize], rigid: Peak) -> Option<Peak> {
+    fn loosened(
+        &self,
+        signal: &DVector<f64>,
+        effects: &[usize],
+        rigid: EvidencePeak,
+    ) -> Option<EvidencePeak> {
         let most_probable = |t: &[f64], columns: &DMatrix<f64>| {
             let slopes = self.slopes(effects, &DVector::from_column_slice(t));
             let left = signal - self.change(effects, t);
@@ -298,12 +303,12 @@ impl Templates {
         for _ in 0..ERROR_ROUNDS {
             let columns = self.error(effects, &t);
             let (errors, _) = most_probable(&t, &columns);
-            let spectrum = Spectrum::of(&change_error::scaled(columns, &errors), NEGLIGIBLE);
+            let spectrum = Eigenpairs::of(&change_error::scaled(columns, &errors), NEGLIGIBLE);
             t = self.climb(signal, effects, t, Some(&spectrum))?.coordinates;
         }
         let (_, log) = most_probable(&t, &self.error(effects, &t));
         let log_evidence = log - 0.5 * self.log_determinant;
-        log_evidence.is_finite().then_some(Peak { coordinates: t, log_evidence })
+        log_evidence.is_finite().then_some(EvidencePeak { coordinates: t, log_evidence })
     }
 
     /// The best node of each effect after the others, in both orders for a pair, and the middle of the prior.
@@ -346,8 +351,8 @@ impl Templates {
         signal: &DVector<f64>,
         effects: &[usize],
         start: Vec<f64>,
-        error: Option<&Spectrum>,
-    ) -> Option<Peak> {
+        error: Option<&Eigenpairs>,
+    ) -> Option<EvidencePeak> {
         let mut t = DVector::from_vec(start);
         let tilted = |columns: DMatrix<f64>| match error {
             Some(spectrum) => spectrum.whiten(&columns),
@@ -391,7 +396,9 @@ impl Templates {
         }
         let normal = slopes.tr_mul(&slopes) + DMatrix::identity(t.len(), t.len());
         let log_evidence = -0.5 * (target + self.log_determinant + log_determinant(normal)?);
-        log_evidence.is_finite().then(|| Peak { coordinates: t.as_slice().to_vec(), log_evidence })
+        log_evidence
+            .is_finite()
+            .then(|| EvidencePeak { coordinates: t.as_slice().to_vec(), log_evidence })
     }
 
     /// The discrepancy of each channel with amplitude 1 as columns, whitened.

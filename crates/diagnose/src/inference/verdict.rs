@@ -2,8 +2,8 @@
 
 use crate::inference::attribute::{ALARM, Attribution, CLAIM, Hypothesis};
 use crate::inference::fit::Fit;
-use crate::inference::law::{Covariance, Factor, Law};
-use crate::inference::problem::Problem;
+use crate::inference::law::{Covariance, Factor, GaussianLaw};
+use crate::inference::problem::RegressionProblem;
 use crate::model::predictor::Predictor;
 use nalgebra::DVector;
 use sphcut_physics::Channel;
@@ -18,7 +18,7 @@ const GATE: f64 = 0.01;
 
 /// The claim.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Verdict {
+pub enum ClaimVerdict {
     /// These data do not show that anything is missing.
     NoAlarm,
     /// These effects are missing.
@@ -46,9 +46,9 @@ pub struct Gate {
 
 /// The claim with its reasons.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
+pub struct Conclusion {
     /// The claim.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
     /// Probability that nothing is missing.
     pub nothing: f64,
     /// Probability that what is missing is none of the effects.
@@ -67,11 +67,11 @@ pub struct Finding {
     pub gates: Vec<Gate>,
 }
 
-impl Finding {
+impl Conclusion {
     /// Whether something is missing.
     #[must_use]
     pub fn is_alarm(&self) -> bool {
-        self.verdict != Verdict::NoAlarm
+        self.verdict != ClaimVerdict::NoAlarm
     }
 
     /// The family that is named: that of all claimed effects, or one above the probability of a claim.
@@ -86,11 +86,11 @@ impl Finding {
 /// (chi^2 given the other channels beyond its 99 % quantile over all channels), the claim is "none of these".
 #[must_use]
 pub fn judge(
-    problem: &Problem,
+    problem: &RegressionProblem,
     predictor: &dyn Predictor,
     best: Option<&Fit>,
     attribution: &Attribution,
-) -> Finding {
+) -> Conclusion {
     let effects = predictor.effects();
     let nothing = attribution.probability(&Hypothesis::Nothing);
     let none_of_these = attribution.probability(&Hypothesis::NoneOfThese);
@@ -99,19 +99,19 @@ pub fn judge(
     let gates = best.and_then(|fit| gates(problem, fit)).unwrap_or_default();
     let named: Vec<usize> = (0..effects.len()).filter(|&k| inclusion[k] > CLAIM).collect();
     let verdict = if nothing >= ALARM {
-        Verdict::NoAlarm
+        ClaimVerdict::NoAlarm
     } else if none_of_these > NO_CLAIM || gates.iter().any(|gate| !gate.passed) {
-        Verdict::NoneOfThese
+        ClaimVerdict::NoneOfThese
     } else if named.is_empty() {
-        Verdict::OneOf
+        ClaimVerdict::OneOf
     } else {
-        Verdict::Named(named)
+        ClaimVerdict::Named(named)
     };
     let untestable = (0..effects.len())
         .filter(|&k| !attribution.is_testable(k))
         .map(|k| (k, attribution.expected_gains[k]))
         .collect();
-    Finding {
+    Conclusion {
         verdict,
         nothing,
         none_of_these,
@@ -177,7 +177,7 @@ fn families(attribution: &Attribution, predictor: &dyn Predictor) -> Vec<(&'stat
 
 /// chi^2 of each channel given all other values. With the deviation d = r + G u from the model at the means of its nuisances
 /// and V = Sigma + G G', with the error of the change in Sigma, it is what the channel adds to that of the others: chi^2 = d' V^-1 d - d_o' V_oo^-1 d_o.
-fn gates(problem: &Problem, fit: &Fit) -> Option<Vec<Gate>> {
+fn gates(problem: &RegressionProblem, fit: &Fit) -> Option<Vec<Gate>> {
     let nuisances = problem.unknowns();
     let gradient = fit.jacobian.columns(0, nuisances).into_owned();
     let deviation = &fit.residual + &gradient * fit.unknowns.rows(0, nuisances);
@@ -185,7 +185,7 @@ fn gates(problem: &Problem, fit: &Fit) -> Option<Vec<Gate>> {
     covariance.factors.push(Factor::of_all(gradient));
     covariance.factors.extend(fit.error.clone());
     let chi_square = |covariance: &Covariance, deviation: DVector<f64>| {
-        Some(Law::new(covariance).ok()?.whiten_vector(deviation).norm_squared())
+        Some(GaussianLaw::new(covariance).ok()?.whiten_vector(deviation).norm_squared())
     };
     let all = chi_square(&covariance, deviation.clone())?;
     let channels = problem.channels();

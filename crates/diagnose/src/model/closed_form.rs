@@ -1,7 +1,9 @@
 //! The closed-form model of `sphcut-analytic` as a predictor.
 
-use crate::model::predictor::{Active, Effect, EffectParameter, Nuisance, Predictor, Prior};
-use sphcut_analytic::{ActiveEffect, Cut, EFFECTS, FlowStress, Scale, predict};
+use crate::model::predictor::{
+    Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior,
+};
+use sphcut_analytic::{ActiveEffect, EFFECTS, FlowStress, OrthogonalCut, Scale, predict};
 use sphcut_physics::{Channel, CuttingCondition};
 
 /// Effects of the registry that the regression already holds as nuisances of every instrument: they are fitted under every
@@ -29,9 +31,9 @@ const GROWS: &str = "flank_wear";
 /// A cut in closed form, with the effects of its registry as candidates.
 #[derive(Debug, Clone)]
 pub struct ClosedForm {
-    cut: Cut,
+    cut: OrthogonalCut,
     nuisances: Vec<Nuisance>,
-    effects: Vec<Effect>,
+    effects: Vec<CandidateEffect>,
     /// The same, as the registry has them.
     entries: Vec<&'static sphcut_analytic::Effect>,
 }
@@ -39,7 +41,7 @@ pub struct ClosedForm {
 impl ClosedForm {
     /// `scatter` gives standard deviations of the Johnson-Cook parameters and of `friction_coefficient`, by their keys.
     #[must_use]
-    pub fn new(cut: Cut, scatter: &[(&'static str, f64)]) -> Self {
+    pub fn new(cut: OrthogonalCut, scatter: &[(&'static str, f64)]) -> Self {
         let nuisances =
             scatter.iter().map(|&(key, deviation)| Nuisance { key, deviation }).collect();
         let entries: Vec<&sphcut_analytic::Effect> = EFFECTS
@@ -51,7 +53,7 @@ impl ClosedForm {
     }
 
     /// The cut with its nuisances.
-    fn changed(&self, nuisances: &[f64]) -> Cut {
+    fn changed(&self, nuisances: &[f64]) -> OrthogonalCut {
         let mut cut = self.cut.clone();
         for (nuisance, log) in self.nuisances.iter().zip(nuisances) {
             let factor = log.exp();
@@ -74,7 +76,7 @@ impl ClosedForm {
 }
 
 /// An effect of the registry with the priors it states.
-pub(crate) fn candidate(effect: &sphcut_analytic::Effect) -> Effect {
+pub(crate) fn candidate(effect: &sphcut_analytic::Effect) -> CandidateEffect {
     let parameters = effect.candidate.free.iter().map(|free| {
         let entry = effect.parameter(free);
         let (low, high) = free.prior;
@@ -89,7 +91,7 @@ pub(crate) fn candidate(effect: &sphcut_analytic::Effect) -> Effect {
             prior,
         }
     });
-    Effect {
+    CandidateEffect {
         key: effect.key,
         title: effect.candidate.title,
         family: effect.candidate.family.key(),
@@ -102,7 +104,7 @@ impl Predictor for ClosedForm {
         &self.nuisances
     }
 
-    fn effects(&self) -> &[Effect] {
+    fn effects(&self) -> &[CandidateEffect] {
         &self.effects
     }
 
@@ -144,7 +146,9 @@ impl Predictor for ClosedForm {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{InstrumentPriors, Recording, Recordings, Request, Verdict, diagnose};
+    use crate::{
+        ClaimVerdict, DiagnosisRequest, InstrumentPriors, Recording, Recordings, diagnose,
+    };
     use sphcut_greybox::Random;
     use sphcut_physics::ToolGeometry;
 
@@ -184,8 +188,8 @@ mod tests {
         Recordings::new(cuts.collect(), &PREDICTED).unwrap()
     }
 
-    fn request(recordings: &Recordings) -> Request<'_> {
-        Request {
+    fn request(recordings: &Recordings) -> DiagnosisRequest<'_> {
+        DiagnosisRequest {
             recordings,
             reference: None,
             model_error: None,
@@ -201,7 +205,7 @@ mod tests {
 
     #[test]
     fn only_wear_depends_on_what_was_cut_before() {
-        let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
         let early = CuttingCondition {
             cutting_speed: 2.0,
             uncut_chip_thickness: 1e-4,
@@ -221,7 +225,7 @@ mod tests {
 
     #[test]
     fn each_cut_has_its_own_tool() {
-        let cut = Cut::aisi_1045();
+        let cut = OrthogonalCut::aisi_1045();
         let model = ClosedForm::new(cut.clone(), &SCATTER);
         let mut ground = cut.clone();
         ground.tool.rake_angle = -0.12;
@@ -244,7 +248,7 @@ mod tests {
     /// Four speeds and three thicknesses with two rakes.
     #[test]
     fn an_effect_is_found_with_tools_of_two_rakes() {
-        let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
         let effect = model.effects().iter().position(|e| e.key == "edge_radius").unwrap();
         let active = [Active { effect, values: vec![20e-6] }];
         let mut random = Random::new(3, &[9]);
@@ -272,7 +276,7 @@ mod tests {
         }
         let data = Recordings::new(cuts, &PREDICTED).unwrap();
         let found = diagnose(&request(&data), &model).unwrap();
-        assert_eq!(found.finding.verdict, Verdict::Named(vec![effect]), "{:?}", found.finding);
+        assert_eq!(found.finding.verdict, ClaimVerdict::Named(vec![effect]), "{:?}", found.finding);
         let patterns = &found.location.contrasts;
         assert!(patterns.iter().any(|c| c.pattern == "v rake"));
         assert!(!patterns.iter().any(|c| c.pattern.contains("edge radius")));
@@ -296,7 +300,7 @@ mod tests {
 
     #[test]
     fn what_every_instrument_has_is_no_explanation() {
-        let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
         assert_eq!(model.effects().len() + 3, EFFECTS.len());
         for key in NUISANCES_OF_INSTRUMENTS {
             assert!(EFFECTS.iter().any(|effect| effect.key == key), "{key}");
@@ -306,7 +310,7 @@ mod tests {
 
     #[test]
     fn nuisances_scale_what_they_name() {
-        let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
         let mut logs = [0.0; 6];
         logs[5] = 2.0_f64.ln();
         assert!((model.changed(&logs).friction_coefficient / 0.5 - 1.0).abs() < 1e-12);
@@ -319,7 +323,7 @@ mod tests {
     /// A blunter edge and a viscous drag concealed in data of the model itself are named and sized; nothing is no alarm.
     #[test]
     fn effects_concealed_in_the_model_itself_are_found() {
-        let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
         let place = |key: &str| model.effects().iter().position(|e| e.key == key).unwrap();
         for (key, value) in [("edge_radius", 20e-6), ("viscous_drag", 0.3)] {
             let effect = place(key);
@@ -335,6 +339,9 @@ mod tests {
             assert!(low < value && value < high, "{key}: {low} {high}");
         }
         let quiet = recorded(&model, &[], 1);
-        assert_eq!(diagnose(&request(&quiet), &model).unwrap().finding.verdict, Verdict::NoAlarm);
+        assert_eq!(
+            diagnose(&request(&quiet), &model).unwrap().finding.verdict,
+            ClaimVerdict::NoAlarm
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! A scenario as a cut of the closed-form model.
 
 use crate::error::DiagnoseError;
-use sphcut_analytic::{Cut, FlowStress, Linear, Physics, Tool, Workpiece};
+use sphcut_analytic::{CuttingTool, FlowStress, Linear, OrthogonalCut, Physics, WorkpieceMaterial};
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::flow_stress::JohnsonCook;
 use sphcut_scenario::Scenario;
@@ -20,7 +20,7 @@ const WARM: f64 = 1000.0;
 ///
 /// # Errors
 /// A scenario with something that the model does not have.
-pub fn closed_form_cut(scenario: &Scenario) -> Result<Cut, DiagnoseError> {
+pub fn closed_form_cut(scenario: &Scenario) -> Result<OrthogonalCut, DiagnoseError> {
     let setup = &scenario.setup;
     let cannot = |what: &str| DiagnoseError::Scenario { what: what.to_owned() };
     let number = |section: &str, key: &str| {
@@ -65,8 +65,8 @@ pub fn closed_form_cut(scenario: &Scenario) -> Result<Cut, DiagnoseError> {
         let slope = (table.value(to) - table.value(from)) / (to - from);
         Linear { value: table.value(from), slope, temperature: from }
     };
-    Ok(Cut {
-        workpiece: Workpiece {
+    Ok(OrthogonalCut {
+        workpiece: WorkpieceMaterial {
             melting_temperature: flow_stress.melting_temperature,
             initial_temperature: number("workpiece", "temperature").unwrap_or(293.15),
             hardness: 3.0 * indented,
@@ -78,7 +78,7 @@ pub fn closed_form_cut(scenario: &Scenario) -> Result<Cut, DiagnoseError> {
                 &material.tables.thermal_conductivity,
             ),
         },
-        tool: Tool {
+        tool: CuttingTool {
             rake_angle,
             edge_radius: tool.edge_radius.unwrap_or(0.0),
             conductivity: CARBIDE,

@@ -6,5 +6,3 @@ pub(crate) mod nodes;
 pub(crate) mod paired;
 pub(crate) mod predictor;
 pub(crate) mod scenario_keys;
-#[cfg(test)]
-pub(crate) mod twin;

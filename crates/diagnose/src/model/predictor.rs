@@ -87,7 +87,7 @@ pub struct EffectParameter {
 
 /// Physics that the base model does not have and that may be missing.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Effect {
+pub struct CandidateEffect {
     /// Its key in the catalogue.
     pub key: &'static str,
     /// Its name for people.
@@ -115,7 +115,7 @@ pub trait Predictor: Sync {
     fn nuisances(&self) -> &[Nuisance];
 
     /// Effects it can switch on.
-    fn effects(&self) -> &[Effect];
+    fn effects(&self) -> &[CandidateEffect];
 
     /// Channels it predicts.
     fn channels(&self) -> &[Channel];

@@ -18,7 +18,7 @@ const PERIOD: f64 = 2.0;
 const DAMPING_RATIO: f64 = 0.7;
 
 /// A key of the scenario with its new value.
-pub(crate) type Setting = (&'static str, Value);
+pub(crate) type KeySetting = (&'static str, Value);
 
 /// What of a scenario a change starts from.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl ScenarioKeys {
     }
 
     /// Friction, material, effects and edge with `change`, changed or not, and what else it sets.
-    pub(crate) fn settings(&self, change: &Change) -> Result<Vec<Setting>, DiagnoseError> {
+    pub(crate) fn settings(&self, change: &Change) -> Result<Vec<KeySetting>, DiagnoseError> {
         let mut all = vec![
             ("tool.friction", self.friction(change)),
             ("workpiece.override", self.overridden(change)?),
@@ -110,7 +110,7 @@ impl ScenarioKeys {
     }
 
     /// What `change` sets otherwise than the scenario has it.
-    pub(crate) fn changed(&self, change: &Change) -> Result<Vec<Setting>, DiagnoseError> {
+    pub(crate) fn changed(&self, change: &Change) -> Result<Vec<KeySetting>, DiagnoseError> {
         let before = self.settings(&Change::default())?;
         let mut all = self.settings(change)?;
         all.retain(|setting| !before.contains(setting));

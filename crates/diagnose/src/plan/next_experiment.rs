@@ -1,7 +1,7 @@
 //! The cuts that best separate what is left.
 
 use crate::inference::fit::{Fit, active};
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -55,7 +55,7 @@ struct Forecast {
 /// is left out. `None` with fewer than two rivals.
 #[must_use]
 pub fn next_experiment(
-    problem: &Problem,
+    problem: &RegressionProblem,
     predictor: &dyn Predictor,
     rivals: &[Rival<'_>],
     candidates: &[CuttingCondition],
@@ -119,7 +119,7 @@ pub fn next_experiment(
 
 /// Whether a rival has an answer there.
 fn is_known(
-    problem: &Problem,
+    problem: &RegressionProblem,
     predictor: &dyn Predictor,
     rival: &Rival<'_>,
     condition: &CuttingCondition,
@@ -130,7 +130,7 @@ fn is_known(
     logs.iter().all(|log| log.is_finite())
 }
 
-fn noise_of(problem: &Problem, channel: Channel) -> f64 {
+fn noise_of(problem: &RegressionProblem, channel: Channel) -> f64 {
     let rows = problem.rows.iter().filter(|row| row.channel == channel);
     let variances: Vec<f64> = rows.map(|row| row.variance).collect();
     if variances.is_empty() {
@@ -141,7 +141,7 @@ fn noise_of(problem: &Problem, channel: Channel) -> f64 {
 
 /// The prediction of a rival: nuisances of the model and parameters as fitted, instruments as good as their priors.
 fn forecast(
-    problem: &Problem,
+    problem: &RegressionProblem,
     predictor: &dyn Predictor,
     rival: &Rival<'_>,
     total: f64,

@@ -1,6 +1,6 @@
 //! Which cut would tell laws apart that the cuts at hand cannot.
 
-use super::laws::{Explanation, Law, Seen, TOLD_APART, place};
+use super::laws::{Explanation, LineLaw, Seen, TOLD_APART, place};
 
 /// A cut that would tell, and what each law expects of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,14 +12,14 @@ pub struct Advice {
     /// Revolutions per second.
     pub revolution: Option<f64>,
     /// What is different from the cuts at hand.
-    pub change: Change,
+    pub change: CutChange,
     /// Each law with the frequency in Hz that it expects.
-    pub expected: Vec<(Law, f64)>,
+    pub expected: Vec<(LineLaw, f64)>,
 }
 
 /// What is changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Change {
+pub enum CutChange {
     /// The uncut chip thickness alone.
     Thickness,
     /// The rotation alone: another diameter at the same speed.
@@ -30,19 +30,19 @@ pub enum Change {
     ThicknessAndSpeed,
 }
 
-const CHANGES: [(Change, [f64; 3]); 6] = [
-    (Change::Thickness, [1.0, 1.6, 1.0]),
-    (Change::Thickness, [1.0, 1.0 / 1.6, 1.0]),
-    (Change::Speed, [1.4, 1.0, 1.4]),
-    (Change::Speed, [1.0 / 1.4, 1.0, 1.0 / 1.4]),
-    (Change::Diameter, [1.0, 1.0, 1.4]),
-    (Change::ThicknessAndSpeed, [1.4, 0.5, 1.4]),
+const CHANGES: [(CutChange, [f64; 3]); 6] = [
+    (CutChange::Thickness, [1.0, 1.6, 1.0]),
+    (CutChange::Thickness, [1.0, 1.0 / 1.6, 1.0]),
+    (CutChange::Speed, [1.4, 1.0, 1.4]),
+    (CutChange::Speed, [1.0 / 1.4, 1.0, 1.0 / 1.4]),
+    (CutChange::Diameter, [1.0, 1.0, 1.4]),
+    (CutChange::ThicknessAndSpeed, [1.4, 0.5, 1.4]),
 ];
 
 /// The first change of the last cut that tells all `rivals` apart and keeps their lines in the band.
 #[must_use]
 pub fn advise(
-    rivals: &[Law],
+    rivals: &[LineLaw],
     explanations: &[Explanation],
     seen: &[Seen],
     band: [f64; 2],
@@ -55,7 +55,7 @@ pub fn advise(
             revolution: from.revolution.map(|n| n * rotation),
             ..*from
         };
-        let expected: Vec<(Law, f64)> = rivals
+        let expected: Vec<(LineLaw, f64)> = rivals
             .iter()
             .filter(|law| explanations.iter().any(|e| e.law == **law))
             .filter_map(|&law| {

@@ -25,7 +25,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// A law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Law {
+pub enum LineLaw {
     /// A multiple of the frequency of the mains.
     Mains,
     /// One frequency in all cuts.
@@ -42,7 +42,7 @@ pub enum Law {
     Other,
 }
 
-impl Law {
+impl LineLaw {
     /// All.
     pub const ALL: [Self; 7] = [
         Self::Mains,
@@ -131,19 +131,19 @@ pub struct Known {
 
 /// g of a law that has one and a free constant.
 #[must_use]
-pub fn place(law: Law, seen: &Seen) -> Option<f64> {
+pub fn place(law: LineLaw, seen: &Seen) -> Option<f64> {
     match law {
-        Law::Mains | Law::Constant => Some(0.0),
-        Law::Rotation | Law::Ratio => seen.revolution.map(f64::ln),
-        Law::Chip => Some((seen.cutting_speed / seen.uncut_chip_thickness).ln()),
-        Law::Chatter | Law::Other => None,
+        LineLaw::Mains | LineLaw::Constant => Some(0.0),
+        LineLaw::Rotation | LineLaw::Ratio => seen.revolution.map(f64::ln),
+        LineLaw::Chip => Some((seen.cutting_speed / seen.uncut_chip_thickness).ln()),
+        LineLaw::Chatter | LineLaw::Other => None,
     }
 }
 
 /// How far apart two laws are over the cuts: root of the sum of squares of g_a - g_b about its mean, over the variance of a frequency
 /// under both. `None` where one of them has no g.
 #[must_use]
-pub fn distance(a: Law, b: Law, seen: &[Seen]) -> Option<f64> {
+pub fn distance(a: LineLaw, b: LineLaw, seen: &[Seen]) -> Option<f64> {
     let difference: Vec<f64> =
         seen.iter().map(|s| Some(place(a, s)? - place(b, s)?)).collect::<Option<_>>()?;
     let weights: Vec<f64> =
@@ -157,7 +157,7 @@ pub fn distance(a: Law, b: Law, seen: &[Seen]) -> Option<f64> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Explanation {
     /// Which.
-    pub law: Law,
+    pub law: LineLaw,
     /// Logarithm of its evidence; `None` where it cannot be asked of these cuts.
     pub log_evidence: Option<f64>,
     /// Probability.
@@ -169,7 +169,7 @@ pub struct Explanation {
 /// The laws, the most probable first.
 #[must_use]
 pub fn weigh(seen: &[Seen], known: &Known) -> Vec<Explanation> {
-    let mut all: Vec<Explanation> = Law::ALL
+    let mut all: Vec<Explanation> = LineLaw::ALL
         .into_iter()
         .map(|law| {
             let found = evidence(law, seen, known);
@@ -193,13 +193,13 @@ pub fn weigh(seen: &[Seen], known: &Known) -> Vec<Explanation> {
 
 type Constant = Option<[f64; 3]>;
 
-fn evidence(law: Law, seen: &[Seen], known: &Known) -> Option<(f64, Constant)> {
+fn evidence(law: LineLaw, seen: &[Seen], known: &Known) -> Option<(f64, Constant)> {
     let logs: Vec<f64> = seen.iter().map(|s| s.frequency.ln()).collect();
     let errors: Vec<f64> = seen.iter().map(|s| s.error / s.frequency).collect();
     let data = Data { logs: &logs, errors: &errors };
     let [low, high] = known.band.map(f64::ln);
     match law {
-        Law::Mains => {
+        LineLaw::Mains => {
             let multiples = known.mains.iter().flat_map(|base| {
                 (1..=MOST_MULTIPLES).map(move |m| (base * m as f64, 1.0 / m as f64))
             });
@@ -207,28 +207,31 @@ fn evidence(law: Law, seen: &[Seen], known: &Known) -> Option<(f64, Constant)> {
             let found = data.multiples(law, &places, multiples.collect())?;
             Some((found.0, Some([found.1; 3])))
         }
-        Law::Rotation => {
+        LineLaw::Rotation => {
             let places: Vec<f64> = seen.iter().map(|s| place(law, s)).collect::<Option<_>>()?;
             let multiples = (1..=MOST_MULTIPLES).map(|m| (m as f64, 1.0 / m as f64));
             let found = data.multiples(law, &places, multiples.collect())?;
             Some((found.0, Some([found.1; 3])))
         }
-        Law::Constant | Law::Ratio | Law::Chip => {
+        LineLaw::Constant | LineLaw::Ratio | LineLaw::Chip => {
             let places: Vec<f64> = seen.iter().map(|s| place(law, s)).collect::<Option<_>>()?;
             let middle = places.iter().sum::<f64>() / places.len() as f64;
             let range = match law {
-                Law::Chip => [-PITCH[1].ln(), -PITCH[0].ln()],
+                LineLaw::Chip => [-PITCH[1].ln(), -PITCH[0].ln()],
                 _ => [low - middle, high - middle],
             };
             let (z, mean, error, freedom) = data.free(law, &places, range)?;
             let half = crate::series::t_quantile(freedom) * error;
             let ends = [mean, mean - half, mean + half].map(f64::exp);
-            let constant =
-                if law == Law::Chip { [1.0 / ends[0], 1.0 / ends[2], 1.0 / ends[1]] } else { ends };
+            let constant = if law == LineLaw::Chip {
+                [1.0 / ends[0], 1.0 / ends[2], 1.0 / ends[1]]
+            } else {
+                ends
+            };
             Some((z, Some(constant)))
         }
-        Law::Chatter => Some((data.chatter(known, [low, high], seen)?, None)),
-        Law::Other => Some((data.power_law(seen, [low, high]), None)),
+        LineLaw::Chatter => Some((data.chatter(known, [low, high], seen)?, None)),
+        LineLaw::Other => Some((data.power_law(seen, [low, high]), None)),
     }
 }
 
@@ -253,7 +256,7 @@ impl Data<'_> {
     /// Sum over constants with their weights and the scatter of the law; the most probable constant.
     fn multiples(
         &self,
-        law: Law,
+        law: LineLaw,
         places: &[f64],
         constants: Vec<(f64, f64)>,
     ) -> Option<(f64, f64)> {
@@ -274,7 +277,7 @@ impl Data<'_> {
     }
 
     /// With a constant that is even over `range`: evidence, and the constant with its standard error and degrees of freedom.
-    fn free(&self, law: Law, places: &[f64], range: [f64; 2]) -> Option<(f64, f64, f64, f64)> {
+    fn free(&self, law: LineLaw, places: &[f64], range: [f64; 2]) -> Option<(f64, f64, f64, f64)> {
         let width = range[1] - range[0];
         let mut terms = Vec::new();
         for &scatter in law.scatter() {
@@ -349,7 +352,7 @@ impl Data<'_> {
         let priors = [(high - low) / 12_f64.sqrt(), 1.5, 1.5];
         let deviation =
             DVector::from_iterator(count, self.logs.iter().map(|y| y - 0.5 * (low + high)));
-        let terms = Law::Other.scatter().iter().map(|scatter| {
+        let terms = LineLaw::Other.scatter().iter().map(|scatter| {
             let mut covariance = DMatrix::from_fn(count, count, |i, j| {
                 (0..3).map(|k| priors[k] * priors[k] * rows[i][k] * rows[j][k]).sum()
             });
@@ -361,7 +364,7 @@ impl Data<'_> {
             let squares = deviation.dot(&factor.solve(&deviation));
             -0.5 * squares - logs - 0.5 * count as f64 * std::f64::consts::TAU.ln()
         });
-        log_sum(terms) - (Law::Other.scatter().len() as f64).ln()
+        log_sum(terms) - (LineLaw::Other.scatter().len() as f64).ln()
     }
 }
 

@@ -19,7 +19,7 @@ const APART: usize = 3;
 
 /// A line of one channel of one cut.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct SpectralLine {
     /// Hz.
     pub frequency: f64,
     /// Its standard error in Hz.
@@ -40,7 +40,7 @@ pub struct Line {
 
 /// The lines of each spectrum.
 #[must_use]
-pub fn lines(spectra: &[BroadBand]) -> Vec<Vec<Line>> {
+pub fn lines(spectra: &[BroadBand]) -> Vec<Vec<SpectralLine>> {
     let peaks: Vec<Vec<usize>> = spectra.iter().map(peaks).collect();
     let found = discoveries(spectra, &peaks);
     let mut found = found.iter();
@@ -100,7 +100,7 @@ fn leaks(spectrum: &BroadBand, strong: usize, bin: usize) -> bool {
     4.0 * envelope * envelope * spectrum.density[strong] > spectrum.density[bin]
 }
 
-fn line(spectrum: &BroadBand, peak: usize) -> Line {
+fn line(spectrum: &BroadBand, peak: usize) -> SpectralLine {
     let last = spectrum.chances.len() + LOWEST_BIN;
     let over = |k: usize| {
         if (LOWEST_BIN..last).contains(&k) {
@@ -146,7 +146,7 @@ fn line(spectrum: &BroadBand, peak: usize) -> Line {
     let amplitude = (2.0 * power).sqrt();
     let (place, error) =
         if sharp { sine(peak, &over, noise) } else { hump([low, high], &over, spectrum.freedom) };
-    Line {
+    SpectralLine {
         frequency: place * spectrum.resolution,
         error: error * spectrum.resolution,
         amplitude,

@@ -23,20 +23,18 @@ mod spectrum;
 #[cfg(test)]
 mod tests;
 mod time;
-#[cfg(test)]
-mod time_tests;
 mod time_words;
 mod tracks;
 mod trend;
 mod words;
 
-pub use advice::{Advice, Change};
+pub use advice::{Advice, CutChange};
 pub use error::SeriesError;
 pub use files::{series_csv, series_json, trends_csv, with_series};
-pub use laws::{Explanation, Law, PITCH};
-pub use lines::{FALSE_SHARE, Line, lines};
+pub use laws::{Explanation, LineLaw, PITCH};
+pub use lines::{FALSE_SHARE, SpectralLine, lines};
 pub use null::false_alarms;
-pub use repeats::{Growth, growth};
+pub use repeats::{ForceGrowth, growth};
 pub use spectrum::{BroadBand, LOWEST_BIN, effective_freedom};
 pub use time::{OverTime, RunInLaw, over_time};
 pub use time_words::time_words;
@@ -173,7 +171,7 @@ pub struct SeriesDiagnosis {
     /// Names of the cuts that are too short, and their lengths in s.
     pub too_short: Vec<(String, f64)>,
     /// Spectra of the free-running machine and their lines.
-    pub air: Vec<(BroadBand, Vec<Line>)>,
+    pub air: Vec<(BroadBand, Vec<SpectralLine>)>,
     /// Bins that were tested.
     pub tests: usize,
     /// Lines of all cuts.
@@ -189,7 +187,7 @@ pub struct SeriesDiagnosis {
     /// What changes within the cuts, by force.
     pub time: Vec<OverTime>,
     /// What changes from cut to cut.
-    pub growth: Vec<Growth>,
+    pub growth: Vec<ForceGrowth>,
     /// The share of simulated sets of noise with a trend or a run-in in them.
     pub time_false_alarms: Option<Rate>,
 }
@@ -228,9 +226,9 @@ pub fn diagnose_series(
     all.extend(of_air.iter().cloned());
     let tests = all.iter().map(|s| s.chances.len()).sum();
     let mut found = lines(&all).into_iter();
-    let per_cut: Vec<Vec<Vec<Line>>> =
+    let per_cut: Vec<Vec<Vec<SpectralLine>>> =
         spectra.iter().map(|own| found.by_ref().take(own.len()).collect()).collect();
-    let air_lines: Vec<(BroadBand, Vec<Line>)> = of_air.into_iter().zip(found).collect();
+    let air_lines: Vec<(BroadBand, Vec<SpectralLine>)> = of_air.into_iter().zip(found).collect();
     let mut merged: Vec<CutLine> = per_cut
         .iter()
         .enumerate()
@@ -329,7 +327,7 @@ fn stands_in_air(
     line: &CutLine,
     cut: &SeriesCut,
     air: Option<&AirSeries>,
-    found: &[(BroadBand, Vec<Line>)],
+    found: &[(BroadBand, Vec<SpectralLine>)],
 ) -> bool {
     let rotations = cut.revolution.zip(air.and_then(|air| air.revolution));
     line.channels.iter().zip(found).any(|(own, (spectrum, lines))| {

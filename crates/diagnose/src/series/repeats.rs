@@ -14,7 +14,7 @@ const SAME: f64 = 1e-3;
 
 /// Growth of a force from cut to cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Growth {
+pub struct ForceGrowth {
     /// Which force.
     pub component: Channel,
     /// Relative change per cut with its 95 % interval.
@@ -25,12 +25,12 @@ pub struct Growth {
 
 /// Growth of each force, where repeats allow it.
 #[must_use]
-pub fn growth(cuts: &[SeriesCut]) -> Vec<Growth> {
+pub fn growth(cuts: &[SeriesCut]) -> Vec<ForceGrowth> {
     let Some(first) = cuts.first() else { return Vec::new() };
     (0..first.channels.len()).filter_map(|channel| of_channel(cuts, channel)).collect()
 }
 
-fn of_channel(cuts: &[SeriesCut], channel: usize) -> Option<Growth> {
+fn of_channel(cuts: &[SeriesCut], channel: usize) -> Option<ForceGrowth> {
     let same = |a: &SeriesCut, b: &SeriesCut| {
         (a.cutting_speed / b.cutting_speed - 1.0).abs() < SAME
             && (a.uncut_chip_thickness / b.uncut_chip_thickness - 1.0).abs() < SAME
@@ -69,7 +69,7 @@ fn of_channel(cuts: &[SeriesCut], channel: usize) -> Option<Growth> {
     let slope = xy / xx;
     let error = ((yy - slope * xy).max(0.0) / freedom / xx).sqrt().max(1e-12);
     let half = t_quantile(freedom) * error;
-    Some(Growth {
+    Some(ForceGrowth {
         component: cuts[0].channels[channel].component,
         per_cut: [slope, slope - half, slope + half].map(f64::exp_m1),
         chance: two_sided(slope / error, freedom),

@@ -10,9 +10,9 @@
 //! (1.6 = -ln 0.2: a line is taken to show in four of five cuts). The most valuable track is taken, its lines are removed, and so on
 //! while it is worth more than chance over all seeds. Then every law is asked of the track's lines ([`super::laws`]).
 
-use super::laws::{self, Explanation, Known, Law, Seen, TOLD_APART};
+use super::laws::{self, Explanation, Known, LineLaw, Seen, TOLD_APART};
 use super::{SeriesCut, SeriesOptions};
-use crate::series::lines::Line;
+use crate::series::lines::SpectralLine;
 
 /// Probability above which a law is named.
 pub const CLAIM: f64 = 0.9;
@@ -33,7 +33,7 @@ pub struct CutLine {
     /// Number of the cut.
     pub cut: usize,
     /// The line of each channel, in the order of the cut's channels; `None` where it does not stand out.
-    pub channels: Vec<Option<Line>>,
+    pub channels: Vec<Option<SpectralLine>>,
     /// Frequency in Hz, of the channel with the smallest error.
     pub frequency: f64,
     /// Its standard error.
@@ -54,9 +54,9 @@ impl CutLine {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Named {
     /// It follows this law.
-    Law(Law),
+    Law(LineLaw),
     /// One of these: the cuts cannot tell them apart.
-    NotToldApart(Vec<Law>),
+    NotToldApart(Vec<LineLaw>),
     /// No law has more than 90 %.
     Unsure,
     /// Too few cuts.
@@ -82,8 +82,8 @@ pub struct Track {
 
 /// The lines of the channels of a cut, those within two bins or two standard errors taken together.
 #[must_use]
-pub fn merge(cut: usize, channels: &[Vec<Line>], resolution: f64) -> Vec<CutLine> {
-    let mut all: Vec<(usize, &Line)> = channels
+pub fn merge(cut: usize, channels: &[Vec<SpectralLine>], resolution: f64) -> Vec<CutLine> {
+    let mut all: Vec<(usize, &SpectralLine)> = channels
         .iter()
         .enumerate()
         .flat_map(|(c, lines)| lines.iter().map(move |l| (c, l)))
@@ -119,8 +119,12 @@ pub fn merge(cut: usize, channels: &[Vec<Line>], resolution: f64) -> Vec<CutLine
 }
 
 /// The coordinates in which tracks are looked for: a law, and by how much ln f may scatter about it.
-const COORDINATES: [(Law, f64); 4] =
-    [(Law::Constant, 0.015), (Law::Rotation, 0.008), (Law::Chip, 0.1), (Law::Constant, 0.07)];
+const COORDINATES: [(LineLaw, f64); 4] = [
+    (LineLaw::Constant, 0.015),
+    (LineLaw::Rotation, 0.008),
+    (LineLaw::Chip, 0.1),
+    (LineLaw::Constant, 0.07),
+];
 
 struct Candidate {
     lines: Vec<usize>,
@@ -165,7 +169,7 @@ fn seen(line: &CutLine, cut: &SeriesCut) -> Seen {
 
 fn follow(
     seed: usize,
-    (law, tolerance): (Law, f64),
+    (law, tolerance): (LineLaw, f64),
     lines: &[CutLine],
     free: &[bool],
     (cuts, bands): (&[SeriesCut], &[[f64; 2]]),
@@ -206,10 +210,10 @@ fn follow(
     (members.len() > 1).then_some(Candidate { lines: members, worth })
 }
 
-fn expected(law: Law, centre: f64, cut: &SeriesCut) -> Option<f64> {
+fn expected(law: LineLaw, centre: f64, cut: &SeriesCut) -> Option<f64> {
     let place = match law {
-        Law::Constant => 0.0,
-        Law::Rotation => cut.revolution?.ln(),
+        LineLaw::Constant => 0.0,
+        LineLaw::Rotation => cut.revolution?.ln(),
         _ => (cut.cutting_speed / cut.uncut_chip_thickness).ln(),
     };
     Some((place + centre).exp())
@@ -236,7 +240,7 @@ fn judge(
         .filter(|(_, track)| track.len() >= FEWEST_CUTS)
         .filter_map(|(k, track)| {
             let weighed = laws::weigh(&data(track), &known);
-            let first = weighed.first().filter(|e| e.law == Law::Constant)?;
+            let first = weighed.first().filter(|e| e.law == LineLaw::Constant)?;
             Some((first.constant?[0], k))
         })
         .collect();
@@ -294,17 +298,17 @@ pub fn name(explanations: &[Explanation], seen: &[Seen]) -> Named {
         return Named::TooFewCuts;
     }
     let coincidence = match first.law {
-        Law::Mains => true,
-        Law::Rotation => first.constant.is_some_and(|c| c[0] <= SAFE_MULTIPLE),
+        LineLaw::Mains => true,
+        LineLaw::Rotation => first.constant.is_some_and(|c| c[0] <= SAFE_MULTIPLE),
         _ => false,
     };
-    let mut rivals: Vec<Law> = Vec::new();
+    let mut rivals: Vec<LineLaw> = Vec::new();
     if !coincidence && laws::place(first.law, &seen[0]).is_some() {
         rivals.extend(
-            [Law::Constant, Law::Ratio, Law::Chip]
+            [LineLaw::Constant, LineLaw::Ratio, LineLaw::Chip]
                 .into_iter()
                 .filter(|law| {
-                    *law != first.law && !(first.law == Law::Rotation && *law == Law::Ratio)
+                    *law != first.law && !(first.law == LineLaw::Rotation && *law == LineLaw::Ratio)
                 })
                 // A law that cannot have the constant it needs is no rival.
                 .filter(|law| {

@@ -1,47 +1,49 @@
 //! What the series say, in words.
 
-use super::laws::{Explanation, Law};
+use super::laws::{Explanation, LineLaw};
 use super::tracks::{Named, Track};
-use super::{Change, SeriesDiagnosis};
+use super::{CutChange, SeriesDiagnosis};
 
 /// What a law means for the cut.
 #[must_use]
-pub const fn law_title(law: Law) -> &'static str {
+pub const fn law_title(law: LineLaw) -> &'static str {
     match law {
-        Law::Mains => "the mains, through the instruments",
-        Law::Constant => {
+        LineLaw::Mains => "the mains, through the instruments",
+        LineLaw::Constant => {
             "one frequency whatever the cut: a structure (workpiece, tool holder, dynamometer)"
         }
-        Law::Rotation => "a multiple of the rotation: run-out or form of the workpiece",
-        Law::Ratio => "a fixed ratio to the rotation: a bearing, gear or belt",
-        Law::Chip => "the chip comes in segments",
-        Law::Chatter => "regenerative chatter",
-        Law::Other => "none of these laws",
+        LineLaw::Rotation => "a multiple of the rotation: run-out or form of the workpiece",
+        LineLaw::Ratio => "a fixed ratio to the rotation: a bearing, gear or belt",
+        LineLaw::Chip => "the chip comes in segments",
+        LineLaw::Chatter => "regenerative chatter",
+        LineLaw::Other => "none of these laws",
     }
 }
 
 /// What the particle solver has for it, and what it has not.
 #[must_use]
-pub const fn hint(law: Law) -> &'static str {
+pub const fn hint(law: LineLaw) -> &'static str {
     match law {
-        Law::Chip => {
+        LineLaw::Chip => {
             "A simulation without segments lacks what makes the hot shear zone lose its strength: try `[effects.tanh_softening]` or `[effects.damage]` \
              (docs/catalogue.md), with particles much smaller than the pitch"
         }
-        Law::Rotation => {
+        LineLaw::Rotation => {
             "No law of the material makes it: it belongs to machine and workpiece. `[tool.run_out]` moves the tool like this if the force over time is \
              to be compared; no patch is written"
         }
-        Law::Chatter => {
+        LineLaw::Chatter => {
             "A rigid tool cannot chatter: it belongs to the machine. `[tool.compliance]` lets the tool give way, but the solver cuts one pass over a flat surface, \
              so that the waves of the pass before are not there; no patch is written"
         }
-        Law::Constant => {
+        LineLaw::Constant => {
             "It belongs to structure or instrument, not to the law of the material: correct the recordings by the frequency response of the dynamometer (`response`), \
              or low-pass below it; no patch is written"
         }
-        Law::Mains | Law::Ratio => "It belongs to instruments or machine; no patch is written",
-        Law::Other => "Nothing in the catalogue is known to make it",
+        LineLaw::Mains | LineLaw::Ratio => {
+            "It belongs to instruments or machine; no patch is written"
+        }
+        LineLaw::Other => "Nothing in the catalogue is known to make it",
     }
 }
 
@@ -78,18 +80,18 @@ fn range(found: &SeriesDiagnosis, track: &Track) -> String {
 fn constant(explanation: &Explanation) -> String {
     let Some([value, low, high]) = explanation.constant else { return String::new() };
     match explanation.law {
-        Law::Chip => {
+        LineLaw::Chip => {
             format!(": the pitch is {value:.2} ({low:.2} to {high:.2}) of the uncut chip thickness")
         }
-        Law::Rotation if value < 1.5 => ": once per revolution".to_owned(),
-        Law::Rotation => format!(": {value:.0} times per revolution"),
-        Law::Ratio => format!(": {value:.3} ({low:.3} to {high:.3}) times per revolution"),
-        Law::Mains => format!(": {value:.0} Hz"),
+        LineLaw::Rotation if value < 1.5 => ": once per revolution".to_owned(),
+        LineLaw::Rotation => format!(": {value:.0} times per revolution"),
+        LineLaw::Ratio => format!(": {value:.3} ({low:.3} to {high:.3}) times per revolution"),
+        LineLaw::Mains => format!(": {value:.0} Hz"),
         _ => String::new(),
     }
 }
 
-fn names(laws: &[Law]) -> String {
+fn names(laws: &[LineLaw]) -> String {
     let all: Vec<&str> = laws.iter().map(|law| law_title(*law)).collect();
     match all.as_slice() {
         [head @ .., last] if !head.is_empty() => format!("{}, or {last}", head.join(", ")),
@@ -148,7 +150,7 @@ pub fn track_words(found: &SeriesDiagnosis, track: &Track) -> Vec<String> {
     }
     if let Some(jump) = track.jump {
         let chatter =
-            matches!(track.named, Named::Law(Law::Constant | Law::Chatter) | Named::Unsure);
+            matches!(track.named, Named::Law(LineLaw::Constant | LineLaw::Chatter) | Named::Unsure);
         words.push(format!(
             "Its amplitude jumps: the largest is {jump:.0} times that of the weaker cuts{}.",
             if chatter { ", as when a cut begins to chatter" } else { "" }
@@ -162,10 +164,10 @@ fn advice(track: &Track) -> String {
         return "Cuts at two thicknesses and two speeds, with two diameters at one speed, would tell.".to_owned();
     };
     let change = match advice.change {
-        Change::Thickness => "at the same speed",
-        Change::Diameter => "with another diameter at the same speed",
-        Change::Speed => "at the same diameter and thickness",
-        Change::ThicknessAndSpeed => "at another thickness and speed",
+        CutChange::Thickness => "at the same speed",
+        CutChange::Diameter => "with another diameter at the same speed",
+        CutChange::Speed => "at the same diameter and thickness",
+        CutChange::ThicknessAndSpeed => "at another thickness and speed",
     };
     let expected: Vec<String> = advice
         .expected

@@ -1,6 +1,6 @@
 //! What grows, in words and files.
 
-use crate::wear::growth::{Cause, Growth};
+use crate::wear::growth::{Cause, WearGrowth};
 use serde_json::json;
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ const CLAIM: f64 = 0.9;
 
 /// `wear.json`.
 #[must_use]
-pub fn growth_json(found: &Growth, version: &str) -> String {
+pub fn growth_json(found: &WearGrowth, version: &str) -> String {
     let direction = found.direction;
     let page = json!({
         "schema_version": SCHEMA_VERSION,
@@ -43,7 +43,7 @@ pub fn growth_json(found: &Growth, version: &str) -> String {
 
 /// `wear.csv`: the normal force of wear on every segment, its tool left out, and the nearest course of it that never falls.
 #[must_use]
-pub fn growth_csv(found: &Growth) -> String {
+pub fn growth_csv(found: &WearGrowth) -> String {
     let mut text = "tool,time [s],normal_force [N],low [N],high [N],never_falling [N]\n".to_owned();
     for amount in found.left_out.iter().flat_map(|tool| &tool.amounts) {
         let [low, high] = amount.interval;
@@ -56,7 +56,7 @@ pub fn growth_csv(found: &Growth) -> String {
 
 /// What can be said, one entry per thought.
 #[must_use]
-pub fn growth_words(found: &Growth) -> Vec<String> {
+pub fn growth_words(found: &WearGrowth) -> Vec<String> {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let (first, probability) = found.causes[0];
     let list: Vec<String> = found

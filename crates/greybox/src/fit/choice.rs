@@ -1,7 +1,7 @@
 //! Which regressor to use, and why.
 
 use super::MethodFit;
-use crate::metrics::Estimate;
+use crate::metrics::BootstrapEstimate;
 use crate::regressor::Method;
 use crate::samples::mean;
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ pub struct Choice {
 /// Chooses by the held-out errors; `difference` compares two sets of predictions.
 pub(super) fn choose(
     methods: &[MethodFit],
-    difference: impl Fn([&[f64]; 2]) -> Estimate,
+    difference: impl Fn([&[f64]; 2]) -> BootstrapEstimate,
 ) -> Choice {
     let error = |fit: &&MethodFit| fit.interpolation.scores.mae.value;
     let best = methods

@@ -1,11 +1,11 @@
 //! How many experiments are enough: the error on conditions left out over the number of conditions used.
 
-use super::progress::Progress;
+use super::progress::FitProgress;
 use super::{Context, median};
 use crate::metrics::quantile;
 use crate::random::Random;
 use crate::regressor::{Method, Regressor};
-use crate::samples::{Samples, mean};
+use crate::samples::{TrainingRows, mean};
 use crate::validation::{Scoring, tune};
 use rayon::prelude::*;
 
@@ -37,7 +37,7 @@ pub(super) const TASKS: u64 = SHARES.len() as u64 * DRAWS;
 pub(super) fn curve(
     context: &Context<'_>,
     method: Method,
-    progress: &Progress<'_>,
+    progress: &FitProgress<'_>,
 ) -> Vec<LearningPoint> {
     let measured = context.pairs.measured(context.force);
     let alone = context.samples.with_targets(measured);
@@ -86,7 +86,7 @@ fn drawn(conditions: usize, size: usize, seed: u64, draw: u64) -> Vec<bool> {
 }
 
 /// Mean absolute error on the conditions that are not used.
-fn error(samples: &Samples, used: &[bool], method: Method, seed: u64) -> f64 {
+fn error(samples: &TrainingRows, used: &[bool], method: Method, seed: u64) -> f64 {
     let training = samples.filtered(|row| used[samples.groups[row]]);
     let held = samples.filtered(|row| !used[samples.groups[row]]);
     let model =

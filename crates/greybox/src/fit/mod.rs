@@ -11,20 +11,20 @@ pub use learning::LearningPoint;
 use crate::error::GreyBoxError;
 use crate::hull::Hull;
 use crate::importance::{Permutation, Sobol};
-use crate::metrics::{Estimate, Outcomes, Scores, difference, quantile, scores};
+use crate::metrics::{BootstrapEstimate, Outcomes, Scores, difference, quantile, scores};
 use crate::noise::{NoiseFloor, noise_floor};
 use crate::pairing::{ForceKind, ForceRow, Pairs, pair};
-use crate::regressor::{Method, Model, Regressor, Settings};
-use crate::samples::Samples;
+use crate::regressor::{Method, Model, Regressor, RegressorSettings};
+use crate::samples::TrainingRows;
 use crate::validation::{HeldOut, assemble};
-use progress::Progress;
+use progress::FitProgress;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use tasks::Plan;
+use tasks::ValidationPlan;
 
 /// A table and where it comes from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct ForceTable {
     /// Its provenance.
     pub origin: TableOrigin,
     /// Its rows.
@@ -42,7 +42,7 @@ pub struct TableOrigin {
     pub rows: usize,
 }
 
-impl Table {
+impl ForceTable {
     /// A table read from `text`.
     #[must_use]
     pub fn new(name: &str, text: &str, rows: Vec<ForceRow>) -> Self {
@@ -127,7 +127,7 @@ pub struct MethodFit {
     /// Which.
     pub method: Method,
     /// Settings found with all rows.
-    pub settings: Settings,
+    pub settings: RegressorSettings,
     /// Taught with all rows.
     pub model: Model,
     /// Random folds of conditions.
@@ -178,14 +178,14 @@ pub type Report<'a> = dyn Fn(f64, &str) + Sync + 'a;
 /// # Errors
 /// Tables that cannot be paired, or with too few or too many conditions.
 pub fn fit(
-    simulated: &Table,
-    measured: &Table,
+    simulated: &ForceTable,
+    measured: &ForceTable,
     options: &FitOptions,
     report: &Report<'_>,
 ) -> Result<GreyBoxFit, GreyBoxError> {
     let pairs = pair(&simulated.rows, &measured.rows)?;
-    let plan = Plan::new(&pairs, options);
-    let progress = Progress::new(plan.cost(), report);
+    let plan = ValidationPlan::new(&pairs, options);
+    let progress = FitProgress::new(plan.cost(), report);
     let samples = ForceKind::BOTH.map(|force| pairs.residuals(force));
     let trials = plan.run(&samples, &progress);
     let forces = ForceKind::BOTH.map(|force| {
@@ -207,7 +207,7 @@ pub fn fit(
 fn white_surface(pairs: &Pairs, force: ForceKind, seed: u64) -> Model {
     let measured = pairs.conditions.iter().map(|c| (c.input, c.simulated));
     let all: Vec<_> = measured.chain(pairs.only_simulated.iter().copied()).collect();
-    let samples = Samples {
+    let samples = TrainingRows {
         inputs: all.iter().map(|(input, _)| *input).collect(),
         targets: all.iter().map(|(_, forces)| forces[force.index()]).collect(),
         groups: (0..all.len()).collect(),
@@ -220,7 +220,7 @@ struct Context<'a> {
     pairs: &'a Pairs,
     options: &'a FitOptions,
     force: ForceKind,
-    samples: &'a Samples,
+    samples: &'a TrainingRows,
 }
 
 impl ForceFit {
@@ -238,7 +238,12 @@ impl ForceFit {
 }
 
 impl Context<'_> {
-    fn force(&self, plan: &Plan, trials: &[tasks::Trials], progress: &Progress<'_>) -> ForceFit {
+    fn force(
+        &self,
+        plan: &ValidationPlan,
+        trials: &[tasks::Trials],
+        progress: &FitProgress<'_>,
+    ) -> ForceFit {
         let methods: Vec<MethodFit> = trials.iter().map(|trials| self.method(trials)).collect();
         let choice = choice::choose(&methods, |predicted| self.difference(predicted));
         let alone = self.alone(plan, choice.method, progress);
@@ -273,7 +278,7 @@ impl Context<'_> {
     }
 
     /// Difference of the mean absolute errors of two sets of predictions.
-    fn difference(&self, predicted: [&[f64]; 2]) -> Estimate {
+    fn difference(&self, predicted: [&[f64]; 2]) -> BootstrapEstimate {
         let measured = self.pairs.measured(self.force);
         let [first, second] = predicted.map(|predicted| Outcomes {
             measured: &measured,
@@ -339,7 +344,7 @@ impl Context<'_> {
         Some(inside.count() as f64 / deviations.len() as f64)
     }
 
-    fn alone(&self, plan: &Plan, method: Method, progress: &Progress<'_>) -> BlackBox {
+    fn alone(&self, plan: &ValidationPlan, method: Method, progress: &FitProgress<'_>) -> BlackBox {
         let measured = self.pairs.measured(self.force);
         let samples = self.samples.with_targets(measured.clone());
         let trials = plan.run_one(method, &samples, progress);

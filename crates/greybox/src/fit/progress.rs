@@ -16,13 +16,13 @@ pub(super) fn weight(method: Method) -> u64 {
 }
 
 /// Counts what is done.
-pub(super) struct Progress<'a> {
+pub(super) struct FitProgress<'a> {
     total: u64,
     done: AtomicU64,
     report: &'a Report<'a>,
 }
 
-impl<'a> Progress<'a> {
+impl<'a> FitProgress<'a> {
     pub(super) fn new(total: u64, report: &'a Report<'a>) -> Self {
         Self { total, done: AtomicU64::new(0), report }
     }

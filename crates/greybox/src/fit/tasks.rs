@@ -1,11 +1,11 @@
 //! The work of a fit, as independent tasks for all threads.
 
 use super::FitOptions;
-use super::progress::{Progress, weight};
+use super::progress::{FitProgress, weight};
 use crate::folds::{distinct, grouped_folds};
 use crate::pairing::Pairs;
-use crate::regressor::{Method, Model, Settings};
-use crate::samples::Samples;
+use crate::regressor::{Method, Model, RegressorSettings};
+use crate::samples::TrainingRows;
 use crate::validation::{HeldOut, Inner, Scoring, hold_out, tune};
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ const BLOCKS: usize = 10;
 const FEWEST_LEVELS: usize = 3;
 
 /// The divisions of the rows.
-pub(super) struct Plan {
+pub(super) struct ValidationPlan {
     options: FitOptions,
     interpolation: Vec<usize>,
     extrapolation: [Option<Vec<usize>>; 2],
@@ -25,7 +25,7 @@ pub(super) struct Plan {
 /// What one method found for one force.
 pub(super) struct Trials {
     pub method: Method,
-    pub settings: Settings,
+    pub settings: RegressorSettings,
     pub model: Model,
     pub interpolation: Vec<HeldOut>,
     /// Folds of the rows, and what was held out.
@@ -51,10 +51,10 @@ enum Division {
 
 enum Done {
     Held(HeldOut),
-    Whole(Settings, Model),
+    Whole(RegressorSettings, Model),
 }
 
-impl Plan {
+impl ValidationPlan {
     pub(super) fn new(pairs: &Pairs, options: &FitOptions) -> Self {
         let groups: Vec<usize> = pairs.rows.iter().map(|row| row.condition).collect();
         Self {
@@ -112,7 +112,11 @@ impl Plan {
     }
 
     /// All methods for the samples of both forces.
-    pub(super) fn run(&self, samples: &[Samples; 2], progress: &Progress<'_>) -> [Vec<Trials>; 2] {
+    pub(super) fn run(
+        &self,
+        samples: &[TrainingRows; 2],
+        progress: &FitProgress<'_>,
+    ) -> [Vec<Trials>; 2] {
         let mut tasks = self.tasks(&self.options.methods, 2);
         // The longest first, so that no thread is left with one at the end; the order changes no result.
         tasks.sort_by_key(|task| std::cmp::Reverse(weight(task.method)));
@@ -137,8 +141,8 @@ impl Plan {
     pub(super) fn run_one(
         &self,
         method: Method,
-        samples: &Samples,
-        progress: &Progress<'_>,
+        samples: &TrainingRows,
+        progress: &FitProgress<'_>,
     ) -> Trials {
         let done: Vec<(Task, Done)> = self
             .tasks(&[method], 1)
@@ -159,7 +163,7 @@ impl Plan {
         self.options.methods.iter().map(|&method| Unfinished::new(method)).collect()
     }
 
-    fn execute(&self, task: Task, samples: &Samples, scoring: Scoring) -> Done {
+    fn execute(&self, task: Task, samples: &TrainingRows, scoring: Scoring) -> Done {
         let (count, seed) = (self.options.folds, self.options.seed);
         let Some(folds) = self.folds(task.division) else {
             let settings = tune(task.method, samples, count, seed, Scoring::IfNeeded).settings;
@@ -178,7 +182,7 @@ impl Plan {
 /// Trials that are being gathered.
 struct Unfinished {
     method: Method,
-    whole: Option<(Settings, Model)>,
+    whole: Option<(RegressorSettings, Model)>,
     interpolation: Vec<(usize, HeldOut)>,
     extrapolation: [Vec<(usize, HeldOut)>; 2],
 }
@@ -198,7 +202,7 @@ impl Unfinished {
         }
     }
 
-    fn finish(self, plan: &Plan) -> Trials {
+    fn finish(self, plan: &ValidationPlan) -> Trials {
         let sorted = |mut parts: Vec<(usize, HeldOut)>| {
             parts.sort_by_key(|(fold, _)| *fold);
             parts.into_iter().map(|(_, held)| held).collect::<Vec<_>>()

@@ -10,8 +10,8 @@
 
 use super::Regressor;
 use super::forest::shares;
-use super::tree::{Derivative, Growth, Tree, presort};
-use crate::samples::{Input, Samples, mean};
+use super::tree::{Derivative, GrowthLimits, Tree, presort};
+use crate::samples::{Input, TrainingRows, mean};
 use serde::{Deserialize, Serialize};
 
 /// The hyper-parameters that are searched, and those of the objective.
@@ -41,8 +41,8 @@ pub struct Boosting {
 impl BoostingSettings {
     /// Grows the trees one after another.
     #[must_use]
-    pub fn fit(&self, samples: &Samples) -> Boosting {
-        let growth = Growth {
+    pub fn fit(&self, samples: &TrainingRows) -> Boosting {
+        let growth = GrowthLimits {
             max_depth: self.max_depth,
             min_rows: self.min_leaf,
             lambda: self.lambda,

@@ -1,9 +1,9 @@
 //! Random forest (Breiman 2001): trees of least squares on bootstrap samples, averaged.
 
 use super::Regressor;
-use super::tree::{Derivative, Growth, Tree, presort};
+use super::tree::{Derivative, GrowthLimits, Tree, presort};
 use crate::random::Random;
-use crate::samples::{Input, Samples};
+use crate::samples::{Input, TrainingRows};
 use serde::{Deserialize, Serialize};
 
 /// Size and depth.
@@ -28,8 +28,8 @@ pub struct Forest {
 impl ForestSettings {
     /// Grows the forest; every tree has a stream of random numbers of its own.
     #[must_use]
-    pub fn fit(&self, samples: &Samples, seed: u64) -> Forest {
-        let growth = Growth {
+    pub fn fit(&self, samples: &TrainingRows, seed: u64) -> Forest {
+        let growth = GrowthLimits {
             max_depth: self.max_depth,
             min_rows: self.min_leaf,
             lambda: 0.0,

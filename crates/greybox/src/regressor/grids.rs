@@ -2,13 +2,13 @@
 
 use super::{
     BoostingSettings, ForestSettings, GaussianProcessSettings, InputScale, Method, NetworkSettings,
-    PolynomialSettings, Settings, SupportVectorSettings,
+    PolynomialSettings, RegressorSettings, SupportVectorSettings,
 };
 
 const SCALES: [InputScale; 2] = [InputScale::Linear, InputScale::Logarithmic];
 
-pub(super) fn grid(method: Method) -> Vec<Settings> {
-    let polynomial = |degree| vec![Settings::Polynomial(PolynomialSettings { degree })];
+pub(super) fn grid(method: Method) -> Vec<RegressorSettings> {
+    let polynomial = |degree| vec![RegressorSettings::Polynomial(PolynomialSettings { degree })];
     match method {
         Method::Linear => polynomial(1),
         Method::Quadratic => polynomial(2),
@@ -17,20 +17,22 @@ pub(super) fn grid(method: Method) -> Vec<Settings> {
         Method::Forest => forests(),
         Method::Boosting => boosting(),
         Method::Network => networks(),
-        Method::GaussianProcess => vec![Settings::GaussianProcess(GaussianProcessSettings {
-            input_scales: SCALES.to_vec(),
-        })],
+        Method::GaussianProcess => {
+            vec![RegressorSettings::GaussianProcess(GaussianProcessSettings {
+                input_scales: SCALES.to_vec(),
+            })]
+        }
     }
 }
 
-fn support_vectors() -> Vec<Settings> {
+fn support_vectors() -> Vec<RegressorSettings> {
     let mut grid = Vec::new();
     for input_scale in SCALES {
         for penalty in [1.0, 10.0, 100.0] {
             for sharpness in [0.1, 0.3, 1.0] {
                 for tube in [0.1, 0.02] {
                     let settings = SupportVectorSettings { penalty, tube, sharpness, input_scale };
-                    grid.push(Settings::SupportVector(settings));
+                    grid.push(RegressorSettings::SupportVector(settings));
                 }
             }
         }
@@ -38,23 +40,23 @@ fn support_vectors() -> Vec<Settings> {
     grid
 }
 
-fn forests() -> Vec<Settings> {
+fn forests() -> Vec<RegressorSettings> {
     let mut grid = Vec::new();
     for min_leaf in [4, 2, 1] {
         for inputs_per_split in [1, 2] {
             let settings = ForestSettings { trees: 200, max_depth: 16, min_leaf, inputs_per_split };
-            grid.push(Settings::Forest(settings));
+            grid.push(RegressorSettings::Forest(settings));
         }
     }
     grid
 }
 
-fn boosting() -> Vec<Settings> {
+fn boosting() -> Vec<RegressorSettings> {
     let mut grid = Vec::new();
     for trees in [100, 300] {
         for max_depth in [2, 3, 4] {
             for learning_rate in [0.05, 0.1, 0.3] {
-                grid.push(Settings::Boosting(BoostingSettings {
+                grid.push(RegressorSettings::Boosting(BoostingSettings {
                     trees,
                     max_depth,
                     learning_rate,
@@ -68,12 +70,12 @@ fn boosting() -> Vec<Settings> {
     grid
 }
 
-fn networks() -> Vec<Settings> {
+fn networks() -> Vec<RegressorSettings> {
     let mut grid = Vec::new();
     for input_scale in SCALES {
         for neurons in [[8, 8], [16, 16]] {
             for decay in [1e-2, 1e-4] {
-                grid.push(Settings::Network(NetworkSettings {
+                grid.push(RegressorSettings::Network(NetworkSettings {
                     neurons,
                     decay,
                     learning_rate: 0.01,

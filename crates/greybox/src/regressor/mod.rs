@@ -1,6 +1,6 @@
 //! The regressors f_D, each behind [`Regressor`].
 //!
-//! [`Method`] names them and holds their grids, [`Settings`] is one point of a grid, [`Model`] is what a fit gives:
+//! [`Method`] names them and holds their grids, [`RegressorSettings`] is one point of a grid, [`Model`] is what a fit gives:
 //! plain numbers that are stored and read again to the same predictions.
 
 mod boosting;
@@ -21,7 +21,7 @@ pub use polynomial::{Polynomial, PolynomialSettings};
 pub use scaling::InputScale;
 pub use support_vector::{SupportVector, SupportVectorSettings};
 
-use crate::samples::{Input, Samples};
+use crate::samples::{Input, TrainingRows};
 use serde::{Deserialize, Serialize};
 
 /// A function of the cutting conditions that was learnt.
@@ -113,7 +113,7 @@ impl Method {
 
     /// The settings that are tried, simplest first.
     #[must_use]
-    pub fn grid(self) -> Vec<Settings> {
+    pub fn grid(self) -> Vec<RegressorSettings> {
         grids::grid(self)
     }
 }
@@ -121,7 +121,7 @@ impl Method {
 /// One point of a grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Settings {
+pub enum RegressorSettings {
     /// Least squares.
     Polynomial(PolynomialSettings),
     /// Support vectors.
@@ -136,10 +136,10 @@ pub enum Settings {
     GaussianProcess(GaussianProcessSettings),
 }
 
-impl Settings {
+impl RegressorSettings {
     /// Teaches a regressor with `samples`, which are not empty.
     #[must_use]
-    pub fn fit(&self, samples: &Samples, seed: u64) -> Model {
+    pub fn fit(&self, samples: &TrainingRows, seed: u64) -> Model {
         match self {
             Self::Polynomial(settings) => Model::Polynomial(settings.fit(samples)),
             Self::SupportVector(settings) => Model::SupportVector(settings.fit(samples)),

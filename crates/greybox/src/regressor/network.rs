@@ -7,7 +7,7 @@
 use super::Regressor;
 use super::scaling::{InputScale, Scaling};
 use crate::random::Random;
-use crate::samples::{Input, Samples};
+use crate::samples::{Input, TrainingRows};
 use serde::{Deserialize, Serialize};
 
 /// Size, penalty and length of training.
@@ -44,7 +44,7 @@ const BATCH: usize = 200;
 impl NetworkSettings {
     /// Trains on `samples`.
     #[must_use]
-    pub fn fit(&self, samples: &Samples, seed: u64) -> Network {
+    pub fn fit(&self, samples: &TrainingRows, seed: u64) -> Network {
         let scaling = Scaling::of(samples, self.input_scale);
         let scaled = scaling.samples(samples);
         let mut random = Random::new(seed, &[0x2e7]);
@@ -73,7 +73,7 @@ impl NetworkSettings {
     }
 
     /// Training rows and those that are watched: whole conditions, at least one.
-    fn divide(&self, samples: &Samples, random: &mut Random) -> (Samples, Samples) {
+    fn divide(&self, samples: &TrainingRows, random: &mut Random) -> (TrainingRows, TrainingRows) {
         let mut groups = samples.groups.clone();
         groups.sort_unstable();
         groups.dedup();
@@ -185,7 +185,7 @@ impl Layout {
     fn gradient<'a>(
         &self,
         parameters: &[f64],
-        samples: &Samples,
+        samples: &TrainingRows,
         rows: &[usize],
         decay: f64,
         buffers: &'a mut Buffers,
@@ -242,7 +242,7 @@ impl Layout {
         }
     }
 
-    fn error(&self, parameters: &[f64], samples: &Samples, buffers: &mut Buffers) -> f64 {
+    fn error(&self, parameters: &[f64], samples: &TrainingRows, buffers: &mut Buffers) -> f64 {
         let squares = samples.inputs.iter().zip(&samples.targets).map(|(&input, target)| {
             let error = self.forward(parameters, input, buffers) - target;
             error * error

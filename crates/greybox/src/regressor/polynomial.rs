@@ -6,7 +6,7 @@
 
 use super::Regressor;
 use super::scaling::{InputScale, Scaling};
-use crate::samples::{Input, Samples};
+use crate::samples::{Input, TrainingRows};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +31,7 @@ const RANK: f64 = 1e-10;
 impl PolynomialSettings {
     /// The polynomial of least squares.
     #[must_use]
-    pub fn fit(&self, samples: &Samples) -> Polynomial {
+    pub fn fit(&self, samples: &TrainingRows) -> Polynomial {
         let scaling = Scaling::of(samples, InputScale::Linear);
         let scaled = scaling.samples(samples);
         let rows: Vec<Vec<f64>> =

@@ -1,6 +1,6 @@
 //! Standardisation: mean 0 and standard deviation 1, from the training rows alone.
 
-use crate::samples::{Input, Samples, mean, spread};
+use crate::samples::{Input, TrainingRows, mean, spread};
 use serde::{Deserialize, Serialize};
 
 /// Whether a regressor sees v_c and h or their logarithms.
@@ -34,7 +34,7 @@ pub(super) struct Scaling {
 
 impl Scaling {
     /// The standardisation of `samples`.
-    pub(super) fn of(samples: &Samples, input_scale: InputScale) -> Self {
+    pub(super) fn of(samples: &TrainingRows, input_scale: InputScale) -> Self {
         let inputs: Vec<Input> = samples.inputs.iter().map(|&x| input_scale.apply(x)).collect();
         let column = |axis: usize| inputs.iter().map(|x| x[axis]).collect::<Vec<_>>();
         Self {
@@ -63,8 +63,8 @@ impl Scaling {
         self.target_spread
     }
 
-    pub(super) fn samples(&self, samples: &Samples) -> Samples {
-        Samples {
+    pub(super) fn samples(&self, samples: &TrainingRows) -> TrainingRows {
+        TrainingRows {
             inputs: samples.inputs.iter().map(|&x| self.input(x)).collect(),
             targets: samples.targets.iter().map(|&y| self.target(y)).collect(),
             groups: samples.groups.clone(),

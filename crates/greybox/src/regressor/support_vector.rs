@@ -12,7 +12,7 @@
 
 use super::Regressor;
 use super::scaling::{InputScale, Scaling};
-use crate::samples::{Input, Samples};
+use crate::samples::{Input, TrainingRows};
 use serde::{Deserialize, Serialize};
 
 /// C, epsilon and gamma.
@@ -49,7 +49,7 @@ const LEAST_CURVATURE: f64 = 1e-12;
 impl SupportVectorSettings {
     /// The solution for `samples`.
     #[must_use]
-    pub fn fit(&self, samples: &Samples) -> SupportVector {
+    pub fn fit(&self, samples: &TrainingRows) -> SupportVector {
         let scaling = Scaling::of(samples, self.input_scale);
         let scaled = scaling.samples(samples);
         let mut dual = Dual::new(self, &scaled);
@@ -96,7 +96,7 @@ struct Dual {
 }
 
 impl Dual {
-    fn new(settings: &SupportVectorSettings, scaled: &Samples) -> Self {
+    fn new(settings: &SupportVectorSettings, scaled: &TrainingRows) -> Self {
         let count = scaled.len();
         let inputs = &scaled.inputs;
         let kernel = inputs

@@ -2,7 +2,7 @@ use super::*;
 use crate::random::Random;
 
 /// A smooth surface over an 11 x 10 plan.
-fn plan(noise: f64) -> Samples {
+fn plan(noise: f64) -> TrainingRows {
     let mut random = Random::new(3, &[]);
     let inputs: Vec<Input> = (0..110)
         .map(|k| [(100.0 + 10.0 * f64::from(k % 11)) / 60.0, 1e-5 * f64::from(6 + k / 11)])
@@ -13,10 +13,10 @@ fn plan(noise: f64) -> Samples {
             100.0 + 80.0 * (3.0 * x[0]).sin() * x[1] * 1e4 - 30.0 * x[0] + noise * random.normal()
         })
         .collect();
-    Samples { inputs, targets, groups: (0..110).collect() }
+    TrainingRows { inputs, targets, groups: (0..110).collect() }
 }
 
-fn error(model: &Model, samples: &Samples) -> f64 {
+fn error(model: &Model, samples: &TrainingRows) -> f64 {
     let errors = samples.inputs.iter().zip(&samples.targets);
     errors.map(|(&x, y)| (model.predict(x) - y).abs()).sum::<f64>() / samples.len() as f64
 }
@@ -91,8 +91,8 @@ fn a_polynomial_finds_the_coefficients_it_was_made_with() {
     let samples = plan(0.0);
     let exact =
         samples.inputs.iter().map(|x| 3.0 - 2.0 * x[0] * x[0] + 5e4 * x[0] * x[1]).collect();
-    let model =
-        Settings::Polynomial(PolynomialSettings { degree: 2 }).fit(&samples.with_targets(exact), 1);
+    let model = RegressorSettings::Polynomial(PolynomialSettings { degree: 2 })
+        .fit(&samples.with_targets(exact), 1);
     // Far outside the plan rounding is blown up by the square of the distance.
     for at in [[2.0, 1e-4], [10.0, 5e-4]] {
         let expected = 3.0 - 2.0 * at[0] * at[0] + 5e4 * at[0] * at[1];
@@ -105,7 +105,7 @@ fn a_stump_splits_where_the_objective_falls_most() {
     // Targets 0, 0, 6 along v_c: mean 2, g = 2, 2, -4. Splits: after the first row
     // 1/2 [4/2 + 4/3 - 0] = 1.667, after the second 1/2 [16/3 + 16/2] = 6.667: threshold 2.5,
     // leaves -4/3 and 4/2 (lambda = 1).
-    let samples = Samples {
+    let samples = TrainingRows {
         inputs: vec![[1.0, 1.0], [2.0, 1.0], [3.0, 1.0]],
         targets: vec![0.0, 0.0, 6.0],
         groups: vec![0, 1, 2],

@@ -33,7 +33,7 @@ pub(super) struct Tree {
 
 /// How far a tree grows.
 #[derive(Debug, Clone)]
-pub(super) struct Growth {
+pub(super) struct GrowthLimits {
     pub max_depth: u32,
     /// Least number of different rows of a leaf.
     pub min_rows: usize,
@@ -49,7 +49,7 @@ pub(super) type Derivative = [f64; 2];
 struct Grower<'a> {
     inputs: &'a [Input],
     derivatives: &'a [Derivative],
-    growth: &'a Growth,
+    growth: &'a GrowthLimits,
     random: Option<&'a mut Random>,
     tree: Tree,
 }
@@ -76,7 +76,7 @@ impl Tree {
         inputs: &[Input],
         derivatives: &[Derivative],
         order: [Vec<usize>; 2],
-        growth: &Growth,
+        growth: &GrowthLimits,
         random: Option<&mut Random>,
     ) -> Self {
         let tree = Self { nodes: Vec::new(), gain: [0.0; 2] };

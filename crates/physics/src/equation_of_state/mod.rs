@@ -12,7 +12,7 @@ use crate::{Parameter, Values};
 
 /// What an equation of state takes from the rest of the material.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reference {
+pub struct ReferenceState {
     /// rho_0 in kg/m^3.
     pub density: f64,
     /// cp in J/(kg K) at the temperature of no stress.
@@ -35,7 +35,7 @@ pub struct EquationOfStateEntry {
     /// Its parameters.
     pub parameters: &'static [Parameter],
     /// Builds the law from checked values of `parameters`; `None` where the elastic moduli say all.
-    pub build: Option<fn(&Values, &Reference) -> MieGruneisen>,
+    pub build: Option<fn(&Values, &ReferenceState) -> MieGruneisen>,
 }
 
 /// Linear in the density.

@@ -22,7 +22,7 @@ use toml::de::DeTable;
 
 /// A checked file of recordings. SI units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Recordings {
+pub struct RecordingPlan {
     /// What was measured, in one line.
     pub title: String,
     /// The text of the file, for provenance.
@@ -120,7 +120,7 @@ pub struct RecordingCut {
 ///
 /// # Errors
 /// All mistakes of the file, in its order.
-pub fn load_recordings(path: &Path, outside: OutsideFiles) -> Result<Recordings, Vec<Problem>> {
+pub fn load_recordings(path: &Path, outside: OutsideFiles) -> Result<RecordingPlan, Vec<Problem>> {
     document::load(path, outside, &keys::root(), read_document)
 }
 
@@ -128,7 +128,7 @@ fn read_document(
     findings: &mut Findings,
     root: &Record<'_>,
     surroundings: &Surroundings,
-) -> Option<Recordings> {
+) -> Option<RecordingPlan> {
     let source = &root.source;
     require_tables(findings, root);
     let empty = DeTable::new();
@@ -154,7 +154,7 @@ fn read_document(
     let file = layout(findings, &file?);
     let trigger = trigger.map(|t| Some((t.text("column")?.to_owned(), t.number("level")?)));
     let low_pass = low_pass.map(|l| Some((l.count("order")? as usize, l.number("cut_off")?)));
-    Some(Recordings {
+    Some(RecordingPlan {
         title: root.text("title")?.to_owned(),
         text: source.text.clone(),
         file: file?,

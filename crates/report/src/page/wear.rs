@@ -5,7 +5,7 @@ use super::greybox::{indexed, page as whole};
 use crate::chart::{Chart, Line};
 use crate::text::{minus, percent, three_digits};
 use maud::{Markup, html};
-use sphcut_diagnose::{Amount, Cause, Growth, LeftOut, growth_words};
+use sphcut_diagnose::{Amount, Cause, LeftOutTool, WearGrowth, growth_words};
 
 const PALE: &str = "#9cc7e2";
 const INK: &str = "#22262b";
@@ -16,7 +16,7 @@ pub struct WearPage<'a> {
     /// The table it was found in.
     pub table: &'a str,
     /// What was found.
-    pub growth: &'a Growth,
+    pub growth: &'a WearGrowth,
     /// Version of the program.
     pub version: &'a str,
 }
@@ -45,7 +45,7 @@ pub fn render_wear(page: &WearPage<'_>) -> String {
     whole("What grows while tools cut", &lead, page.version, &body)
 }
 
-fn causes(found: &Growth) -> Markup {
+fn causes(found: &WearGrowth) -> Markup {
     html! {
         section {
             h2 { "What grows" }
@@ -77,7 +77,7 @@ fn causes(found: &Growth) -> Markup {
     }
 }
 
-fn tools(found: &Growth) -> Markup {
+fn tools(found: &WearGrowth) -> Markup {
     html! {
         section {
             h2 { "How far, tool by tool" }
@@ -92,19 +92,19 @@ fn tools(found: &Growth) -> Markup {
     }
 }
 
-fn times(tool: &LeftOut) -> Vec<f64> {
+fn times(tool: &LeftOutTool) -> Vec<f64> {
     tool.amounts.iter().map(|amount| amount.segment.time).collect()
 }
 
 fn line<'a>(
-    tool: &LeftOut,
+    tool: &LeftOutTool,
     (name, colour, width): (&'a str, &'a str, f64),
     of: impl Fn(&Amount) -> f64,
 ) -> Line<'a> {
     Line { name, colour, width, values: tool.amounts.iter().map(of).collect() }
 }
 
-fn force(tool: &LeftOut) -> Chart<'static> {
+fn force(tool: &LeftOutTool) -> Chart<'static> {
     Chart {
         description: format!("Normal force of wear of tool {} over its time in cut", tool.tool),
         x_title: "Time in cut in s",
@@ -122,7 +122,7 @@ fn force(tool: &LeftOut) -> Chart<'static> {
     }
 }
 
-fn cutting(tool: &LeftOut) -> Chart<'static> {
+fn cutting(tool: &LeftOutTool) -> Chart<'static> {
     Chart {
         description: format!("Change of the cutting force of tool {}", tool.tool),
         x_title: "Time in cut in s",
@@ -138,7 +138,7 @@ fn cutting(tool: &LeftOut) -> Chart<'static> {
     }
 }
 
-fn limits(found: &Growth) -> Markup {
+fn limits(found: &WearGrowth) -> Markup {
     let [cutting, feed, passive] = found.noise.map(three_digits);
     html! {
         section {
@@ -161,10 +161,10 @@ fn limits(found: &Growth) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sphcut_diagnose::{Segment, grows};
+    use sphcut_diagnose::{WearSegment, grows};
 
     /// Three tools of twenty segments whose land grows; the second is swapped for a fresh one half way.
-    fn found() -> Growth {
+    fn found() -> WearGrowth {
         let mut all = Vec::new();
         for tool in 0..3 {
             for k in 0..20 {
@@ -173,7 +173,7 @@ mod tests {
                 let wobble = [1.0, -1.0, 0.5, -0.5][(k % 4) as usize];
                 let forces = [(500.0, 0.25), (350.0, 0.9), (150.0, 0.43)]
                     .map(|(f, d)| f + amount * d + wobble);
-                all.push(Segment { tool: f64::from(tool), time: 5.0 * f64::from(k), forces });
+                all.push(WearSegment { tool: f64::from(tool), time: 5.0 * f64::from(k), forces });
             }
         }
         grows(&all, 2).unwrap()

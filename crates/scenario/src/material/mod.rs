@@ -14,7 +14,7 @@ use sphcut_input::record::Record;
 use sphcut_input::section::Presence;
 use sphcut_input::spelling;
 use sphcut_physics::elasticity::ElasticModuli;
-use sphcut_physics::equation_of_state::Reference;
+use sphcut_physics::equation_of_state::ReferenceState;
 use sphcut_physics::flow_stress::{self, FlowStressEntry, FlowStressTable};
 use sphcut_physics::{ParameterError, TemperatureTable, Values};
 use sphcut_sph::setup::{Material, TemperatureTables};
@@ -301,7 +301,7 @@ impl<'t> Shelf<'t> {
         else {
             return Some(material);
         };
-        let law = build(values, &Reference { density, specific_heat });
+        let law = build(values, &ReferenceState { density, specific_heat });
         Some(material.with_equation_of_state(law))
     }
 }

@@ -6,7 +6,7 @@ use crate::error::CaseError;
 use crate::judge::number;
 use crate::verdict::Finding;
 use serde::Deserialize;
-use sphcut_diagnose::{Cause, Growth, Held, Part, Verdict};
+use sphcut_diagnose::{Cause, ClaimVerdict, HeldOutErrors, Part, WearGrowth};
 
 /// What is judged of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -110,7 +110,7 @@ impl DiagnosisExpectation {
     pub(super) fn judge(
         &self,
         all: &[Diagnosed],
-        grown: &[(String, Growth)],
+        grown: &[(String, WearGrowth)],
     ) -> Result<Finding, CaseError> {
         let diagnosed = all.iter().find(|one| one.name == self.of);
         let series = grown.iter().find(|(name, _)| *name == self.of);
@@ -154,14 +154,14 @@ impl DiagnosisExpectation {
         match self.measure {
             DiagnosisMeasure::NothingMissing => Some(finding.nothing),
             DiagnosisMeasure::Named => {
-                Some(f64::from(finding.verdict == Verdict::Named(vec![effect()?])))
+                Some(f64::from(finding.verdict == ClaimVerdict::Named(vec![effect()?])))
             }
             DiagnosisMeasure::InSet => {
                 Some(f64::from(finding.is_alarm() && finding.set.contains(&effect()?)))
             }
             DiagnosisMeasure::Probability => Some(finding.inclusion[effect()?]),
             DiagnosisMeasure::NoneOfThese => {
-                Some(f64::from(finding.verdict == Verdict::NoneOfThese))
+                Some(f64::from(finding.verdict == ClaimVerdict::NoneOfThese))
             }
             DiagnosisMeasure::Estimate => {
                 let repair = &one.found.fits[one.found.repair?];
@@ -178,7 +178,7 @@ impl DiagnosisExpectation {
         }
     }
 
-    fn of_series(&self, found: &Growth) -> Option<f64> {
+    fn of_series(&self, found: &WearGrowth) -> Option<f64> {
         let land = [Cause::WearLand, Cause::WearLandAndStrength];
         match self.measure {
             DiagnosisMeasure::Wear => Some(found.wear()),
@@ -194,7 +194,7 @@ impl DiagnosisExpectation {
         }
     }
 
-    fn ratio(&self, held: &Held) -> Option<f64> {
+    fn ratio(&self, held: &HeldOutErrors) -> Option<f64> {
         let Some(key) = &self.channel else { return Some(held.ratio[0]) };
         let (_, [again, repaired]) = held.channels.iter().find(|(c, _)| c.symbol() == key)?;
         Some(repaired / again)

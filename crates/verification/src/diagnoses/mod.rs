@@ -14,8 +14,8 @@ use crate::error::CaseError;
 use crate::verdict::{Finding, Outcome, Verdict};
 use serde::Deserialize;
 use sphcut_diagnose::{
-    ClosedForm, Diagnosis, Growth, Predictor, Segment, closed_form_cut, diagnose_case, grows,
-    load_diagnosis,
+    ClosedForm, Diagnosis, Predictor, WearGrowth, WearSegment, closed_form_cut, diagnose_case,
+    grows, load_diagnosis,
 };
 use sphcut_input::{Colours, read_series_table};
 use sphcut_scenario::LoadOptions;
@@ -172,19 +172,19 @@ impl DiagnosesCase {
     ///
     /// # Errors
     /// A table with mistakes or with too little.
-    pub fn grown(&self) -> Result<Vec<(String, Growth)>, CaseError> {
+    pub fn grown(&self) -> Result<Vec<(String, WearGrowth)>, CaseError> {
         let one = |asked: &DiagnosisSpecification| {
             let path = self.folder.join(&asked.file);
             let text =
                 fs::read_to_string(&path).map_err(|error| CaseError::unreadable(&path, &error))?;
             let rows = read_series_table(&text)
                 .map_err(|problem| CaseError::invalid(&path, problem.to_string()))?;
-            let segment = |row: sphcut_input::SeriesRow| Segment {
+            let segment = |row: sphcut_input::SeriesRow| WearSegment {
                 tool: row.tool,
                 time: row.time,
                 forces: row.forces,
             };
-            let segments: Vec<Segment> = rows.into_iter().map(segment).collect();
+            let segments: Vec<WearSegment> = rows.into_iter().map(segment).collect();
             let found = grows(&segments, 1).map_err(|error| CaseError::RunFailed {
                 run: asked.name.clone(),
                 reason: error.to_string(),
@@ -204,7 +204,7 @@ impl DiagnosesCase {
     }
 
     /// Judges diagnoses that are made.
-    fn judge_these(&self, all: &[Diagnosed], grown: &[(String, Growth)]) -> Verdict {
+    fn judge_these(&self, all: &[Diagnosed], grown: &[(String, WearGrowth)]) -> Verdict {
         let findings: Result<Vec<Finding>, CaseError> =
             self.expectations.iter().map(|expectation| expectation.judge(all, grown)).collect();
         match findings {

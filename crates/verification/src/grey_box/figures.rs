@@ -7,8 +7,8 @@ use crate::store::Store;
 use serde::{Deserialize, Serialize};
 use sphcut_greybox::regressor::Method;
 use sphcut_greybox::{
-    Comparison, Estimate, Extrapolated, FitOptions, ForceFit, ForceKind, ForceRow, GreyBox,
-    NoiseFloor, Scores, Table, compare, fit,
+    BootstrapEstimate, Extrapolated, FitOptions, ForceFit, ForceKind, ForceRow, ForceTable,
+    GreyBox, NoiseFloor, Scores, TableComparison, compare, fit,
 };
 use std::path::Path;
 
@@ -105,7 +105,7 @@ pub struct ForceCompared {
     /// Corrected, inside the hull.
     pub corrected_inside: Option<Scores>,
     /// Measured minus corrected in N, inside the hull.
-    pub bias_inside: Option<Estimate>,
+    pub bias_inside: Option<BootstrapEstimate>,
 }
 
 /// The kept figures of a fit if they belong to its tables, or if the tables are not there to be compared.
@@ -212,7 +212,7 @@ fn compared(
 ) -> Result<ComparisonFigures, CaseError> {
     let simulated = table(&case.folder.join(&asked.simulated))?;
     let measured = table(&case.folder.join(&asked.measured))?;
-    let found: Comparison =
+    let found: TableComparison =
         compare(model, None, &simulated, &measured, resamples).map_err(|error| {
             CaseError::RunFailed { run: asked.name.clone(), reason: error.to_string() }
         })?;
@@ -235,7 +235,7 @@ fn compared(
     })
 }
 
-fn table(path: &Path) -> Result<Table, CaseError> {
+fn table(path: &Path) -> Result<ForceTable, CaseError> {
     let text =
         std::fs::read_to_string(path).map_err(|error| CaseError::unreadable(path, &error))?;
     let rows = sphcut_input::read_force_table(&text)
@@ -248,5 +248,5 @@ fn table(path: &Path) -> Result<Table, CaseError> {
         count: row.count,
     });
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-    Ok(Table::new(&name.unwrap_or_default(), &text, rows.collect()))
+    Ok(ForceTable::new(&name.unwrap_or_default(), &text, rows.collect()))
 }

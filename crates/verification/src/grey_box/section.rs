@@ -3,7 +3,7 @@
 
 use super::{FitFigures, ForceFigures, GreyBoxCase};
 use crate::judge::number;
-use sphcut_greybox::{Estimate, ForceKind, Scores};
+use sphcut_greybox::{BootstrapEstimate, ForceKind, Scores};
 use std::fmt::Write;
 
 /// Figures of the paper whose method is followed, for one force.
@@ -186,7 +186,7 @@ fn comparisons(text: &mut String, case: &GreyBoxCase, figures: &[FitFigures]) {
 }
 
 /// `3.30 (2.76 to 3.89)`.
-fn estimate(estimate: &Estimate) -> String {
+fn estimate(estimate: &BootstrapEstimate) -> String {
     let [value, low, high] = [estimate.value, estimate.low, estimate.high].map(three);
     format!("{value} ({low} to {high})")
 }

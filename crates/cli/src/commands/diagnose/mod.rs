@@ -9,7 +9,7 @@ use crate::{loading, results, terminal};
 use runs::{Ended, Paired};
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, DiagnosisFile, Predictor, Provenance, closed_form_cut,
+    ClosedForm, DiagnoseError, DiagnosisFile, DiagnosisProvenance, Predictor, closed_form_cut,
     compare_rerun, diagnose_case, diagnosis_json, held_out_csv, patch,
 };
 use sphcut_report::{
@@ -76,7 +76,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         }
     }
     create_folder(&files[0])?;
-    let provenance = Provenance {
+    let provenance = DiagnosisProvenance {
         title: &case.title,
         source: &case.source,
         model: name,

@@ -7,7 +7,7 @@ use sphcut_diagnose::series::{
     AirSeries, SeriesCut, SeriesDiagnosis, SeriesOptions, diagnose_series,
 };
 use sphcut_diagnose::{AirRecord, DiagnosisFile, SeriesPlan};
-use sphcut_recordings::{ForceChannel, RecordingFile, Settings, Unsteady, evaluate_cut};
+use sphcut_recordings::{EvaluationSettings, ForceChannel, RecordingFile, Unsteady, evaluate_cut};
 
 /// 50 Hz and 60 Hz.
 const MAINS: [f64; 2] = [50.0, 60.0];
@@ -44,9 +44,9 @@ pub fn diagnose(file: &DiagnosisFile, plan: &SeriesPlan) -> Result<SeriesDiagnos
 }
 
 /// Spectra are those of the records themselves: no low-pass, nothing undone. What a mean may not have, a change within the cut, is what is looked for.
-fn plain(settings: Settings) -> Settings {
+fn plain(settings: EvaluationSettings) -> EvaluationSettings {
     let channels = settings.channels.into_iter();
-    Settings {
+    EvaluationSettings {
         channels: channels.map(|channel| ForceChannel { response: None, ..channel }).collect(),
         low_pass: None,
         unsteady: Unsteady::Keep,

@@ -10,7 +10,7 @@ pub use arguments::GreyboxArguments;
 use crate::failure::{ExitCode, Failure};
 use arguments::GreyboxCommand;
 use sphcut_greybox::regressor::Method;
-use sphcut_greybox::{ForceRow, GreyBox, GreyBoxError, Table};
+use sphcut_greybox::{ForceRow, ForceTable, GreyBox, GreyBoxError};
 use std::path::{Path, PathBuf};
 
 /// Runs one of its commands.
@@ -26,7 +26,7 @@ pub fn greybox(arguments: &GreyboxArguments) -> Result<ExitCode, Failure> {
 const MODEL: &str = "model.json";
 
 /// Reads a table of forces.
-fn table(path: &Path) -> Result<Table, Failure> {
+fn table(path: &Path) -> Result<ForceTable, Failure> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
     let rows = sphcut_input::read_force_table(&text)
@@ -42,7 +42,7 @@ fn table(path: &Path) -> Result<Table, Failure> {
         })
         .collect();
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    Ok(Table::new(&name, &text, rows))
+    Ok(ForceTable::new(&name, &text, rows))
 }
 
 /// Reads the corrections from a file or from the folder of a fit.

@@ -7,7 +7,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
 use sphcut_recordings::{
-    ComponentResult, CutResult, Pooled, RawTable, RecordingCut, RecordingFile, Recordings,
+    ComponentResult, CutResult, Pooled, RawTable, RecordingCut, RecordingFile, RecordingPlan,
     cuts_csv, evaluate_cut, forces_csv, formats, pool, recordings_json,
 };
 use sphcut_report::{RecordingsPage, recordings_words, render_recordings};
@@ -136,7 +136,7 @@ fn line(cut: &CutResult) -> String {
 /// `recordings.h5`: the table and the series of every cut.
 fn write_series(
     path: &Path,
-    plan: &Recordings,
+    plan: &RecordingPlan,
     cuts: &[CutResult],
     pooled: &Pooled,
 ) -> Result<(), Failure> {

@@ -6,13 +6,13 @@ use sphcut_recordings::formats::{
     CsvLayout, DecimalMark, FormatError, Separator, read_csv, read_lvm,
 };
 use sphcut_recordings::{
-    Conditions, CutResult, Detection, ForceChannel, Pooled, PooledCuts, RawColumn, RawTable,
-    RecordingChannel, RecordingCut, RecordingFile, Recordings, Response, Settings, TimeSource,
-    Unsteady,
+    Conditions, CutResult, Detection, EvaluationSettings, ForceChannel, Pooled, PooledCuts,
+    RawColumn, RawTable, RecordingChannel, RecordingCut, RecordingFile, RecordingPlan, Response,
+    TimeSource, Unsteady,
 };
 
 /// How the records are evaluated.
-pub fn settings(plan: &Recordings) -> Settings {
+pub fn settings(plan: &RecordingPlan) -> EvaluationSettings {
     let detection = match (plan.detection.as_str(), &plan.trigger) {
         ("trigger", Some((_, level))) => Detection::Trigger { level: *level },
         ("given", _) => Detection::Given,
@@ -20,7 +20,7 @@ pub fn settings(plan: &Recordings) -> Settings {
     };
     // A trigger that is not asked for need not be in the files.
     let triggered = matches!(detection, Detection::Trigger { .. });
-    Settings {
+    EvaluationSettings {
         time: TimeSource {
             column: plan.file.time_column.clone(),
             sampling_rate: plan.file.sampling_rate,

@@ -10,12 +10,12 @@ const BEYOND: f64 = 0.25;
 
 /// The support in ln v_c and ln h.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Support {
+pub(crate) struct RunSupport {
     low: [f64; 2],
     span: [f64; 2],
 }
 
-impl Support {
+impl RunSupport {
     pub fn of(conditions: impl Iterator<Item = CuttingCondition>) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for condition in conditions {
@@ -46,13 +46,13 @@ fn raw(condition: &CuttingCondition) -> [f64; 2] {
 
 /// Standard deviations of the parts of a field before its values are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Law {
+pub(crate) struct FieldPrior {
     pub constant: f64,
     pub slope: f64,
     pub bend: f64,
 }
 
-impl Law {
+impl FieldPrior {
     fn covariance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let apart: f64 = (0..2).map(|k| (a[k] - b[k]).powi(2)).sum();
         self.constant.powi(2)
@@ -64,27 +64,27 @@ impl Law {
 /// A normal process with constant, slopes and bends through noisy values (Rasmussen and Williams 2006, chapter 2); of several
 /// laws that of the greatest evidence.
 #[derive(Debug, Clone)]
-pub(crate) struct Field {
+pub(crate) struct ChannelField {
     places: Vec<[f64; 2]>,
-    law: Law,
+    law: FieldPrior,
     known: Cholesky<f64, Dyn>,
     weights: DVector<f64>,
     mean: f64,
 }
 
-impl Field {
+impl ChannelField {
     /// Through `values` with their `variances`; `None` without values or with one that is not a number.
     pub fn through(
         places: &[[f64; 2]],
         (values, variances): (&[f64], &[f64]),
         mean: f64,
-        laws: &[Law],
+        laws: &[FieldPrior],
     ) -> Option<Self> {
         if places.is_empty() || values.iter().chain(variances).any(|x| !x.is_finite()) {
             return None;
         }
         let deviation = DVector::from_iterator(values.len(), values.iter().map(|y| y - mean));
-        let of = |law: Law| {
+        let of = |law: FieldPrior| {
             let covariance = DMatrix::from_fn(places.len(), places.len(), |i, j| {
                 law.covariance(places[i], places[j]) + if i == j { variances[i] } else { 0.0 }
             });
@@ -128,18 +128,18 @@ mod tests {
         (0..9).map(|k| [0.5 * f64::from(k % 3) - 0.5, 0.5 * f64::from(k / 3) - 0.5]).collect()
     }
 
-    const LAWS: [Law; 4] = [
-        Law { constant: 0.3, slope: 0.1, bend: 0.005 },
-        Law { constant: 0.01, slope: 0.01, bend: 0.0025 },
-        Law { constant: 0.1, slope: 0.1, bend: 0.025 },
-        Law { constant: 1.0, slope: 1.0, bend: 0.25 },
+    const LAWS: [FieldPrior; 4] = [
+        FieldPrior { constant: 0.3, slope: 0.1, bend: 0.005 },
+        FieldPrior { constant: 0.01, slope: 0.01, bend: 0.0025 },
+        FieldPrior { constant: 0.1, slope: 0.1, bend: 0.025 },
+        FieldPrior { constant: 1.0, slope: 1.0, bend: 0.25 },
     ];
 
     #[test]
     fn a_plane_with_small_noise_is_found_and_known_well() {
         let plane = |z: [f64; 2]| 0.2 + 0.3 * z[0] - 0.1 * z[1];
         let values: Vec<f64> = grid().into_iter().map(plane).collect();
-        let field = Field::through(&grid(), (&values, &[1e-8; 9]), 0.0, &LAWS).unwrap();
+        let field = ChannelField::through(&grid(), (&values, &[1e-8; 9]), 0.0, &LAWS).unwrap();
         for place in [[0.1, 0.2], [-0.4, 0.45], [0.7, -0.7]] {
             assert!((field.value(place) - plane(place)).abs() < 0.01, "{place:?}");
         }
@@ -152,11 +152,11 @@ mod tests {
     #[test]
     fn noise_is_smoothed() {
         let noise = [0.03, -0.02, 0.01, -0.03, 0.02, -0.01, 0.0, 0.02, -0.02];
-        let field = Field::through(&grid(), (&noise, &[4e-4; 9]), 0.0, &LAWS).unwrap();
+        let field = ChannelField::through(&grid(), (&noise, &[4e-4; 9]), 0.0, &LAWS).unwrap();
         assert_eq!(field.law, LAWS[1]);
         assert!(field.value([0.0, 0.0]).abs() < 0.005);
         let level: Vec<f64> = noise.iter().map(|e| 0.5 + e).collect();
-        let field = Field::through(&grid(), (&level, &[4e-4; 9]), 0.0, &LAWS).unwrap();
+        let field = ChannelField::through(&grid(), (&level, &[4e-4; 9]), 0.0, &LAWS).unwrap();
         let sure = field.uncertainty(&[[0.0, 0.0]])[(0, 0)].sqrt();
         assert!((0.005..0.015).contains(&sure), "{sure}");
     }
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn places_are_scaled_by_the_support() {
         let at = |v: f64, h: f64| CuttingCondition::new(v, h);
-        let support = Support::of([at(1.0, 1e-5), at(4.0, 4e-5)].into_iter());
+        let support = RunSupport::of([at(1.0, 1e-5), at(4.0, 4e-5)].into_iter());
         let [x, y] = support.place(&at(2.0, 2e-5));
         assert!(x.abs() < 1e-12 && y.abs() < 1e-12);
         assert!((support.near(&at(100.0, 1e-5))[0] - 0.75).abs() < 1e-12);

@@ -1,9 +1,9 @@
 //! Paired runs of the particle solver as a model of the cut.
 
 use super::change::{Change, NUISANCE_STEP, run_levels};
-use super::field::{Field, Law, Support};
+use super::field::{ChannelField, FieldPrior, RunSupport};
 use crate::model::closed_form::{CHANGE_ERRORS, POWER, candidate};
-use crate::model::predictor::{Active, Effect, Nuisance, Predictor};
+use crate::model::predictor::{Active, CandidateEffect, Nuisance, Predictor};
 use nalgebra::DMatrix;
 use sphcut_analytic::{EFFECTS, Runs};
 use sphcut_physics::{Channel, CuttingCondition};
@@ -27,7 +27,7 @@ pub struct PairedRun {
 }
 
 /// What a change does to each channel's logarithm, over the conditions.
-type Fields = [Option<Field>; Channel::RECORDED.len()];
+type Fields = [Option<ChannelField>; Channel::RECORDED.len()];
 
 #[derive(Debug, Clone)]
 struct Node {
@@ -54,12 +54,12 @@ struct Node {
 /// its width, then stay.
 #[derive(Debug, Clone)]
 pub struct PairedRuns {
-    support: Support,
+    support: RunSupport,
     channels: Vec<Channel>,
     base: Fields,
     nuisances: Vec<Nuisance>,
     slopes: Vec<Option<Fields>>,
-    effects: Vec<Effect>,
+    effects: Vec<CandidateEffect>,
     nodes: Vec<Vec<Node>>,
 }
 
@@ -69,7 +69,7 @@ impl PairedRuns {
     #[must_use]
     pub fn new(runs: &[PairedRun], scatter: &[(&'static str, f64)]) -> Option<Self> {
         let plain: Vec<&PairedRun> = runs.iter().filter(|run| run.change.is_none()).collect();
-        let support = Support::of(plain.iter().map(|run| run.condition));
+        let support = RunSupport::of(plain.iter().map(|run| run.condition));
         let base: Fields = Channel::RECORDED.map(|channel| base_field(&plain, channel, &support));
         let channels: Vec<Channel> = Channel::RECORDED
             .into_iter()
@@ -247,7 +247,7 @@ fn hats(places: &[f64], at: f64) -> Vec<f64> {
 type Known = (Vec<[f64; 2]>, Vec<f64>, Vec<f64>);
 
 /// Places, logarithms and their variances of the runs that have the channel.
-fn known(runs: &[&PairedRun], channel: Channel, support: &Support) -> Option<Known> {
+fn known(runs: &[&PairedRun], channel: Channel, support: &RunSupport) -> Option<Known> {
     let (mut places, mut logs, mut variances) = (Vec::new(), Vec::new(), Vec::new());
     for run in runs {
         let Some((mean, deviation)) = run.means[channel.index()] else { continue };
@@ -262,33 +262,38 @@ fn known(runs: &[&PairedRun], channel: Channel, support: &Support) -> Option<Kno
     (places.len() >= FEWEST).then_some((places, logs, variances))
 }
 
-fn base_field(runs: &[&PairedRun], channel: Channel, support: &Support) -> Option<Field> {
+fn base_field(runs: &[&PairedRun], channel: Channel, support: &RunSupport) -> Option<ChannelField> {
     let (places, logs, variances) = known(runs, channel, support)?;
     let mean = logs.iter().sum::<f64>() / logs.len() as f64;
     // Forces follow powers of speed and thickness nearly: the slopes are free, bends small.
-    let laws = [0.02, 0.05, 0.1, 0.2, 0.4].map(|bend| Law { constant: 3.0, slope: 3.0, bend });
-    Field::through(&places, (&logs, &variances), mean, &laws)
+    let laws =
+        [0.02, 0.05, 0.1, 0.2, 0.4].map(|bend| FieldPrior { constant: 3.0, slope: 3.0, bend });
+    ChannelField::through(&places, (&logs, &variances), mean, &laws)
 }
 
 fn change_field(
     runs: &[&PairedRun],
     channel: Channel,
-    base: &Field,
-    support: &Support,
-) -> Option<Field> {
+    base: &ChannelField,
+    support: &RunSupport,
+) -> Option<ChannelField> {
     let (places, logs, mut variances) = known(runs, channel, support)?;
     let changes: Vec<f64> =
         places.iter().zip(&logs).map(|(&place, log)| log - base.value(place)).collect();
     for (place, variance) in places.iter().zip(&mut variances) {
         *variance += base.uncertainty(&[*place])[(0, 0)];
     }
-    let laws: Vec<Law> = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0]
+    let laws: Vec<FieldPrior> = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0]
         .into_iter()
         .flat_map(|constant| {
-            [0.05, 0.2, 0.6].map(|bend| Law { constant, slope: constant, bend: bend * constant })
+            [0.05, 0.2, 0.6].map(|bend| FieldPrior {
+                constant,
+                slope: constant,
+                bend: bend * constant,
+            })
         })
         .collect();
-    Field::through(&places, (&changes, &variances), 0.0, &laws)
+    ChannelField::through(&places, (&changes, &variances), 0.0, &laws)
 }
 
 impl Predictor for PairedRuns {
@@ -296,7 +301,7 @@ impl Predictor for PairedRuns {
         &self.nuisances
     }
 
-    fn effects(&self) -> &[Effect] {
+    fn effects(&self) -> &[CandidateEffect] {
         &self.effects
     }
 

@@ -3,10 +3,11 @@
 
 use super::{Change, PairedRun, PairedRuns, changes, support};
 use crate::{
-    Active, ClosedForm, Fit, InstrumentPriors, Predictor, Recording, Recordings, Request, STATES,
-    Verdict, compare_rerun, diagnose, rerun_changes, rerun_conditions, unseen_fits,
+    Active, ClaimVerdict, ClosedForm, DiagnosisRequest, Fit, InstrumentPriors, Predictor,
+    Recording, Recordings, STATES, compare_rerun, diagnose, rerun_changes, rerun_conditions,
+    unseen_fits,
 };
-use sphcut_analytic::Cut;
+use sphcut_analytic::OrthogonalCut;
 use sphcut_greybox::Random;
 use sphcut_physics::{Channel, CuttingCondition};
 
@@ -93,8 +94,8 @@ fn recorded(model: &ClosedForm, change: &Change, seed: u64) -> Recordings {
     Recordings::new(cuts.collect(), model.channels()).unwrap()
 }
 
-fn request(recordings: &Recordings) -> Request<'_> {
-    Request {
+fn request(recordings: &Recordings) -> DiagnosisRequest<'_> {
+    DiagnosisRequest {
         recordings,
         reference: None,
         instruments: InstrumentPriors { gain: 0.01, offset: 3.0, drift: 0.02 },
@@ -110,7 +111,7 @@ fn request(recordings: &Recordings) -> Request<'_> {
 
 #[test]
 fn a_library_predicts_what_it_was_made_of() {
-    let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
     let library = library(&model, [1e-4; 3], 1);
     assert!(library.unknown_effects().is_empty(), "{:?}", library.unknown_effects());
     let forces = |logs: Vec<f64>| [logs[0], logs[1]];
@@ -140,7 +141,7 @@ fn a_library_predicts_what_it_was_made_of() {
 
 #[test]
 fn what_scatters_in_the_runs_is_not_known() {
-    let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
     let deviation = |noise: f64| {
         let library = library(&model, [noise; 3], 1);
         let known = library.base_uncertainty(Channel::FeedForce, &[at(20)]).unwrap();
@@ -156,7 +157,7 @@ fn what_scatters_in_the_runs_is_not_known() {
 /// Effects are named with a library whose forces scatter by 1 % (F_c) and 3 %; cuts in which nothing is missing raise no alarm.
 #[test]
 fn concealed_effects_are_found_with_scattering_runs() {
-    let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
     let library = library(&model, [0.01, 0.03, 0.01], 2);
     for (key, value) in [("edge_radius", 25e-6), ("speed_dependent_friction", 0.3)] {
         let change = Change { effects: vec![(key, vec![value])], ..Change::default() };
@@ -172,14 +173,14 @@ fn concealed_effects_are_found_with_scattering_runs() {
     for seed in 1..=5 {
         let quiet = recorded(&model, &Change::default(), seed);
         let verdict = diagnose(&request(&quiet), &library).unwrap().finding.verdict;
-        assert_eq!(verdict, Verdict::NoAlarm, "{seed}");
+        assert_eq!(verdict, ClaimVerdict::NoAlarm, "{seed}");
     }
 }
 
 /// The repair that a library finds, put into the model itself, follows the recordings better than fitting the nuisances again.
 #[test]
 fn a_repair_is_run_again_where_it_was_recorded() {
-    let model = ClosedForm::new(Cut::aisi_1045(), &SCATTER);
+    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
     let library = library(&model, [0.003, 0.01, 0.003], 2);
     let hidden = Change { effects: vec![("edge_radius", vec![30e-6])], ..Change::default() };
     let data = recorded(&model, &hidden, 1);

@@ -51,7 +51,7 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// Mean forces of a piece of a cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
+pub struct WearSegment {
     /// Number of the tool.
     pub tool: f64,
     /// Time in cut at its middle, in s.
@@ -178,7 +178,7 @@ impl Direction {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Amount {
     /// The segment.
-    pub segment: Segment,
+    pub segment: WearSegment,
     /// Normal force between the worn edge and the work, with its 95 % interval.
     pub force: f64,
     /// The interval.
@@ -192,7 +192,7 @@ pub struct Amount {
 
 /// A tool left out.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeftOut {
+pub struct LeftOutTool {
     /// The tool.
     pub tool: f64,
     /// Probability of wear by the others alone.
@@ -208,7 +208,7 @@ pub struct LeftOut {
     pub amounts: Vec<Amount>,
 }
 
-impl LeftOut {
+impl LeftOutTool {
     /// Whether it falls by more than its noise: a sum of squares beyond the 99 % quantile of chi^2 with as many degrees of freedom as
     /// segments. Of a course that never falls fewer are left, so that this is rarer than in one of a hundred tools.
     #[must_use]
@@ -221,7 +221,7 @@ impl LeftOut {
 
 /// What grows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Growth {
+pub struct WearGrowth {
     /// The causes with their probabilities, the most probable first.
     pub causes: Vec<(Cause, f64)>,
     /// Direction of wear by all tools.
@@ -229,10 +229,10 @@ pub struct Growth {
     /// Standard deviation of a segment's forces, in N.
     pub noise: [f64; 3],
     /// Each tool left out.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<LeftOutTool>,
 }
 
-impl Growth {
+impl WearGrowth {
     /// Probability that the edge wears.
     #[must_use]
     pub fn wear(&self) -> f64 {
@@ -242,14 +242,14 @@ impl Growth {
     /// Mean error of F_c over its change, all tools left out.
     #[must_use]
     pub fn ratio(&self) -> f64 {
-        let sum = |of: fn(&LeftOut) -> f64| self.left_out.iter().map(of).sum::<f64>();
+        let sum = |of: fn(&LeftOutTool) -> f64| self.left_out.iter().map(of).sum::<f64>();
         sum(|tool| tool.error) / sum(|tool| tool.change)
     }
 }
 
 struct Tool {
     number: f64,
-    segments: Vec<Segment>,
+    segments: Vec<WearSegment>,
     fresh: Vector3<f64>,
     /// Successive changes with their variances and times.
     changes: Vec<Change>,
@@ -267,7 +267,7 @@ struct Change {
 ///
 /// # Errors
 /// Fewer than three tools or a tool with too few segments.
-pub fn grows(segments: &[Segment], fresh: usize) -> Result<Growth, DiagnoseError> {
+pub fn grows(segments: &[WearSegment], fresh: usize) -> Result<WearGrowth, DiagnoseError> {
     let (tools, noise) = tools(segments, fresh.max(1))?;
     let all: Vec<&Tool> = tools.iter().collect();
     let (causes, direction) = weigh(&all);
@@ -280,10 +280,13 @@ pub fn grows(segments: &[Segment], fresh: usize) -> Result<Growth, DiagnoseError
             left_out(&tools[k], wear, direction, (noise, fresh.max(1)))
         })
         .collect();
-    Ok(Growth { causes, direction, noise: noise.map(f64::sqrt).into(), left_out })
+    Ok(WearGrowth { causes, direction, noise: noise.map(f64::sqrt).into(), left_out })
 }
 
-fn tools(segments: &[Segment], fresh: usize) -> Result<(Vec<Tool>, Vector3<f64>), DiagnoseError> {
+fn tools(
+    segments: &[WearSegment],
+    fresh: usize,
+) -> Result<(Vec<Tool>, Vector3<f64>), DiagnoseError> {
     let mut numbers: Vec<f64> = Vec::new();
     for segment in segments {
         if !numbers.contains(&segment.tool) {
@@ -294,12 +297,12 @@ fn tools(segments: &[Segment], fresh: usize) -> Result<(Vec<Tool>, Vector3<f64>)
         return Err(DiagnoseError::TooFewTools { found: numbers.len(), needed: FEWEST_TOOLS });
     }
     let of = |number: f64| {
-        let mut own: Vec<Segment> =
+        let mut own: Vec<WearSegment> =
             segments.iter().filter(|segment| segment.tool == number).copied().collect();
         own.sort_by(|a, b| a.time.total_cmp(&b.time));
         own
     };
-    let lives: Vec<Vec<Segment>> = numbers.iter().map(|&number| of(number)).collect();
+    let lives: Vec<Vec<WearSegment>> = numbers.iter().map(|&number| of(number)).collect();
     let (mut squares, mut count) = (Vector3::zeros(), 0.0);
     for (life, &tool) in lives.iter().zip(&numbers) {
         if life.len() < fresh + FEWEST_SEGMENTS {
@@ -331,15 +334,15 @@ fn tools(segments: &[Segment], fresh: usize) -> Result<(Vec<Tool>, Vector3<f64>)
     Ok((made.collect(), noise))
 }
 
-fn forces(segment: &Segment) -> Vector3<f64> {
+fn forces(segment: &WearSegment) -> Vector3<f64> {
     Vector3::from(segment.forces)
 }
 
-fn mean(segments: &[Segment]) -> Vector3<f64> {
+fn mean(segments: &[WearSegment]) -> Vector3<f64> {
     segments.iter().map(forces).sum::<Vector3<f64>>() / segments.len() as f64
 }
 
-fn middle(segments: &[Segment]) -> f64 {
+fn middle(segments: &[WearSegment]) -> f64 {
     segments.iter().map(|segment| segment.time).sum::<f64>() / segments.len() as f64
 }
 
@@ -487,7 +490,7 @@ fn left_out(
     wear: f64,
     direction: Direction,
     (noise, fresh): (Vector3<f64>, usize),
-) -> LeftOut {
+) -> LeftOutTool {
     let along = direction.vector();
     let (mut error, mut change) = (0.0, 0.0);
     let mut weights = Vec::new();
@@ -523,7 +526,14 @@ fn left_out(
     let squares = raw.iter().zip(&rising).zip(&weights).map(|((a, b), w)| w * (a - b).powi(2));
     let fall = (squares.sum::<f64>() / count).sqrt();
     amounts.iter_mut().zip(rising).for_each(|(amount, force)| amount.never_falling = force);
-    LeftOut { tool: tool.number, wear, error: error / count, change: change / count, fall, amounts }
+    LeftOutTool {
+        tool: tool.number,
+        wear,
+        error: error / count,
+        change: change / count,
+        fall,
+        amounts,
+    }
 }
 
 #[cfg(test)]

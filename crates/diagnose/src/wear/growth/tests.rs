@@ -3,7 +3,7 @@ use sphcut_greybox::Random;
 
 /// Five tools of 40 segments whose forces grow in `direction`, each tool at a rate of its own, with 2 N of noise. With `reset`
 /// the change of the tool takes it back.
-fn series(direction: impl Fn([f64; 3]) -> [f64; 3], reset: bool) -> Vec<Segment> {
+fn series(direction: impl Fn([f64; 3]) -> [f64; 3], reset: bool) -> Vec<WearSegment> {
     let mut random = Random::new(2, &[]);
     let mut grown = 0.0;
     let mut all = Vec::new();
@@ -15,7 +15,7 @@ fn series(direction: impl Fn([f64; 3]) -> [f64; 3], reset: bool) -> Vec<Segment>
             let amount = grown + rate * time;
             let d = direction(fresh);
             let forces = [0, 1, 2].map(|c| fresh[c] + amount * d[c] + 2.0 * random.normal());
-            all.push(Segment { tool: f64::from(tool), time, forces });
+            all.push(WearSegment { tool: f64::from(tool), time, forces });
         }
         grown = if reset { 0.0 } else { grown + rate * 40.0 };
     }
@@ -58,7 +58,7 @@ fn a_wear_land_is_named_and_followed_on_tools_left_out() {
 #[test]
 fn a_swapped_insert_is_seen() {
     let mut all = series(land, true);
-    let swapped: Vec<Segment> = all.iter().filter(|s| s.tool == 2.0).copied().collect();
+    let swapped: Vec<WearSegment> = all.iter().filter(|s| s.tool == 2.0).copied().collect();
     for (k, segment) in all.iter_mut().filter(|s| s.tool == 2.0).enumerate() {
         segment.forces = swapped[k % 20].forces;
     }
@@ -70,7 +70,7 @@ fn a_swapped_insert_is_seen() {
 
 #[test]
 fn what_is_no_wear_is_not_called_wear() {
-    let top = |segments: &[Segment]| grows(segments, 4).unwrap().causes[0].0;
+    let top = |segments: &[WearSegment]| grows(segments, 4).unwrap().causes[0].0;
     assert_eq!(top(&series(|_| [0.0; 3], true)), Cause::Nothing);
     let proportional = |fresh: [f64; 3]| fresh.map(|force| force / 660.0);
     assert_eq!(top(&series(proportional, true)), Cause::Strength);
@@ -86,9 +86,9 @@ fn what_is_no_wear_is_not_called_wear() {
 #[test]
 fn too_little_is_refused() {
     let all = series(land, true);
-    let two: Vec<Segment> = all.iter().filter(|s| s.tool < 2.0).copied().collect();
+    let two: Vec<WearSegment> = all.iter().filter(|s| s.tool < 2.0).copied().collect();
     assert_eq!(grows(&two, 4), Err(DiagnoseError::TooFewTools { found: 2, needed: 3 }));
-    let short: Vec<Segment> =
+    let short: Vec<WearSegment> =
         all.iter().filter(|s| s.tool > 0.0 || s.time < 9.0).copied().collect();
     let error = grows(&short, 4).unwrap_err();
     assert_eq!(error, DiagnoseError::TooFewSegments { tool: 0.0, found: 9, needed: 16 });

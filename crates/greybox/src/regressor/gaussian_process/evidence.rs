@@ -1,7 +1,7 @@
 //! The evidence of a Gaussian process and its maximum.
 
 use super::symmetric;
-use crate::samples::{Input, Samples};
+use crate::samples::{Input, TrainingRows};
 use nalgebra::{Cholesky, DMatrix, DVector, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +47,7 @@ pub(super) fn covariance(inputs: &[Input], hyper: &Hyperparameters) -> DMatrix<f
 }
 
 /// The largest evidence found and its hyper-parameters.
-pub(super) fn maximise(samples: &Samples) -> (f64, Hyperparameters) {
+pub(super) fn maximise(samples: &TrainingRows) -> (f64, Hyperparameters) {
     let mut best: Option<(f64, Point)> = None;
     for [length, noise] in STARTS {
         let start = free(&Point::new(0.0, length.ln(), length.ln(), noise.ln()));
@@ -82,7 +82,7 @@ fn hyperparameters(point: &Point) -> Hyperparameters {
 }
 
 /// BFGS with backtracking, upwards; returns the evidence and the free point.
-fn ascend(samples: &Samples, start: Point) -> (f64, Point) {
+fn ascend(samples: &TrainingRows, start: Point) -> (f64, Point) {
     let mut at = start;
     let (mut value, mut gradient) = evidence(samples, &at);
     let mut inverse = SMatrix::<f64, 4, 4>::identity() * 0.1;
@@ -121,7 +121,7 @@ fn ascend(samples: &Samples, start: Point) -> (f64, Point) {
 }
 
 /// Logarithm of the evidence and its gradient by the free numbers.
-fn evidence(samples: &Samples, point: &Point) -> (f64, Point) {
+fn evidence(samples: &TrainingRows, point: &Point) -> (f64, Point) {
     let hyper = hyperparameters(point);
     let count = samples.len();
     let Some(factor) = Cholesky::new(covariance(&samples.inputs, &hyper)) else {
@@ -164,14 +164,14 @@ fn evidence(samples: &Samples, point: &Point) -> (f64, Point) {
 mod tests {
     use super::*;
 
-    fn samples() -> Samples {
+    fn samples() -> TrainingRows {
         let inputs: Vec<Input> =
             (0..20).map(|k| [f64::from(k % 5) - 2.0, f64::from(k / 5) - 1.5]).collect();
         let targets = inputs
             .iter()
             .enumerate()
             .map(|(k, x)| (0.8 * x[0]).sin() + 0.3 * x[1] + 0.05 * f64::from((k * 7 % 5) as u32));
-        Samples { targets: targets.collect(), groups: (0..20).collect(), inputs }
+        TrainingRows { targets: targets.collect(), groups: (0..20).collect(), inputs }
     }
 
     #[test]

@@ -12,7 +12,7 @@
 use super::Regressor;
 use super::scaling::{InputScale, Scaling};
 use crate::random::Random;
-use crate::samples::{Input, Samples};
+use crate::samples::{Input, TrainingRows};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::{Deserialize, Serialize};
 
@@ -57,14 +57,14 @@ const MOST_EVIDENCE_ROWS: usize = 300;
 impl GaussianProcessSettings {
     /// The process with the largest evidence.
     #[must_use]
-    pub fn fit(&self, samples: &Samples, seed: u64) -> GaussianProcess {
+    pub fn fit(&self, samples: &TrainingRows, seed: u64) -> GaussianProcess {
         let mut best: Option<(f64, Stored)> = None;
         for &scale in &self.input_scales {
             let scaling = Scaling::of(samples, scale);
             let scaled = scaling.samples(samples);
             let (evidence, hyperparameters) = maximise(&drawn(&scaled, seed));
             if best.as_ref().is_none_or(|(largest, _)| evidence > *largest) {
-                let Samples { inputs, targets, .. } = scaled;
+                let TrainingRows { inputs, targets, .. } = scaled;
                 best = Some((evidence, Stored { scaling, hyperparameters, inputs, targets }));
             }
         }
@@ -74,7 +74,7 @@ impl GaussianProcessSettings {
 }
 
 /// The rows the evidence is computed with.
-fn drawn(samples: &Samples, seed: u64) -> Samples {
+fn drawn(samples: &TrainingRows, seed: u64) -> TrainingRows {
     if samples.len() <= MOST_EVIDENCE_ROWS {
         return samples.clone();
     }

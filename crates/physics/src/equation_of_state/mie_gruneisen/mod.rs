@@ -1,7 +1,7 @@
 //! The Mie-Gruneisen equation of state of a metal with a linear shock Hugoniot.
 
 use super::series::{Excess, LARGEST};
-use super::{EquationOfStateEntry, Reference};
+use super::{EquationOfStateEntry, ReferenceState};
 use crate::{Parameter, Quantity, Range, Values};
 
 /// ```text
@@ -51,7 +51,7 @@ pub struct MieGruneisen {
 impl MieGruneisen {
     /// From values of [`ENTRY`]'s parameters and the rest of the material.
     #[must_use]
-    pub fn new(values: &Values, reference: &Reference) -> Self {
+    pub fn new(values: &Values, reference: &ReferenceState) -> Self {
         let speed = values.get("bulk_sound_speed");
         let (slope, gruneisen) = (values.get("shock_slope"), values.get("gruneisen_parameter"));
         let temperature = values.get("stress_free_temperature");

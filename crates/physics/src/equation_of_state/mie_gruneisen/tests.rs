@@ -14,7 +14,7 @@ fn law(speed: f64, slope: f64, gruneisen: f64) -> MieGruneisen {
         ("stress_free_temperature", 293.0),
     ];
     let values = Values::resolve(ENTRY.parameters, &given).unwrap();
-    MieGruneisen::new(&values, &Reference { density: 8930.0, specific_heat: 386.0 })
+    MieGruneisen::new(&values, &ReferenceState { density: 8930.0, specific_heat: 386.0 })
 }
 
 /// The jump conditions: with u_p = 500 m/s, U_s = 3940 + 744.5 = 4684.5 m/s, p = 8930 x 4684.5 x 500 =

@@ -13,8 +13,8 @@ use crate::text::{minus, percent, three_digits};
 use maud::{Markup, html};
 use sphcut_diagnose::series::SeriesDiagnosis;
 use sphcut_diagnose::{
-    BiasOrigin, Diagnosis, Hypothesis, MapPoint, Noise, NoiseSource, Predictor, Provenance,
-    Recordings, Rerun, Scored,
+    BiasOrigin, ChannelNoise, Diagnosis, DiagnosisProvenance, Hypothesis, MapPoint, NoiseSource,
+    Predictor, Recordings, Rerun, Scored,
 };
 use sphcut_greybox::{Hull, Input};
 use words::{error, family, listed, parameters, part, pattern, rate, shown, unanswered};
@@ -28,7 +28,7 @@ const MOST_PATTERNS: usize = 12;
 #[derive(Clone, Copy)]
 pub struct DiagnosisPage<'a> {
     /// Where it comes from.
-    pub provenance: Provenance<'a>,
+    pub provenance: DiagnosisProvenance<'a>,
     /// What was found.
     pub diagnosis: &'a Diagnosis,
     /// What was measured.
@@ -214,13 +214,13 @@ fn repair(page: &DiagnosisPage<'_>) -> Markup {
         section {
             h2 { "Correction" }
             @match &found.finding.verdict {
-                sphcut_diagnose::Verdict::Named(_) => p { "The file scenario.patch.toml beside this page has the effect, its parameters with intervals, and the keys of the \
+                sphcut_diagnose::ClaimVerdict::Named(_) => p { "The file scenario.patch.toml beside this page has the effect, its parameters with intervals, and the keys of the \
                     scenario that have it, with the properties fitted together with it: \"sphcut run SCENARIO --patch scenario.patch.toml\" runs them. "
                     @if found.rerun.is_some() { "What a patch from fits without the recordings compared gives in the particle solver stands below; it is in the folder of these runs." }
                     @else { "The patched scenario has not been run in the particle solver." } },
-                sphcut_diagnose::Verdict::OneOf => p { "No patch is written: the effects of the set are not distinguishable with these data. Their sizes stand above; the cuts that would distinguish them stand below." },
-                sphcut_diagnose::Verdict::NoneOfThese => p { "No patch is written: no candidate explains the data." },
-                sphcut_diagnose::Verdict::NoAlarm => p { "No correction is needed." },
+                sphcut_diagnose::ClaimVerdict::OneOf => p { "No patch is written: the effects of the set are not distinguishable with these data. Their sizes stand above; the cuts that would distinguish them stand below." },
+                sphcut_diagnose::ClaimVerdict::NoneOfThese => p { "No patch is written: no candidate explains the data." },
+                sphcut_diagnose::ClaimVerdict::NoAlarm => p { "No correction is needed." },
             }
             div.scroll { table {
                 caption { "What the fit changes of material and friction. A value far beyond its scatter compensates for an effect that is missing." }
@@ -355,7 +355,7 @@ fn bias(bias: sphcut_diagnose::Bias) -> String {
     }
 }
 
-fn origin(noise: &Noise) -> String {
+fn origin(noise: &ChannelNoise) -> String {
     match noise.source {
         NoiseSource::Stated => "as stated".to_owned(),
         NoiseSource::Repeats => {

@@ -7,8 +7,8 @@ use crate::chart::{Chart, Line, Mark};
 use crate::text::{percent, plain, three_digits, with_interval};
 use maud::{Markup, html};
 use sphcut_diagnose::series::{
-    CutLine, Explanation, Law, Named, OverTime, SeriesDiagnosis, Track, law_title, series_words,
-    time_words, track_words,
+    CutLine, Explanation, LineLaw, Named, OverTime, SeriesDiagnosis, Track, law_title,
+    series_words, time_words, track_words,
 };
 
 /// Spectra that are drawn.
@@ -154,10 +154,10 @@ fn constant(explanation: &Explanation) -> String {
         }
     };
     match explanation.law {
-        Law::Mains | Law::Constant => with("", " Hz"),
-        Law::Rotation | Law::Ratio => with("", " per revolution"),
-        Law::Chip => with("pitch / h = ", ""),
-        Law::Chatter | Law::Other => String::new(),
+        LineLaw::Mains | LineLaw::Constant => with("", " Hz"),
+        LineLaw::Rotation | LineLaw::Ratio => with("", " per revolution"),
+        LineLaw::Chip => with("pitch / h = ", ""),
+        LineLaw::Chatter | LineLaw::Other => String::new(),
     }
 }
 

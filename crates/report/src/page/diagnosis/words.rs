@@ -2,7 +2,9 @@
 
 use super::DiagnosisPage;
 use crate::text::{percent, three_digits};
-use sphcut_diagnose::{BiasOrigin, Estimate, Fit, Held, Part, Rate, Verdict};
+use sphcut_diagnose::{
+    BiasOrigin, ClaimVerdict, Fit, HeldOutErrors, ParameterEstimate, Part, Rate,
+};
 use sphcut_physics::Channel;
 
 /// A pattern in words.
@@ -87,7 +89,7 @@ pub(super) fn shown(unit: &str, value: f64) -> (f64, &str) {
 }
 
 /// `39.1 µm (35.2 to 42.9)`.
-pub(super) fn estimate(page: &DiagnosisPage<'_>, estimate: &Estimate) -> String {
+pub(super) fn estimate(page: &DiagnosisPage<'_>, estimate: &ParameterEstimate) -> String {
     let parameter = &page.predictor.effects()[estimate.effect].parameters[estimate.parameter];
     let (scale, unit) = shown(parameter.unit, estimate.interval[1]);
     let [low, high] = estimate.interval.map(|x| three_digits(x * scale));
@@ -174,11 +176,11 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
         list.iter().map(|&k| page.predictor.effects()[k].title.to_owned()).collect()
     };
     match &finding.verdict {
-        Verdict::NoAlarm => format!(
+        ClaimVerdict::NoAlarm => format!(
             "No effect is shown to be missing: the scatter of material, friction and instruments explains these data (posterior probability of the null hypothesis: {}).",
             percent(finding.nothing)
         ),
-        Verdict::Named(named) => {
+        ClaimVerdict::Named(named) => {
             let fit = page.diagnosis.repair.map(|k| &page.diagnosis.fits[k]);
             let values = fit.map_or_else(Vec::new, |fit| parameters(page, fit));
             let probable = named.iter().map(|&k| finding.inclusion[k]).fold(1.0, f64::min);
@@ -189,7 +191,7 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
                 listed(&values)
             )
         }
-        Verdict::OneOf => {
+        ClaimVerdict::OneOf => {
             let mut set = titles(&finding.set);
             if finding.set_has_none {
                 set.push("an unmodelled effect".to_owned());
@@ -202,7 +204,7 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
                 listed(&set)
             )
         }
-        Verdict::NoneOfThese => {
+        ClaimVerdict::NoneOfThese => {
             let failed: Vec<String> = finding
                 .gates
                 .iter()
@@ -241,7 +243,7 @@ fn whereabouts(page: &DiagnosisPage<'_>) -> Option<String> {
     ))
 }
 
-fn help(page: &DiagnosisPage<'_>, held: &Held) -> String {
+fn help(page: &DiagnosisPage<'_>, held: &HeldOutErrors) -> String {
     let how = if held.improves() {
         "the correction improves the prediction"
     } else if held.ratio[1] > 1.0 {
@@ -250,7 +252,7 @@ fn help(page: &DiagnosisPage<'_>, held: &Held) -> String {
         "the improvement is not significant"
     };
     let state = match page.diagnosis.finding.verdict {
-        Verdict::OneOf => "with the most probable of the set",
+        ClaimVerdict::OneOf => "with the most probable of the set",
         _ => "with the correction",
     };
     format!(

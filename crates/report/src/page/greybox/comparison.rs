@@ -4,14 +4,14 @@ use super::axes::{Axis, Frame, extremes};
 use super::words::{estimate, percent};
 use crate::text::three_digits;
 use maud::{Markup, PreEscaped, html};
-use sphcut_greybox::{Comparison, Estimate, ForceComparison, GreyBox, Scores};
+use sphcut_greybox::{BootstrapEstimate, ForceComparison, GreyBox, Scores, TableComparison};
 
 const GREY: &str = "#8b949e";
 const BLUE: &str = "#0072b2";
 
 /// The text of `comparison.html`; nothing is loaded.
 #[must_use]
-pub fn render_comparison(model: &GreyBox, comparison: &Comparison) -> String {
+pub fn render_comparison(model: &GreyBox, comparison: &TableComparison) -> String {
     let lead = html! {
         (comparison.pairs.rows.len()) " measured values under " (comparison.pairs.conditions.len()) " conditions, "
         (comparison.inside) " of them inside the hull of the conditions the correction was fitted to (" (model.tables[1].name) ")."
@@ -26,7 +26,7 @@ pub fn render_comparison(model: &GreyBox, comparison: &Comparison) -> String {
     super::page("Grey box against new measurements", &lead, &model.version, &body)
 }
 
-fn words(comparison: &Comparison) -> Vec<String> {
+fn words(comparison: &TableComparison) -> Vec<String> {
     let mut words = Vec::new();
     if comparison.same_measurements {
         words.push(
@@ -83,7 +83,7 @@ fn coverage(force: &ForceComparison, measured: usize) -> String {
 }
 
 /// A difference in one direction: something that v_c and h do not say has changed.
-fn bias(force: &ForceComparison, found: &Estimate) -> Option<String> {
+fn bias(force: &ForceComparison, found: &BootstrapEstimate) -> Option<String> {
     let direction = if found.low > 0.0 {
         "above"
     } else if found.high < 0.0 {
@@ -95,7 +95,7 @@ fn bias(force: &ForceComparison, found: &Estimate) -> Option<String> {
         "{}: inside the hull the measured forces lie {direction} the corrected ones, by {} N on average: a step that cutting speed \
          and thickness do not explain, such as another tool, another batch, another zero of the dynamometer.",
         force.force.symbol(),
-        estimate(&Estimate {
+        estimate(&BootstrapEstimate {
             value: found.value.abs(),
             low: found.low.abs().min(found.high.abs()),
             high: found.low.abs().max(found.high.abs()),
@@ -103,7 +103,7 @@ fn bias(force: &ForceComparison, found: &Estimate) -> Option<String> {
     ))
 }
 
-fn section(comparison: &Comparison, force: &ForceComparison) -> Markup {
+fn section(comparison: &TableComparison, force: &ForceComparison) -> Markup {
     let row = |name: &str, scores: &Scores| {
         html! { tr { th { (name) } td.n { (estimate(&scores.mae)) } td.n { (estimate(&scores.mse)) }
         td.n { (scores.mape_of_force.map_or_else(|| "\u{2013}".to_owned(), |mape| percent(mape.value))) } } }
@@ -140,12 +140,12 @@ fn section(comparison: &Comparison, force: &ForceComparison) -> Markup {
 }
 
 /// An estimate that may be below 0.
-fn signed(found: &Estimate) -> String {
+fn signed(found: &BootstrapEstimate) -> String {
     let [value, low, high] = [found.value, found.low, found.high].map(three_digits);
     format!("{value} ({low} to {high})")
 }
 
-fn plot(comparison: &Comparison, force: &ForceComparison) -> String {
+fn plot(comparison: &TableComparison, force: &ForceComparison) -> String {
     let measured = comparison.pairs.measured(force.force);
     let found = &force.predictions;
     let all = || {

@@ -4,10 +4,10 @@ use super::indexed;
 use super::words::percent;
 use crate::text::three_digits;
 use maud::{Markup, html};
-use sphcut_greybox::{Estimate, ForceFit, MethodFit, Scores};
+use sphcut_greybox::{BootstrapEstimate, ForceFit, MethodFit, Scores};
 
 /// A value with its interval below.
-fn cell(found: Option<&Estimate>, show: impl Fn(f64) -> String) -> Markup {
+fn cell(found: Option<&BootstrapEstimate>, show: impl Fn(f64) -> String) -> Markup {
     html! {
         td.n {
             @if let Some(found) = found {

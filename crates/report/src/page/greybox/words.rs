@@ -2,7 +2,7 @@
 
 use crate::text::{minus, three_digits};
 use sphcut_greybox::regressor::Method;
-use sphcut_greybox::{Estimate, ForceFit, GreyBoxFit, NoiseSource};
+use sphcut_greybox::{BootstrapEstimate, FloorSource, ForceFit, GreyBoxFit};
 
 /// Improvement of a mean absolute error as a share.
 fn reduction(before: f64, after: f64) -> f64 {
@@ -15,7 +15,7 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 /// `5.65 (3.62 to 7.96)`.
-pub(super) fn estimate(estimate: &Estimate) -> String {
+pub(super) fn estimate(estimate: &BootstrapEstimate) -> String {
     let [value, low, high] = [estimate.value, estimate.low, estimate.high].map(three_digits);
     format!("{value} ({low} to {high})")
 }
@@ -146,8 +146,8 @@ fn floor(force: &ForceFit) -> Option<String> {
         );
     };
     let source = match floor.source {
-        NoiseSource::Repeats => "the scatter of repeats",
-        NoiseSource::Deviations => "the standard deviations of the table",
+        FloorSource::Repeats => "the scatter of repeats",
+        FloorSource::Deviations => "the standard deviations of the table",
     };
     let ratio = force.procedure.mae.value / floor.mae;
     let verdict = if ratio < 1.15 {

@@ -4,7 +4,7 @@ use super::IdentificationPage;
 use crate::chart::{Chart, Line};
 use crate::text::{minus, plain};
 use maud::{Markup, html};
-use sphcut_identify::{Bin, Curve, Fit, residual_map};
+use sphcut_identify::{Bin, Curve, LawFit, residual_map};
 
 /// ln(model / measured) at which the colour is full.
 const FULL: f64 = 0.3;
@@ -132,7 +132,7 @@ fn measured(curve: &Curve, strain: f64) -> f64 {
 }
 
 /// The law along a curve.
-fn modelled(fit: &Fit, curve: &Curve, strain: f64) -> f64 {
+fn modelled(fit: &LawFit, curve: &Curve, strain: f64) -> f64 {
     if measured(curve, strain).is_nan() {
         return f64::NAN;
     }

@@ -6,7 +6,7 @@ use super::STYLE;
 use crate::text::{minus, percent, plain, three_digits, with_interval};
 use figures::{curves, residuals};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use sphcut_identify::{Comparison, Curve, Fit, Fitted, Point, Sequence, SequenceError};
+use sphcut_identify::{Curve, CurvePoint, Fitted, LawComparison, LawFit, Sequence, SequenceError};
 
 /// A correlation above which two parameters are not told apart.
 const STRONG: f64 = 0.95;
@@ -25,15 +25,15 @@ pub struct IdentificationPage<'a> {
     /// The flow curves.
     pub curves: &'a [Curve],
     /// Their points.
-    pub points: &'a [Point],
+    pub points: &'a [CurvePoint],
     /// Johnson-Cook one parameter after the other.
     pub sequence: Result<&'a Sequence, SequenceError>,
     /// Johnson-Cook, all parameters at once.
-    pub johnson_cook: &'a Fit,
+    pub johnson_cook: &'a LawFit,
     /// With tanh softening.
-    pub tanh: &'a Fit,
+    pub tanh: &'a LawFit,
     /// The laws side by side.
-    pub comparison: &'a Comparison,
+    pub comparison: &'a LawComparison,
 }
 
 /// The text of `identification.html`; nothing is loaded.
@@ -202,7 +202,7 @@ fn parameters(page: &IdentificationPage<'_>) -> Markup {
 }
 
 /// Why the constants of the sequence are not those of the joint fit, in the figures of these curves.
-fn why_they_differ(found: &Sequence, fit: &Fit) -> String {
+fn why_they_differ(found: &Sequence, fit: &LawFit) -> String {
     let strain = found.yield_strain;
     let references = fit.references;
     let there = fit.stress(strain, references.rate, references.temperature) * 1e-6;
@@ -226,7 +226,7 @@ fn why_they_differ(found: &Sequence, fit: &Fit) -> String {
             curves and references; neither the reference rate nor the heating of fast tests is what sets them apart."
 }
 
-fn laws(comparison: &Comparison) -> Markup {
+fn laws(comparison: &LawComparison) -> Markup {
     html! {
         section {
             h2 { "Laws side by side" }
@@ -247,7 +247,7 @@ fn laws(comparison: &Comparison) -> Markup {
     }
 }
 
-fn correlations(fit: &Fit) -> Markup {
+fn correlations(fit: &LawFit) -> Markup {
     html! {
         section {
             h2 { "Correlations of the joint fit" }

@@ -1,7 +1,7 @@
 //! Known answers of what changes within cuts.
 
-use super::null::noise;
-use super::*;
+use crate::series::null::noise;
+use crate::series::*;
 use sphcut_greybox::Random;
 
 const RATE: f64 = 2000.0;

@@ -1,5 +1,7 @@
 //! Known answers.
 
+mod within_cuts;
+
 use super::null::noise;
 use super::*;
 use proptest::prelude::*;
@@ -109,14 +111,14 @@ fn a_sine_in_red_noise_has_its_frequency_and_amplitude() {
 #[test]
 fn every_law_is_named_over_a_plan_that_separates_them() {
     let same = found(&PLAN, &|_| vec![[830.0, 3.0]]);
-    assert_eq!(named(&same), [&Named::Law(Law::Constant)], "{:?}", same.tracks[0].explanations);
+    assert_eq!(named(&same), [&Named::Law(LineLaw::Constant)], "{:?}", same.tracks[0].explanations);
     let mains = found(&PLAN, &|_| vec![[150.0, 3.0]]);
-    assert_eq!(named(&mains), [&Named::Law(Law::Mains)], "{:?}", mains.tracks[0].explanations);
+    assert_eq!(named(&mains), [&Named::Law(LineLaw::Mains)], "{:?}", mains.tracks[0].explanations);
     let turn = found(&PLAN, &|c| vec![[3.0 * c.revolution.unwrap(), 6.0]]);
-    assert_eq!(named(&turn), [&Named::Law(Law::Rotation)], "{:?}", turn.tracks[0].explanations);
+    assert_eq!(named(&turn), [&Named::Law(LineLaw::Rotation)], "{:?}", turn.tracks[0].explanations);
     assert!((turn.tracks[0].explanations[0].constant.unwrap()[0] - 3.0).abs() < 1e-9);
     let gear = found(&PLAN, &|c| vec![[7.43 * c.revolution.unwrap(), 6.0]]);
-    assert_eq!(named(&gear), [&Named::Law(Law::Ratio)], "{:?}", gear.tracks[0].explanations);
+    assert_eq!(named(&gear), [&Named::Law(LineLaw::Ratio)], "{:?}", gear.tracks[0].explanations);
 }
 
 /// Segments 6 h apart; scattered by a few per cent from cut to cut.
@@ -127,7 +129,7 @@ fn the_pitch_of_a_segmented_chip_is_found_with_its_interval() {
     let chip = found(&PLAN, &|c| {
         vec![[c.cutting_speed / (6.0 * c.uncut_chip_thickness) * scatter(c), 3.0]]
     });
-    assert_eq!(named(&chip), [&Named::Law(Law::Chip)], "{:?}", chip.tracks[0].explanations);
+    assert_eq!(named(&chip), [&Named::Law(LineLaw::Chip)], "{:?}", chip.tracks[0].explanations);
     let [ratio, low, high] = chip.tracks[0].explanations[0].constant.unwrap();
     assert!(
         low < 6.0 && 6.0 < high && high - low < 0.8 && (ratio - 6.0).abs() < 0.3,
@@ -142,11 +144,12 @@ fn laws_that_the_cuts_cannot_tell_apart_are_refused() {
     let found = found(&plan, &|c| vec![[c.cutting_speed / (7.7 * c.uncut_chip_thickness), 3.0]]);
     let Named::NotToldApart(laws) = &found.tracks[0].named else { panic!("{:?}", found.tracks) };
     assert!(
-        laws.contains(&Law::Chip) && (laws.contains(&Law::Ratio) || laws.contains(&Law::Rotation)),
+        laws.contains(&LineLaw::Chip)
+            && (laws.contains(&LineLaw::Ratio) || laws.contains(&LineLaw::Rotation)),
         "{laws:?}"
     );
     let advice = found.tracks[0].advice.as_ref().unwrap();
-    assert_ne!(advice.change, Change::Speed);
+    assert_ne!(advice.change, CutChange::Speed);
     let words = track_words(&found, &found.tracks[0]).join(" ");
     assert!(words.contains("cannot tell") && words.contains("would tell"), "{words}");
 }
@@ -162,7 +165,12 @@ fn chatter_is_named_above_a_known_natural_frequency() {
         PLAN.iter().enumerate().map(|(k, own)| cut(k, *own, &|c| vec![[above(c), 20.0]])).collect();
     let found =
         diagnose_series(cuts, None, &SeriesOptions { natural: vec![700.0], ..options() }).unwrap();
-    assert_eq!(named(&found), [&Named::Law(Law::Chatter)], "{:?}", found.tracks[0].explanations);
+    assert_eq!(
+        named(&found),
+        [&Named::Law(LineLaw::Chatter)],
+        "{:?}",
+        found.tracks[0].explanations
+    );
 }
 
 #[test]
@@ -188,9 +196,9 @@ fn what_the_free_running_machine_has_is_not_the_cut() {
         forces: idle.channels.into_iter().map(|c| c.force).collect(),
     };
     let found = diagnose_series(cuts, Some(&air), &options()).unwrap();
-    let of = |law: Law| found.tracks.iter().find(|t| t.named == Named::Law(law)).unwrap();
-    assert_eq!(of(Law::Mains).in_air, Some(6));
-    assert_eq!(of(Law::Constant).in_air, Some(0));
+    let of = |law: LineLaw| found.tracks.iter().find(|t| t.named == Named::Law(law)).unwrap();
+    assert_eq!(of(LineLaw::Mains).in_air, Some(6));
+    assert_eq!(of(LineLaw::Constant).in_air, Some(0));
 }
 
 /// 240 sets of six cuts with two channels of white or red noise: 5 % may raise a line; 240 sets scatter by 1.4 %.

@@ -2,10 +2,12 @@
 
 use crate::data::recordings::{Recording, Recordings};
 use crate::fit;
-use crate::inference::problem::Problem;
+use crate::inference::problem::RegressionProblem;
 use crate::judge;
-use crate::model::predictor::{Active, Effect, EffectParameter, Nuisance, Predictor, Prior};
-use crate::{Attribution, Finding, Fit, InstrumentPriors, Templates, attribute};
+use crate::model::predictor::{
+    Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior,
+};
+use crate::{Attribution, Conclusion, Fit, InstrumentPriors, Templates, attribute};
 use nalgebra::{DMatrix, DVector};
 use sphcut_greybox::Random;
 use sphcut_physics::{Channel, CuttingCondition};
@@ -22,7 +24,7 @@ pub const INSTRUMENTS: InstrumentPriors = InstrumentPriors { gain: 0.01, offset:
 type Shape = fn(f64, f64, f64) -> [f64; 2];
 
 pub struct Twin {
-    effects: Vec<Effect>,
+    effects: Vec<CandidateEffect>,
     shapes: Vec<Shape>,
     /// Shares by which it may be wrong of an effect.
     errors: Vec<f64>,
@@ -32,7 +34,7 @@ impl Twin {
     /// Effects with the amplitude normal around 0 with the deviation 0.1: F_f over v, F_f over h, its near copy, F_c over
     /// v h, one that nothing can see, and one that grows with the cut length.
     pub fn new() -> Self {
-        let effect = |key, family| Effect {
+        let effect = |key, family| CandidateEffect {
             key,
             title: key,
             family,
@@ -109,8 +111,8 @@ impl Twin {
         Recordings::new(cuts, &USED).unwrap()
     }
 
-    pub fn problem(&self, recordings: &Recordings) -> Problem {
-        Problem::new(recordings, self, &INSTRUMENTS).unwrap()
+    pub fn problem(&self, recordings: &Recordings) -> RegressionProblem {
+        RegressionProblem::new(recordings, self, &INSTRUMENTS).unwrap()
     }
 }
 
@@ -119,7 +121,7 @@ impl Predictor for Twin {
         &NUISANCES
     }
 
-    fn effects(&self) -> &[Effect] {
+    fn effects(&self) -> &[CandidateEffect] {
         &self.effects
     }
 
@@ -155,18 +157,18 @@ impl Predictor for Twin {
     }
 }
 
-pub struct Diagnosed {
-    pub problem: Problem,
+pub struct DiagnosedTwin {
+    pub problem: RegressionProblem,
     pub null: Fit,
     pub templates: Templates,
     pub signal: DVector<f64>,
     pub attribution: Attribution,
     pub fits: Vec<Fit>,
-    pub finding: Finding,
+    pub finding: Conclusion,
 }
 
 /// All steps.
-pub fn diagnosed(twin: &Twin, recordings: &Recordings) -> Diagnosed {
+pub fn diagnosed(twin: &Twin, recordings: &Recordings) -> DiagnosedTwin {
     let problem = twin.problem(recordings);
     let null = fit(&problem, twin, &[], &DVector::zeros(problem.unknowns())).unwrap();
     let templates = Templates::new(&problem, twin, &null).unwrap();
@@ -175,12 +177,12 @@ pub fn diagnosed(twin: &Twin, recordings: &Recordings) -> Diagnosed {
     let mut attribution = attribute(&templates, &signal, &gains);
     let fits = attribution.refine(&problem, twin, &null);
     let finding = judge(&problem, twin, Some(fits.first().unwrap_or(&null)), &attribution);
-    Diagnosed { problem, null, templates, signal, attribution, fits, finding }
+    DiagnosedTwin { problem, null, templates, signal, attribution, fits, finding }
 }
 
 mod tests {
     use super::*;
-    use crate::{Hypothesis, Verdict, locate};
+    use crate::{ClaimVerdict, Hypothesis, locate};
 
     fn hidden(effect: usize, amplitude: f64) -> Active {
         Active { effect, values: vec![amplitude] }
@@ -231,7 +233,7 @@ mod tests {
             for seed in 0..10 {
                 let found =
                     diagnosed(&twin, &twin.recorded(&[hidden(effect, amplitude)], 0.02, seed));
-                let right = found.finding.verdict == Verdict::Named(vec![effect]);
+                let right = found.finding.verdict == ClaimVerdict::Named(vec![effect]);
                 named += usize::from(right);
                 if right {
                     let best = &found.fits[0];
@@ -265,7 +267,7 @@ mod tests {
         let twin = Twin::new();
         for seed in 0..5 {
             let found = diagnosed(&twin, &twin.recorded(&[hidden(1, 0.1)], 0.02, seed));
-            assert_eq!(found.finding.verdict, Verdict::OneOf, "{:?}", found.finding);
+            assert_eq!(found.finding.verdict, ClaimVerdict::OneOf, "{:?}", found.finding);
             assert!(found.finding.set.contains(&1) && found.finding.set.contains(&2));
             assert!(found.finding.family().is_none(), "{:?}", found.finding.families);
         }
@@ -284,7 +286,7 @@ mod tests {
         let twin = Twin::new();
         let active = [hidden(0, -0.12), hidden(3, 0.12)];
         let finding = diagnosed(&twin, &twin.recorded(&active, 0.015, 2)).finding;
-        assert_eq!(finding.verdict, Verdict::Named(vec![0, 3]), "{finding:?}");
+        assert_eq!(finding.verdict, ClaimVerdict::Named(vec![0, 3]), "{finding:?}");
     }
 
     /// A wave of 8 % over speed that no effect has.
@@ -300,7 +302,7 @@ mod tests {
             before + 0.08 * (2.4 * speeds[k] + channel.index() as f64).sin()
         });
         let found = diagnosed(&twin, &waved);
-        assert_eq!(found.finding.verdict, Verdict::NoneOfThese, "{:?}", found.finding);
+        assert_eq!(found.finding.verdict, ClaimVerdict::NoneOfThese, "{:?}", found.finding);
     }
 
     #[test]
@@ -334,10 +336,10 @@ mod tests {
 /// With everything: bias, self-test, control, held-out blocks, next experiment.
 mod whole {
     use super::*;
-    use crate::{Batch, Comparison, Part, Request, Verdict, diagnose};
+    use crate::{Batch, ClaimVerdict, DiagnosisRequest, Part, ReferenceComparison, diagnose};
 
-    fn request(recordings: &Recordings) -> Request<'_> {
-        Request {
+    fn request(recordings: &Recordings) -> DiagnosisRequest<'_> {
+        DiagnosisRequest {
             recordings,
             reference: None,
             model_error: None,
@@ -376,8 +378,8 @@ mod whole {
             let data = biased(&twin.recorded(&[], 0.02, seed));
             let reference = biased(&twin.recorded(&[], 0.02, 100 + seed));
             let alone = request(&data);
-            let beside = Request {
-                reference: Some((&reference, Comparison::BiasField, Batch::Another)),
+            let beside = DiagnosisRequest {
+                reference: Some((&reference, ReferenceComparison::BiasField, Batch::Another)),
                 ..request(&data)
             };
             without += usize::from(diagnose(&alone, &twin).unwrap().finding.is_alarm());
@@ -386,8 +388,9 @@ mod whole {
             let bias = quiet.bias.unwrap();
             assert!((0.02..=0.16).contains(&bias.amplitude), "{bias:?}");
             let changed = biased(&twin.recorded(&hidden(0, -0.15), 0.02, seed));
-            let diagnosis = diagnose(&Request { recordings: &changed, ..beside }, &twin).unwrap();
-            found += usize::from(diagnosis.finding.verdict == Verdict::Named(vec![0]));
+            let diagnosis =
+                diagnose(&DiagnosisRequest { recordings: &changed, ..beside }, &twin).unwrap();
+            found += usize::from(diagnosis.finding.verdict == ClaimVerdict::Named(vec![0]));
         }
         assert!(without >= 9 && with <= 1 && found >= 9, "{without} {with} {found}");
     }
@@ -400,13 +403,14 @@ mod whole {
             let fresh = biased(&twin.recorded(&[], 0.02, 100 + seed));
             let same = biased(&twin.recorded(&[], 0.02, seed));
             let worn = biased(&twin.recorded(&hidden(3, 0.15), 0.02, seed));
-            let request = Request {
-                reference: Some((&fresh, Comparison::Difference, Batch::Another)),
+            let request = DiagnosisRequest {
+                reference: Some((&fresh, ReferenceComparison::Difference, Batch::Another)),
                 ..request(&same)
             };
             alarms += usize::from(diagnose(&request, &twin).unwrap().finding.is_alarm());
-            let diagnosis = diagnose(&Request { recordings: &worn, ..request }, &twin).unwrap();
-            found += usize::from(diagnosis.finding.verdict == Verdict::Named(vec![3]));
+            let diagnosis =
+                diagnose(&DiagnosisRequest { recordings: &worn, ..request }, &twin).unwrap();
+            found += usize::from(diagnosis.finding.verdict == ClaimVerdict::Named(vec![3]));
         }
         assert!(alarms <= 1 && found >= 9, "{alarms} {found}");
     }
@@ -415,7 +419,7 @@ mod whole {
     fn the_self_test_counts_few_alarms_and_the_control_finds_what_was_claimed() {
         let twin = Twin::new();
         let data = twin.recorded(&hidden(0, -0.12), 0.03, 3);
-        let asked = Request { self_test: 200, control: 50, ..request(&data) };
+        let asked = DiagnosisRequest { self_test: 200, control: 50, ..request(&data) };
         let found = diagnose(&asked, &twin).unwrap();
         let rate = found.false_alarms.unwrap();
         // As for the nulls of the tests beside: 9 of 200 is the 99 % quantile at a rate of 2 %.
@@ -508,8 +512,8 @@ mod whole {
         let twin = Twin::new();
         let data = twin.recorded(&hidden(1, 0.1), 0.01, 1);
         let found = diagnose(&request(&data), &twin).unwrap();
-        assert_eq!(found.finding.verdict, Verdict::OneOf);
-        let wide = Request { range: Some([[0.5, 5.0], [3e-5, 1e-3]]), ..request(&data) };
+        assert_eq!(found.finding.verdict, ClaimVerdict::OneOf);
+        let wide = DiagnosisRequest { range: Some([[0.5, 5.0], [3e-5, 1e-3]]), ..request(&data) };
         let next = diagnose(&wide, &twin).unwrap().next.unwrap();
         assert!((next.conditions[0].uncut_chip_thickness - 1e-3).abs() < 1e-9, "{next:?}");
         assert!(next.expected[1] > next.expected[0] + 0.2 && next.expected[1] <= 1.0, "{next:?}");

@@ -1,0 +1,3 @@
+//! Tests of the whole chain against a model with known answers.
+
+pub(crate) mod twin;
