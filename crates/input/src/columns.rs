@@ -42,6 +42,17 @@ pub struct ColumnRule {
     pub positive: bool,
 }
 
+/// A rule; the last two are whether the column is required and whether its values must be above 0.
+#[must_use]
+pub const fn column(
+    name: &'static str,
+    quantity: Quantity,
+    unit: &'static str,
+    (required, positive): (bool, bool),
+) -> ColumnRule {
+    ColumnRule { name, quantity, unit, required, positive }
+}
+
 impl ColumnRule {
     /// As it stands in a header.
     fn heading(&self) -> String {

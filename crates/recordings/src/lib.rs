@@ -29,9 +29,7 @@ pub use cut::{
 };
 pub use detection::{Detection, Span};
 pub use fault::{Fault, NotSteady};
-pub use file::{
-    RecordingChannel, RecordingCut, RecordingFile, RecordingPlan, ResponseLine, load_recordings,
-};
+pub use file::{RecordingCut, RecordingFormat, RecordingPlan, load_recordings};
 pub use filter::LowPass;
 pub use pooled::{Pooled, PooledCuts, PooledForce, Repeatability, pool};
 pub use raw::{Channels, RawColumn, RawTable, TimeSource};

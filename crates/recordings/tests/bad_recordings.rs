@@ -21,8 +21,8 @@ fn the_shipped_example_is_good() {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/recordings/example.toml");
     let plan = load_recordings(&path, OutsideFiles::default()).unwrap();
     assert_eq!(plan.cuts.len(), 7);
-    assert_eq!(plan.channels[1].component, Channel::FeedForce);
-    assert_eq!(plan.low_pass, Some((4, 200.0)));
+    assert_eq!(plan.settings.channels[1].component, Channel::FeedForce);
+    assert_eq!(plan.settings.low_pass, Some((4, 200.0)));
     // 150 m/min around 60 mm.
-    assert!((plan.cuts[0].revolution.unwrap() - 13.263).abs() < 1e-3);
+    assert!((plan.cuts[0].conditions.revolution.unwrap() - 13.263).abs() < 1e-3);
 }

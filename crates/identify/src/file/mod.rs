@@ -4,7 +4,7 @@ mod keys;
 pub use keys::reference_page;
 use sphcut_input::OutsideFiles;
 
-use sphcut_input::columns::{self, ColumnRule, Line};
+use sphcut_input::columns::{self, ColumnRule, Line, column};
 use sphcut_input::document::{self, contradiction};
 use sphcut_input::files::{Surroundings, file_mistake};
 use sphcut_input::findings::Findings;
@@ -87,29 +87,20 @@ pub enum TestCurve {
     },
 }
 
-const fn column(
-    name: &'static str,
-    quantity: Quantity,
-    unit: &'static str,
-    positive: bool,
-) -> ColumnRule {
-    ColumnRule { name, quantity, unit, required: true, positive }
-}
-
 const CURVES: [ColumnRule; 4] = [
-    column("plastic_strain", Quantity::Dimensionless, "", false),
-    column("strain_rate", Quantity::Rate, "1/s", true),
-    column("temperature", Quantity::Temperature, "degC", true),
-    column("stress", Quantity::Stress, "MPa", false),
+    column("plastic_strain", Quantity::Dimensionless, "", (true, false)),
+    column("strain_rate", Quantity::Rate, "1/s", (true, true)),
+    column("temperature", Quantity::Temperature, "degC", (true, true)),
+    column("stress", Quantity::Stress, "MPa", (true, false)),
 ];
 const LOADS: [ColumnRule; 2] = [
-    column("load", Quantity::Force, "kN", false),
-    column("displacement", Quantity::Length, "mm", false),
+    column("load", Quantity::Force, "kN", (true, false)),
+    column("displacement", Quantity::Length, "mm", (true, false)),
 ];
 const PULSES: [ColumnRule; 3] = [
-    column("time", Quantity::Time, "us", false),
-    column("reflected", Quantity::Dimensionless, "", false),
-    column("transmitted", Quantity::Dimensionless, "", false),
+    column("time", Quantity::Time, "us", (true, false)),
+    column("reflected", Quantity::Dimensionless, "", (true, false)),
+    column("transmitted", Quantity::Dimensionless, "", (true, false)),
 ];
 /// Largest file of a test in bytes.
 const LARGEST: u64 = 64 << 20;

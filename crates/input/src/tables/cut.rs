@@ -1,6 +1,6 @@
 //! What was measured of many cuts as a table: comma-separated, a header with units, a cut per line.
 
-use crate::columns::{self, ColumnRule, TableProblem};
+use crate::columns::{self, ColumnRule, TableProblem, column};
 use sphcut_physics::{Channel, CuttingCondition, Quantity, ToolGeometry};
 
 /// How many channels a table may hold.
@@ -51,15 +51,6 @@ impl CutTableRow {
             tool: ToolGeometry { rake_angle: self.rake_angle, edge_radius: self.edge_radius },
         }
     }
-}
-
-const fn column(
-    name: &'static str,
-    quantity: Quantity,
-    unit: &'static str,
-    (required, positive): (bool, bool),
-) -> ColumnRule {
-    ColumnRule { name, quantity, unit, required, positive }
 }
 
 const fn measured(channel: Channel, unit: &'static str) -> ColumnRule {

@@ -1,6 +1,6 @@
 //! Forces over cutting conditions as a table: comma-separated, a header with units, a condition per line.
 
-use crate::columns::{self, ColumnRule, TableProblem};
+use crate::columns::{self, ColumnRule, TableProblem, column};
 use sphcut_physics::Quantity;
 
 /// One line of the table in SI units.
@@ -20,15 +20,6 @@ pub struct ForceTableRow {
     pub feed_force_deviation: Option<f64>,
     /// Number of these measurements.
     pub count: Option<f64>,
-}
-
-const fn column(
-    name: &'static str,
-    quantity: Quantity,
-    unit: &'static str,
-    (required, positive): (bool, bool),
-) -> ColumnRule {
-    ColumnRule { name, quantity, unit, required, positive }
 }
 
 /// What is used, then what tables of `sphcut recordings` and `sphcut sweep` have beside it.

@@ -1,6 +1,6 @@
 //! Measured springback as a table: comma-separated, a header with units, one cutting speed per line.
 
-use crate::columns::{self, ColumnRule, TableProblem};
+use crate::columns::{self, ColumnRule, TableProblem, column};
 use sphcut_physics::Quantity;
 
 /// One line of the table in SI units.
@@ -16,15 +16,6 @@ pub struct MeasuredSpringback {
     pub cutting_force: Option<f64>,
     /// F_n in N, if the table has it.
     pub normal_force: Option<f64>,
-}
-
-const fn column(
-    name: &'static str,
-    quantity: Quantity,
-    unit: &'static str,
-    (required, positive): (bool, bool),
-) -> ColumnRule {
-    ColumnRule { name, quantity, unit, required, positive }
 }
 
 const COLUMNS: [ColumnRule; 5] = [

@@ -1,6 +1,6 @@
 //! Forces of tools over their time in cut as a table: comma-separated, a header with units, a segment per line.
 
-use crate::columns::{self, ColumnRule, TableProblem};
+use crate::columns::{self, ColumnRule, TableProblem, column};
 use sphcut_physics::Quantity;
 
 /// One segment in SI units.
@@ -14,21 +14,12 @@ pub struct SeriesRow {
     pub forces: [f64; 3],
 }
 
-const fn column(
-    name: &'static str,
-    quantity: Quantity,
-    unit: &'static str,
-    positive: bool,
-) -> ColumnRule {
-    ColumnRule { name, quantity, unit, required: true, positive }
-}
-
 const COLUMNS: [ColumnRule; 5] = [
-    column("tool", Quantity::Dimensionless, "", false),
-    column("time", Quantity::Time, "s", false),
-    column("F_c", Quantity::Force, "N", true),
-    column("F_f", Quantity::Force, "N", true),
-    column("F_p", Quantity::Force, "N", true),
+    column("tool", Quantity::Dimensionless, "", (true, false)),
+    column("time", Quantity::Time, "s", (true, false)),
+    column("F_c", Quantity::Force, "N", (true, true)),
+    column("F_f", Quantity::Force, "N", (true, true)),
+    column("F_p", Quantity::Force, "N", (true, true)),
 ];
 
 /// Reads a table with the columns `tool,time [s],F_c [N],F_f [N],F_p [N]` in any order and units.

@@ -5,17 +5,20 @@ mod keys;
 mod response;
 
 pub use keys::reference_page;
-use sphcut_input::OutsideFiles;
 
-pub use response::ResponseLine;
+use crate::cut::{Conditions, EvaluationSettings, ForceChannel, Unsteady};
+use crate::detection::Detection;
+use crate::formats::{CsvLayout, DecimalMark, Separator};
+use crate::raw::TimeSource;
+use crate::response::Response;
 use response::read_response;
+use sphcut_input::OutsideFiles;
 use sphcut_input::document::{self, contradiction};
 use sphcut_input::files::Surroundings;
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Problem;
 use sphcut_input::reader;
 use sphcut_input::record::Record;
-use sphcut_physics::Channel;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -28,92 +31,33 @@ pub struct RecordingPlan {
     /// The text of the file, for provenance.
     pub text: String,
     /// How the files are laid out.
-    pub file: RecordingFile,
-    /// The forces; the cutting force is the first.
-    pub channels: Vec<RecordingChannel>,
-    /// Trigger channel and its level in the numbers of the file.
-    pub trigger: Option<(String, f64)>,
-    /// `automatic`, `trigger` or `given`.
-    pub detection: String,
-    /// Moving mean of the automatic detection in s.
-    pub smoothing: f64,
-    /// Time next to entry and exit in s.
-    pub guard: f64,
-    /// Shortest air cut in s.
-    pub shortest_air: f64,
-    /// Order and cut-off in Hz.
-    pub low_pass: Option<(usize, f64)>,
-    /// Wanted half width of the interval as a share.
-    pub precision: f64,
-    /// Largest drift over the window that may remain possible, as a share.
-    pub largest_drift: f64,
-    /// Whether a cut that is not steady still gives a force.
-    pub keep_unsteady: bool,
+    pub format: RecordingFormat,
+    /// How they are evaluated; the cutting force is the first channel.
+    pub settings: EvaluationSettings,
     /// The records.
     pub cuts: Vec<RecordingCut>,
 }
 
 /// Layout of the files.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RecordingFile {
-    /// `csv`, `lvm` or `hdf5`.
-    pub format: String,
-    /// Word for the separator of cells.
-    pub separator: String,
-    /// Word for the decimal mark.
-    pub decimal: String,
-    /// Line of the column names.
-    pub header_line: usize,
-    /// Lines between names and numbers.
-    pub skip_lines: usize,
-    /// Column with the time, and the seconds that its number 1 means.
-    pub time_column: Option<(String, f64)>,
-    /// Hz, as stated.
-    pub sampling_rate: Option<f64>,
-    /// Longest gap in s that may be bridged.
-    pub longest_gap: f64,
-}
-
-/// A force channel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RecordingChannel {
-    /// `cutting_force`, `feed_force` or `passive_force`.
-    pub component: Channel,
-    /// Name in the files.
-    pub column: String,
-    /// Force in N of the number 1 of the file.
-    pub scale: f64,
-    /// End of the range in N.
-    pub full_scale: Option<f64>,
-    /// Frequency response, rising.
-    pub response: Vec<ResponseLine>,
-    /// lambda of its inverse.
-    pub regularisation: f64,
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecordingFormat {
+    /// Text with separated columns.
+    Csv(CsvLayout),
+    /// Text of LabVIEW.
+    Lvm,
+    /// Arrays of a group in an HDF5 file.
+    Hdf5,
 }
 
 /// One record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingCut {
-    /// Name in tables.
-    pub name: String,
     /// The file, checked to lie where it may.
     pub path: PathBuf,
     /// Group in an HDF5 file.
     pub group: String,
-    /// v_c in m/s.
-    pub cutting_speed: f64,
-    /// h in m.
-    pub uncut_chip_thickness: f64,
-    /// b in m.
-    pub width_of_cut: Option<f64>,
-    /// Revolutions per second.
-    pub revolution: Option<f64>,
-    /// Place in the order of the experiments.
-    pub order: u32,
-    /// When, in s.
-    pub time: Option<f64>,
-    /// Entry and exit in s from the start of the record.
-    pub given: Option<[f64; 2]>,
+    /// What is known of the cut.
+    pub conditions: Conditions,
 }
 
 /// Reads the file of recordings at `path`.
@@ -152,22 +96,35 @@ fn read_document(
     }
     let cuts = cuts(findings, root, surroundings, &method);
     let file = layout(findings, &file?);
-    let trigger = trigger.map(|t| Some((t.text("column")?.to_owned(), t.number("level")?)));
+    let trigger = trigger.and_then(|t| Some((t.text("column")?.to_owned(), t.number("level")?)));
+    // A trigger that is not asked for need not be in the files.
+    let trigger = trigger.filter(|_| method == "trigger");
+    let detection_by = match (&trigger, method.as_str()) {
+        (Some((_, level)), _) => Detection::Trigger { level: *level },
+        (None, "given") => Detection::Given,
+        (None, _) => Detection::Automatic { smoothing: detection.number("smoothing")? },
+    };
     let low_pass = low_pass.map(|l| Some((l.count("order")? as usize, l.number("cut_off")?)));
+    let (format, time) = file?;
     Some(RecordingPlan {
         title: root.text("title")?.to_owned(),
         text: source.text.clone(),
-        file: file?,
-        channels: channels?,
-        trigger: trigger.unwrap_or(None),
-        smoothing: detection.number("smoothing")?,
-        guard: detection.number("guard")?,
-        shortest_air: detection.number("shortest_air")?,
-        detection: method,
-        low_pass: low_pass.unwrap_or(None),
-        precision: steady.number("precision")?,
-        largest_drift: steady.number("largest_drift")?,
-        keep_unsteady: steady.text("otherwise")? == "keep",
+        format,
+        settings: EvaluationSettings {
+            time,
+            channels: channels?,
+            trigger: trigger.map(|(column, _)| column),
+            detection: detection_by,
+            guard: detection.number("guard")?,
+            shortest_air: detection.number("shortest_air")?,
+            low_pass: low_pass.unwrap_or(None),
+            precision: steady.number("precision")?,
+            largest_drift: steady.number("largest_drift")?,
+            unsteady: match steady.text("otherwise")? {
+                "keep" => Unsteady::Keep,
+                _ => Unsteady::Refuse,
+            },
+        },
         cuts,
     })
 }
@@ -185,7 +142,7 @@ fn require_tables(findings: &mut Findings, root: &Record<'_>) {
     }
 }
 
-fn layout(findings: &mut Findings, file: &Record<'_>) -> Option<RecordingFile> {
+fn layout(findings: &mut Findings, file: &Record<'_>) -> Option<(RecordingFormat, TimeSource)> {
     let format = file.text("format")?.to_owned();
     let scale = file.number("time_scale")?;
     let time_column = file.text("time_column").map(|name| (name.to_owned(), scale));
@@ -217,23 +174,31 @@ fn layout(findings: &mut Findings, file: &Record<'_>) -> Option<RecordingFile> {
         let message = "a comma cannot stand between cells and before decimals";
         contradiction(findings, file, "decimal", message, "write separator = \"semicolon\"");
     }
-    Some(RecordingFile {
-        format,
-        separator: separator.to_owned(),
-        decimal: decimal.to_owned(),
-        header_line: file.count("header_line")? as usize,
-        skip_lines: file.count("skip_lines")? as usize,
-        time_column,
-        sampling_rate,
-        longest_gap: file.number("longest_gap")?,
-    })
+    let layout = CsvLayout {
+        separator: match separator {
+            "semicolon" => Separator::Semicolon,
+            "tab" => Separator::Tab,
+            "space" => Separator::Space,
+            _ => Separator::Comma,
+        },
+        decimal: if decimal == "comma" { DecimalMark::Comma } else { DecimalMark::Point },
+        header: file.count("header_line")? as usize,
+        skip: file.count("skip_lines")? as usize,
+    };
+    let format = match format.as_str() {
+        "lvm" => RecordingFormat::Lvm,
+        "hdf5" => RecordingFormat::Hdf5,
+        _ => RecordingFormat::Csv(layout),
+    };
+    let longest_gap = file.number("longest_gap")?;
+    Some((format, TimeSource { column: time_column, sampling_rate, longest_gap }))
 }
 
 fn channels(
     findings: &mut Findings,
     root: &Record<'_>,
     surroundings: &Surroundings,
-) -> Option<Vec<RecordingChannel>> {
+) -> Option<Vec<ForceChannel>> {
     let section = keys::channels();
     let table = root.table("channels")?;
     let record = reader::read(findings, &root.source, table, &section, 2);
@@ -250,20 +215,19 @@ fn channels(
             let message = "a scale of 0 leaves no force";
             contradiction(findings, &channel, "scale", message, "write for example \"1 N\"");
         }
-        found.push(
-            channel.text("column").map(ToOwned::to_owned).zip(scale).zip(response).and_then(
-                |((column, scale), response)| {
-                    Some(RecordingChannel {
-                        component,
-                        column,
-                        scale,
-                        full_scale: channel.number("full_scale"),
-                        response,
-                        regularisation: channel.number("regularisation")?,
-                    })
-                },
-            ),
-        );
+        let regularisation = channel.number("regularisation");
+        found.push(channel.text("column").zip(scale).zip(response).and_then(
+            |((column, scale), response)| {
+                let regularisation = regularisation?;
+                Some(ForceChannel {
+                    component,
+                    name: column.to_owned(),
+                    scale,
+                    full_scale: channel.number("full_scale"),
+                    response: response.map(|read| Response { regularisation, ..read }),
+                })
+            },
+        ));
     }
     found.into_iter().collect()
 }
@@ -318,15 +282,20 @@ fn cut(
     let file = record.text("file")?;
     let place = u32::try_from(index + 1).unwrap_or(u32::MAX);
     Some(RecordingCut {
-        name: record.text("name").unwrap_or(file).to_owned(),
         path: path?,
         group: record.text("group").unwrap_or("/").to_owned(),
-        cutting_speed: speed?,
-        uncut_chip_thickness: record.number("uncut_chip_thickness")?,
-        width_of_cut: record.number("width_of_cut"),
-        revolution: of_diameter.or(of_speed),
-        order: record.count("order").and_then(|order| u32::try_from(order).ok()).unwrap_or(place),
-        time: record.number("time"),
-        given,
+        conditions: Conditions {
+            name: record.text("name").unwrap_or(file).to_owned(),
+            cutting_speed: speed?,
+            uncut_chip_thickness: record.number("uncut_chip_thickness")?,
+            width_of_cut: record.number("width_of_cut"),
+            revolution: of_diameter.or(of_speed),
+            order: record
+                .count("order")
+                .and_then(|order| u32::try_from(order).ok())
+                .unwrap_or(place),
+            time: record.number("time"),
+            given,
+        },
     })
 }

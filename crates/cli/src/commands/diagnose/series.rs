@@ -1,36 +1,38 @@
 //! Forces over time: reading the records, and what is written of them.
 
-use crate::commands::recordings::{read_record, settings};
+use crate::commands::recordings::read_record;
 use crate::failure::Failure;
 use crate::terminal;
 use sphcut_diagnose::series::{
     AirSeries, SeriesCut, SeriesDiagnosis, SeriesOptions, diagnose_series,
 };
 use sphcut_diagnose::{AirRecord, DiagnosisFile, SeriesPlan};
-use sphcut_recordings::{EvaluationSettings, ForceChannel, RecordingFile, Unsteady, evaluate_cut};
+use sphcut_recordings::{
+    EvaluationSettings, ForceChannel, RecordingFormat, Unsteady, evaluate_cut,
+};
 
 /// 50 Hz and 60 Hz.
 const MAINS: [f64; 2] = [50.0, 60.0];
 
 /// Reads the records of `plan` and diagnoses them.
 pub fn diagnose(file: &DiagnosisFile, plan: &SeriesPlan) -> Result<SeriesDiagnosis, Failure> {
-    let settings = plain(settings::settings(&plan.recordings));
-    let layout = &plan.recordings.file;
+    let settings = plain(plan.recordings.settings.clone());
+    let format = plan.recordings.format;
     let mut cuts = Vec::new();
     for cut in &plan.recordings.cuts {
-        let table = read_record((&cut.path, &cut.group), layout)?;
-        let found = evaluate_cut(&table, &settings, &settings::conditions(cut));
+        let table = read_record((&cut.path, &cut.group), format)?;
+        let found = evaluate_cut(&table, &settings, &cut.conditions);
         let kept =
             if found.accepted { " (kept: what changes within a cut is looked for)" } else { "" };
         for fault in &found.faults {
-            terminal::note(&format!("  {}: {fault}{kept}", cut.name));
+            terminal::note(&format!("  {}: {fault}{kept}", cut.conditions.name));
         }
         match SeriesCut::of(&found, settings.guard) {
             Some(series) if found.accepted => cuts.push(series),
-            _ => terminal::note(&format!("  {}: left out of the series", cut.name)),
+            _ => terminal::note(&format!("  {}: left out of the series", cut.conditions.name)),
         }
     }
-    let air = plan.air.as_ref().map(|air| read_air(air, layout, &settings.channels)).transpose()?;
+    let air = plan.air.as_ref().map(|air| read_air(air, format, &settings)).transpose()?;
     let options = SeriesOptions {
         resolution: plan.resolution,
         mains: MAINS.to_vec(),
@@ -57,17 +59,13 @@ fn plain(settings: EvaluationSettings) -> EvaluationSettings {
 /// The free-running machine in newtons; a mean is no matter.
 fn read_air(
     air: &AirRecord,
-    layout: &RecordingFile,
-    channels: &[ForceChannel],
+    format: RecordingFormat,
+    settings: &EvaluationSettings,
 ) -> Result<AirSeries, Failure> {
-    let table = read_record((&air.path, &air.group), layout)?;
+    let table = read_record((&air.path, &air.group), format)?;
+    let channels = &settings.channels;
     let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
-    let time = sphcut_recordings::TimeSource {
-        column: layout.time_column.clone(),
-        sampling_rate: layout.sampling_rate,
-        longest_gap: layout.longest_gap,
-    };
-    let found = table.channels(&names, &time).map_err(|faults| {
+    let found = table.channels(&names, &settings.time).map_err(|faults| {
         let all: Vec<String> = faults.iter().map(ToString::to_string).collect();
         Failure::input(format!("`{}`: {}", air.path.display(), all.join("; ")))
     })?;

@@ -1,13 +1,13 @@
 //! `sphcut recordings`: mean forces from raw recordings of a dynamometer.
 
-pub mod settings;
+mod series_file;
 
 use crate::arguments::RecordingsArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, results, terminal};
 use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
 use sphcut_recordings::{
-    ComponentResult, CutResult, Pooled, RawTable, RecordingCut, RecordingFile, RecordingPlan,
+    ComponentResult, CutResult, Pooled, RawColumn, RawTable, RecordingFormat, RecordingPlan,
     cuts_csv, evaluate_cut, forces_csv, formats, pool, recordings_json,
 };
 use sphcut_report::{RecordingsPage, recordings_words, render_recordings};
@@ -29,11 +29,10 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
         return Err(Failure::input(message));
     }
     let plan = loading::recordings(&arguments.scene)?;
-    let settings = settings::settings(&plan);
     let mut cuts = Vec::new();
     for cut in &plan.cuts {
-        let table = read(cut, &plan.file)?;
-        let found = evaluate_cut(&table, &settings, &settings::conditions(cut));
+        let table = read_record((&cut.path, &cut.group), plan.format)?;
+        let found = evaluate_cut(&table, &plan.settings, &cut.conditions);
         terminal::line(&line(&found));
         for fault in &found.faults {
             terminal::note(&format!("  {}: {fault}", found.conditions.name));
@@ -43,7 +42,7 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
     let pooled = pool(&cuts);
     std::fs::create_dir_all(out)
         .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
-    let low_pass = plan.low_pass.map_or_else(String::new, |(order, cut_off)| {
+    let low_pass = plan.settings.low_pass.map_or_else(String::new, |(order, cut_off)| {
         format!("Low-pass at {cut_off} Hz, order {order}, without a shift in time.")
     });
     let page = RecordingsPage {
@@ -71,15 +70,10 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
     Ok(ExitCode::Done)
 }
 
-/// The columns of the record of a cut.
-fn read(cut: &RecordingCut, file: &RecordingFile) -> Result<RawTable, Failure> {
-    read_record((&cut.path, &cut.group), file)
-}
-
 /// The columns of the record at a path, in a group if it is HDF5.
 pub fn read_record(
     (path, group): (&Path, &str),
-    file: &RecordingFile,
+    format: RecordingFormat,
 ) -> Result<RawTable, Failure> {
     let shown = path.display();
     let unreadable =
@@ -87,16 +81,21 @@ pub fn read_record(
     if is_tdms(path) {
         return Err(tdms(path));
     }
-    if file.format == "hdf5" {
+    if format == RecordingFormat::Hdf5 {
         let columns = read_columns_h5(path, group).map_err(|error| unreadable(&error))?;
-        return Ok(settings::table(columns));
+        let column = |(name, values)| RawColumn { name, values, clock: None };
+        return Ok(RawTable { columns: columns.into_iter().map(column).collect() });
     }
     let bytes = read_bytes(path).map_err(|error| unreadable(&error))?;
     let wrong = |error: formats::FormatError| Failure::input(format!("`{shown}`: {error}"));
     // Measuring programs write the signs of units in Latin-1.
     let text = String::from_utf8(bytes)
         .unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
-    settings::read_text(&text, file).map_err(wrong)
+    match format {
+        RecordingFormat::Csv(layout) => formats::read_csv(&text, layout),
+        RecordingFormat::Lvm | RecordingFormat::Hdf5 => formats::read_lvm(&text),
+    }
+    .map_err(wrong)
 }
 
 /// Whether a file is one of LabVIEW's TDMS, by its first bytes or its name.
@@ -145,7 +144,7 @@ fn write_series(
         ("recordings", FactH5::Text(plan.text.clone())),
         ("version", FactH5::Text(env!("CARGO_PKG_VERSION").to_owned())),
     ];
-    let table = settings::columns(pooled);
+    let table = series_file::columns(pooled);
     let mut groups = vec![GroupH5 {
         path: "table".to_owned(),
         facts: vec![("meaning", FactH5::Text("one row per set of conditions".to_owned()))],
@@ -155,7 +154,7 @@ fn write_series(
     for (index, cut) in cuts.iter().enumerate() {
         groups.push(GroupH5 {
             path: format!("cut_{:04}", index + 1),
-            facts: settings::facts(cut),
+            facts: series_file::facts(cut),
             columns: cut
                 .components
                 .iter()
