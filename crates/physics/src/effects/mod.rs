@@ -6,6 +6,7 @@
 //! every effect to that.
 
 mod damage;
+mod dynamic_recovery;
 mod kinematic_hardening;
 mod plastic_heat;
 mod size_effect;
@@ -53,7 +54,7 @@ pub struct EffectEntry {
     /// How it acts.
     pub action: Action,
     /// What it is as an explanation of measured forces; `None` where mean forces, temperatures and the chip of a steady cut do
-    /// not show it.
+    /// not show it, or not otherwise than the nuisances that every diagnosis fits.
     pub candidate: Option<Candidate>,
 }
 
@@ -106,6 +107,7 @@ pub struct ChosenEffect {
 pub const EFFECTS: &[&EffectEntry] = &[
     &viscous_drag::ENTRY,
     &strain_ageing::ENTRY,
+    &dynamic_recovery::ENTRY,
     &tanh_softening::ENTRY,
     &size_effect::ENTRY,
     &plastic_heat::ENTRY,
