@@ -10,9 +10,9 @@
 //! chip, no transient.
 //!
 //! ```
-//! use sphcut_analytic::{ActiveEffect, Cut, predict};
+//! use sphcut_analytic::{ActiveEffect, OrthogonalCut, predict};
 //! use sphcut_physics::CuttingCondition;
-//! let cut = Cut::aisi_1045();
+//! let cut = OrthogonalCut::aisi_1045();
 //! let condition = CuttingCondition::new(2.5, 0.1e-3);
 //! let plain = predict(&cut, &condition, &[])?;
 //! let worn = ActiveEffect::new("viscous_drag", &[("drag_coefficient", 0.2)])?;
