@@ -21,10 +21,13 @@ pub mod statistics;
 pub mod steady;
 mod summary;
 mod surface;
-#[cfg(any(test, feature = "synthetic"))]
-pub mod synthetic;
 mod temperature;
 mod warnings;
+
+/// Test support, which no build of the program has: see the feature in the manifest.
+#[cfg(any(test, feature = "synthetic"))]
+#[path = "../tests/synthetic/mod.rs"]
+pub mod synthetic;
 
 pub use balances::{
     ENERGY_TERMS, EnergyBalance, EnergyTerm, HeatBalance, MomentumBalance, MomentumBalances,
