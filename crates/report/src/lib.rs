@@ -6,16 +6,10 @@
 //! [`render_comparison`] those of `sphcut greybox`, [`render_identification`] that of `sphcut identify`,
 //! [`render_diagnosis`] that of `sphcut diagnose`, [`render_wear`] that of `sphcut wear`, [`render_sweep`] that of `sphcut sweep`.
 
-mod animation;
-mod canvas;
-mod chart;
 mod error;
+mod kit;
 mod page;
 mod picture;
-mod pictures;
-mod pictures_in_space;
-mod text;
-mod ticks;
 
 pub use error::ReportError;
 pub use page::{
@@ -25,4 +19,4 @@ pub use page::{
     render_identification, render_recordings, render_report, render_series, render_springback,
     render_sweep, render_wear, series_summary, sweep_words, write_report,
 };
-pub use picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};
+pub use picture::{ParticleField, PictureOptions, Style, View, render_layers, render_snapshot};

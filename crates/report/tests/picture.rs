@@ -2,7 +2,7 @@
 //! (`SPHCUT_PICTURES=folder cargo test -p sphcut-report` keeps them).
 
 use sphcut_postprocess::synthetic::SyntheticCut;
-use sphcut_report::{Field, PictureOptions, Style, render_snapshot};
+use sphcut_report::{ParticleField, PictureOptions, Style, render_snapshot};
 use sphcut_sph::Snapshot;
 
 fn keep(name: &str, bytes: &[u8]) {
@@ -15,7 +15,7 @@ fn keep(name: &str, bytes: &[u8]) {
 fn every_field_of_a_cut_becomes_a_picture() {
     let cut = SyntheticCut { orientation: 0.0, ..SyntheticCut::default() };
     let snapshot = cut.snapshot(1.2e-3);
-    for field in Field::ALL {
+    for field in ParticleField::ALL {
         let bytes = render_snapshot(&snapshot, field, &PictureOptions::default());
         keep(&format!("{}.png", field.name()), &bytes);
         let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
@@ -37,7 +37,7 @@ fn a_block_in_space_and_its_tool_become_a_picture() {
         snapshot.position[k] = [1e-3 * (k / 2) as f64 / count as f64, 0.0, (k % 2) as f64 * 1e-3];
     }
     let options = PictureOptions { style: Style::Material, ..PictureOptions::default() };
-    let bytes = render_snapshot(&snapshot, Field::Temperature, &options);
+    let bytes = render_snapshot(&snapshot, ParticleField::Temperature, &options);
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut pixels).unwrap();
@@ -54,7 +54,7 @@ fn a_block_in_space_and_its_tool_become_a_picture() {
 #[test]
 fn a_snapshot_with_nothing_or_nonsense_in_it_becomes_a_picture() {
     let empty = Snapshot { dimension: 2, ..Snapshot::default() };
-    assert!(!render_snapshot(&empty, Field::Speed, &PictureOptions::default()).is_empty());
+    assert!(!render_snapshot(&empty, ParticleField::Speed, &PictureOptions::default()).is_empty());
     let mut snapshot =
         SyntheticCut { particle_spacing: 50e-6, ..SyntheticCut::default() }.snapshot(0.0);
     snapshot.position[3] = [f64::NAN, f64::INFINITY, 0.0];
@@ -62,6 +62,6 @@ fn a_snapshot_with_nothing_or_nonsense_in_it_becomes_a_picture() {
     snapshot.temperature[5] = f64::NAN;
     for style in [Style::Particles, Style::Material] {
         let options = PictureOptions { style, ..PictureOptions::default() };
-        assert!(!render_snapshot(&snapshot, Field::Temperature, &options).is_empty());
+        assert!(!render_snapshot(&snapshot, ParticleField::Temperature, &options).is_empty());
     }
 }

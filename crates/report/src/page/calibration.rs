@@ -1,54 +1,32 @@
 //! `calibration.html`: a friction coefficient from measured forces.
 
-use super::STYLE;
-use crate::chart::{Band, Chart, Line};
-use crate::text::{minus, three_digits, with_interval};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use crate::kit::chart::{Band, Chart, ChartLine};
+use crate::kit::colours::{BLUE, GREEN, RED};
+use crate::kit::numbers::{M_PER_MIN, signed_percent, three_digits, with_interval};
+use crate::kit::shell::{Shell, figure, note, plain, tab};
+use crate::kit::table::{Column, table};
+use maud::{Markup, html};
 use sphcut_postprocess::Force;
 use sphcut_postprocess::calibration::{Calibration, Standing, Trial};
 
-const BLUE: &str = "#0072b2";
-const RED: &str = "#d55e00";
-const GREEN: &str = "#009e73";
-const M_PER_MIN: f64 = 60.0;
 /// An error of the best run above which, and above its own interval, it is said that friction alone does not explain the forces.
 const LARGE_ERROR: f64 = 0.1;
 
 /// The text of `calibration.html`; nothing is loaded.
 #[must_use]
 pub fn render_calibration(calibration: &Calibration) -> String {
-    let best = calibration.scan.best();
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content={ "sphcut " (calibration.version) };
-                link rel="icon" href="data:,";
-                title { "Friction coefficient \u{2013} sphcut" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                main {
-                    header {
-                        h1 { "Friction coefficient from measured forces" }
-                        p.lead { (calibration.scenario) ", friction law " code { (calibration.law) } ": scanned at "
-                            (speed(best)) " m/min, then fixed." }
-                    }
-                    section.warnings role="note" {
-                        h2 { "What these figures say" }
-                        ul { @for sentence in calibration_words(calibration) { li { (sentence) } } }
-                    }
-                    (scan(calibration))
-                    (predictions(calibration))
-                    (definitions())
-                    footer { "Written by sphcut " (calibration.version) "." }
-                }
-            }
-        }
+    let lead = html! { (calibration.scenario) ", friction law " code { (calibration.law) } ": scanned at "
+    (speed(calibration.scan.best())) " m/min, then fixed." };
+    let sentences = calibration_words(calibration);
+    let body = html! {
+        (note("What these figures say", sentences.iter().map(|sentence| plain(sentence))))
+        (scan(calibration))
+        (predictions(calibration))
+        (definitions())
     };
-    page.into_string()
+    let title = "Friction coefficient from measured forces";
+    let tab = tab("Friction coefficient");
+    Shell { tab, title, lead, version: &calibration.version, body }.render()
 }
 
 /// What can be said, one sentence or two per entry.
@@ -92,14 +70,14 @@ pub fn calibration_words(calibration: &Calibration) -> Vec<String> {
     }];
     let misfit = best.misfit();
     if misfit.error > LARGE_ERROR.max(misfit.half_width) {
-        let [cutting, feed] = best.deviations().map(signed_percent);
+        let [cutting, feed] = best.deviations().map(|share| signed_percent(share, 1));
         words.push(format!(
             "Even the best run misses the measurement: cutting force {cutting}, feed force {feed}. No \
              coefficient of friction corrects that."
         ));
     }
     words.extend(calibration.predictions.iter().map(|trial| {
-        let [cutting, feed] = trial.deviations().map(signed_percent);
+        let [cutting, feed] = trial.deviations().map(|share| signed_percent(share, 1));
         format!(
             "With this coefficient, not fitted, at {} m/min: cutting force {cutting}, feed force {feed}.",
             speed(trial)
@@ -133,18 +111,9 @@ fn coefficient(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A deviation as `+3.2 %`.
-fn signed_percent(share: f64) -> String {
-    minus(&format!("{:+.1} %", 100.0 * share))
-}
-
 fn percent_with_interval(trial: &Trial) -> String {
     let misfit = trial.misfit();
     format!("{} %", with_interval(100.0 * misfit.error, 100.0 * misfit.half_width))
-}
-
-fn figure(chart: &Chart<'_>, caption: &str) -> Markup {
-    html! { @if let Some(svg) = chart.svg() { figure { (PreEscaped(svg)) figcaption { (caption) } } } }
 }
 
 fn scan(calibration: &Calibration) -> Markup {
@@ -152,11 +121,11 @@ fn scan(calibration: &Calibration) -> Markup {
     html! {
         section {
             h2 { "The scan at " (speed(scan.best())) " m/min" }
-            (figure(&errors(calibration), "Error of the two forces against the coefficient: each bar is a run (line) \
+            (figure(errors(calibration).svg(), "Error of the two forces against the coefficient: each bar is a run (line) \
                 with the 95 % interval of its error (box). Shaded: what is not distinguishable from the best run."))
-            (figure(&forces(calibration), "Simulated forces against the coefficient with their 95 % intervals; the \
+            (figure(forces(calibration).svg(), "Simulated forces against the coefficient with their 95 % intervals; the \
                 level lines are the measured ones."))
-            (table("Scan", scan.trials(), Some(calibration)))
+            (trial_table("Scan", scan.trials(), Some(calibration)))
         }
     }
 }
@@ -212,7 +181,7 @@ fn errors(calibration: &Calibration) -> Chart<'static> {
         x_title: "Friction coefficient",
         y_title: "Error in %",
         height: 320.0,
-        lines: vec![Line {
+        lines: vec![ChartLine {
             name: "Error",
             colour: BLUE,
             width: 1.0,
@@ -233,13 +202,13 @@ fn forces(calibration: &Calibration) -> Chart<'static> {
     let trials = calibration.scan.trials();
     let measured = calibration.scan.best().measured;
     let (cutting, feed): (Pick, Pick) = (|trial| &trial.cutting, |trial| &trial.feed);
-    let line = |name, colour, pick: Pick| Line {
+    let line = |name, colour, pick: Pick| ChartLine {
         name,
         colour,
         width: 1.5,
         values: trials.iter().map(|trial| pick(trial).mean).collect(),
     };
-    let level = |name, force: f64| Line {
+    let level = |name, force: f64| ChartLine {
         name,
         colour: RED,
         width: 1.5,
@@ -266,35 +235,36 @@ fn forces(calibration: &Calibration) -> Chart<'static> {
     }
 }
 
-fn table(caption: &str, trials: &[Trial], scanned: Option<&Calibration>) -> Markup {
+fn trial_table(caption: &str, trials: &[Trial], scanned: Option<&Calibration>) -> Markup {
+    use Column::{Number, Text};
+    let columns = [
+        Text("Coefficient"),
+        Number("v_c in m/min"),
+        Number("F_c in N"),
+        Number("F_f in N"),
+        Number("Error in %"),
+        Text(""),
+    ];
     let force = |force: &Force, measured: f64, deviation: f64| {
         html! {
             (with_interval(force.mean, force.ci95)) br;
-            "measured " (three_digits(measured)) ", " (signed_percent(deviation))
+            "measured " (three_digits(measured)) ", " (signed_percent(deviation, 1))
         }
     };
-    html! {
-        div.scroll { table {
-            caption { (caption) ": forces with their 95 % intervals, measured forces, and the error of both." }
-            thead { tr {
-                th scope="col" { "Coefficient" } th.n scope="col" { "v" sub { "c" } " in m/min" }
-                th.n scope="col" { "F" sub { "c" } " in N" } th.n scope="col" { "F" sub { "f" } " in N" }
-                th.n scope="col" { "Error in %" } th scope="col" { "" }
-            } }
-            tbody { @for trial in trials {
-                @let [cutting, feed] = trial.deviations();
-                @let misfit = trial.misfit();
-                tr {
-                    th scope="row" { (coefficient(trial.coefficient)) }
-                    td.n { (speed(trial)) }
-                    td.n { (force(&trial.cutting, trial.measured.cutting_force, cutting)) }
-                    td.n { (force(&trial.feed, trial.measured.normal_force, feed)) }
-                    td.n { (with_interval(100.0 * misfit.error, 100.0 * misfit.half_width)) }
-                    td { (remark(trial, scanned)) }
-                }
-            } }
-        } }
-    }
+    let rows = html! { @for trial in trials {
+        @let [cutting, feed] = trial.deviations();
+        @let misfit = trial.misfit();
+        tr {
+            th scope="row" { (coefficient(trial.coefficient)) }
+            td.n { (speed(trial)) }
+            td.n { (force(&trial.cutting, trial.measured.cutting_force, cutting)) }
+            td.n { (force(&trial.feed, trial.measured.normal_force, feed)) }
+            td.n { (with_interval(100.0 * misfit.error, 100.0 * misfit.half_width)) }
+            td { (remark(trial, scanned)) }
+        }
+    } };
+    let what = ": forces with their 95 % intervals, measured forces, and the error of both.";
+    table(html! { (caption) (what) }, columns, &rows)
 }
 
 /// What there is to say of a run in a table.
@@ -322,7 +292,7 @@ fn predictions(calibration: &Calibration) -> Markup {
                 p { "The measured table has no other cutting speed: the coefficient is fitted and nothing tests it." }
             } @else {
                 p { "The same coefficient at the other measured cutting speeds: nothing is fitted here." }
-                (table("Predictions", &calibration.predictions, None))
+                (trial_table("Predictions", &calibration.predictions, None))
             }
         }
     }

@@ -1,22 +1,17 @@
 //! `springback.html`: springback of one or several cuts, beside measurements if there are any.
 
-use super::{STYLE, charts};
-use crate::chart::{Band, Chart, Line};
-use crate::text::{three_digits, with_interval};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use super::{residual_stress, run};
+use crate::kit::chart::{Band, Chart, ChartLine};
+use crate::kit::colours::{BLUE, BLUE_LIGHT, GREEN, RED};
+use crate::kit::numbers::{M_PER_MIN, MM, UM, three_digits, with_interval};
+use crate::kit::shell::{Shell, figure, note, tab};
+use crate::kit::table::{Column, or_dash, table};
+use maud::{Markup, html};
 use sphcut_postprocess::ProcessResult;
 use sphcut_postprocess::springback::{
-    Agreement, Measurement, MedianInterval, RESOLUTION_SHARE, Springback, StressBin,
+    Agreement, Measurement, MedianInterval, RESOLUTION_SHARE, Springback,
 };
 use sphcut_record::Run;
-
-const BLUE: &str = "#0072b2";
-const BLUE_LIGHT: &str = "#9cc7e2";
-const RED: &str = "#d55e00";
-const GREEN: &str = "#009e73";
-const UM: f64 = 1e6;
-const MM: f64 = 1e3;
-const MPA: f64 = 1e-6;
 
 /// One run of the page.
 #[derive(Debug, Clone, Copy)]
@@ -35,35 +30,17 @@ pub struct SpringbackRun<'a> {
 #[must_use]
 pub fn render_springback(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> String {
     let version = runs.first().map_or("", |run| run.run.provenance.version.as_str());
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content={ "sphcut " (version) };
-                link rel="icon" href="data:,";
-                title { "Springback \u{2013} sphcut" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                main {
-                    header {
-                        h1 { "Springback" }
-                        p.lead { "Normal distance between the lowest point of the tool and the \
-                            machined surface behind it; " (of_which(runs)) "." }
-                    }
-                    (verdicts(runs, measurements))
-                    (overview(runs, measurements))
-                    (against_speed(runs, measurements))
-                    @for run in runs { (details(run)) }
-                    (definitions())
-                    footer { "Written by sphcut " (version) "." }
-                }
-            }
-        }
+    let sentences = runs.iter().map(|run| html! { (sentence(run, measurements)) });
+    let body = html! {
+        (note("What these figures say", sentences))
+        (overview(runs, measurements))
+        (against_speed(runs, measurements))
+        @for run in runs { (details(run)) }
+        (definitions())
     };
-    page.into_string()
+    let lead = html! { "Normal distance between the lowest point of the tool and the machined surface behind it; "
+    (of_which(runs)) "." };
+    Shell { tab: tab("Springback"), title: "Springback", lead, version, body }.render()
 }
 
 /// Where it was measured.
@@ -78,19 +55,9 @@ fn of_which(runs: &[SpringbackRun<'_>]) -> &'static str {
     }
 }
 
-/// What can be said, in words.
-fn verdicts(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup {
-    html! {
-        section.warnings role="note" {
-            h2 { "What these figures say" }
-            ul { @for run in runs { li { (sentence(run, measurements)) } } }
-        }
-    }
-}
-
 /// v_c in m/min as text.
 fn speed(springback: &Springback) -> String {
-    three_digits(springback.cutting_speed * 60.0)
+    three_digits(springback.cutting_speed * M_PER_MIN)
 }
 
 /// One run in words: what is resolved, and whether it agrees.
@@ -152,41 +119,43 @@ fn sentence(run: &SpringbackRun<'_>, measurements: &[Measurement]) -> String {
 }
 
 fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup {
-    let interval = |mean: f64, half: f64| with_interval(mean, half);
+    use Column::{Number, Text};
+    let columns = [
+        Text("Run"),
+        Number("v_c in m/min"),
+        Number("Springback in \u{b5}m"),
+        Number("interval"),
+        Number("median and its interval"),
+        Number("overlap"),
+        Number("resolution"),
+        Number("Measured in \u{b5}m"),
+        Number("F_c in N"),
+        Number("F_f in N"),
+    ];
+    let rows = html! { @for run in runs {
+        @let found = run.springback;
+        @let error = found.error;
+        @let forces = &run.result.forces;
+        @let compared = found.compare(measurements);
+        tr {
+            th scope="row" { (run.name) }
+            td.n { (speed(found)) }
+            td.n { (or_dash(found.mean, |mean| with_interval(mean.mean * UM, error.total() * UM))) }
+            td.n { (three_digits(error.statistical * UM)) }
+            td.n { (or_dash(found.median, median)) }
+            td.n { (three_digits(error.overlap * UM)) }
+            td.n { (three_digits(error.resolution * UM)) }
+            td.n { (or_dash(compared, |c| with_interval(c.measured.springback * UM, c.measured.uncertainty * UM))) }
+            td.n { (with_interval(forces.cutting.mean, forces.cutting.ci95)) (measured_force(compared.and_then(|c| c.measured.cutting_force))) }
+            td.n { (with_interval(forces.feed.mean, forces.feed.ci95)) (measured_force(compared.and_then(|c| c.measured.normal_force))) }
+        }
+    } };
     html! {
         section {
             h2 { "Springback and forces" }
-            div.scroll { table {
-                caption { "Springback with its error bar: 95 % interval of the mean, plus the overlap of \
-                    particles and tool, plus what the spacing resolves. The median does not follow crumbs \
-                    that stand up from the surface. Forces with their 95 % interval." }
-                thead { tr {
-                    th scope="col" { "Run" } th.n scope="col" { "v" sub { "c" } " in m/min" }
-                    th.n scope="col" { "Springback in \u{b5}m" } th.n scope="col" { "interval" }
-                    th.n scope="col" { "median and its interval" }
-                    th.n scope="col" { "overlap" } th.n scope="col" { "resolution" }
-                    th.n scope="col" { "Measured in \u{b5}m" }
-                    th.n scope="col" { "F" sub { "c" } " in N" } th.n scope="col" { "F" sub { "f" } " in N" }
-                } }
-                tbody { @for run in runs {
-                    @let found = run.springback;
-                    @let error = found.error;
-                    @let forces = &run.result.forces;
-                    @let compared = found.compare(measurements);
-                    tr {
-                        th scope="row" { (run.name) }
-                        td.n { (speed(found)) }
-                        td.n { (found.mean.map_or_else(|| "\u{2013}".to_owned(), |mean| interval(mean.mean * UM, error.total() * UM))) }
-                        td.n { (three_digits(error.statistical * UM)) }
-                        td.n { (found.median.map_or_else(|| "\u{2013}".to_owned(), median)) }
-                        td.n { (three_digits(error.overlap * UM)) }
-                        td.n { (three_digits(error.resolution * UM)) }
-                        td.n { (compared.map_or_else(|| "\u{2013}".to_owned(), |c| interval(c.measured.springback * UM, c.measured.uncertainty * UM))) }
-                        td.n { (interval(forces.cutting.mean, forces.cutting.ci95)) (measured_force(compared.and_then(|c| c.measured.cutting_force))) }
-                        td.n { (interval(forces.feed.mean, forces.feed.ci95)) (measured_force(compared.and_then(|c| c.measured.normal_force))) }
-                    }
-                } }
-            } }
+            (table("Springback with its error bar: 95 % interval of the mean, plus the overlap of \
+                particles and tool, plus what the spacing resolves. The median does not follow crumbs \
+                that stand up from the surface. Forces with their 95 % interval.", columns, &rows))
         }
     }
 }
@@ -207,10 +176,6 @@ fn measured_force(force: Option<f64>) -> Markup {
     html! { @if let Some(force) = force { br; "measured " (three_digits(force)) } }
 }
 
-fn figure(chart: &Chart<'_>, caption: &str) -> Markup {
-    html! { @if let Some(svg) = chart.svg() { figure { (PreEscaped(svg)) figcaption { (caption) } } } }
-}
-
 fn against_speed(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup {
     let simulated = runs.iter().filter_map(|run| {
         let found = run.springback;
@@ -219,7 +184,7 @@ fn against_speed(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Ma
     });
     let measured = measurements.iter().map(|m| (m.cutting_speed, m.springback, m.uncertainty, RED));
     let points: Vec<(f64, f64, f64, &str)> = simulated.chain(measured).collect();
-    let highest = points.iter().map(|point| point.0 * 60.0).fold(0.0, f64::max);
+    let highest = points.iter().map(|point| point.0 * M_PER_MIN).fold(0.0, f64::max);
     let half_width = 0.015 * highest;
     let chart = Chart {
         description: "Springback against cutting speed with error bars.".to_owned(),
@@ -228,8 +193,8 @@ fn against_speed(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Ma
         height: 340.0,
         x: vec![0.0, 1.15 * highest],
         lines: vec![
-            Line { name: "Simulated", colour: BLUE, width: 1.0, values: Vec::new() },
-            Line {
+            ChartLine { name: "Simulated", colour: BLUE, width: 1.0, values: Vec::new() },
+            ChartLine {
                 name: if measurements.is_empty() { "" } else { "Measured" },
                 colour: RED,
                 width: 1.0,
@@ -240,8 +205,8 @@ fn against_speed(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Ma
             .iter()
             .map(|&(v, mean, half, colour)| Band {
                 // Measured bars stand to the right of simulated ones.
-                from: v * 60.0 + if colour == RED { half_width } else { -half_width },
-                to: v * 60.0 + if colour == RED { 3.0 * half_width } else { half_width },
+                from: v * M_PER_MIN + if colour == RED { half_width } else { -half_width },
+                to: v * M_PER_MIN + if colour == RED { 3.0 * half_width } else { half_width },
                 mean: mean * UM,
                 half_width: half * UM,
                 colour,
@@ -258,7 +223,7 @@ fn against_speed(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Ma
     html! {
         section {
             h2 { "Against the cutting speed" }
-            (figure(&chart, "Each bar is a mean (line) with its whole error bar (box): simulated in blue, \
+            (figure(chart.svg(), "Each bar is a mean (line) with its whole error bar (box): simulated in blue, \
                 measured with its uncertainty in orange, drawn beside the speed."))
         }
     }
@@ -269,7 +234,7 @@ fn details(run: &SpringbackRun<'_>) -> Markup {
     html! {
         section {
             h2 { (run.name) ", " (speed(found)) " m/min" }
-            (figure(&profile(found), "Springback against the cutting distance. Blue: particles that a \
+            (figure(profile(found).svg(), "Springback against the cutting distance. Blue: particles that a \
                 snapshot has seen touching the lowest part of the tool, followed until they lie clear \
                 of it. Pale: outermost particles of strips two spacings wide, whose height says how rough \
                 the surface is. Band: mean over the window with its whole error bar."))
@@ -280,11 +245,11 @@ fn details(run: &SpringbackRun<'_>) -> Markup {
                 and is no springback. " (found.touched.len()) " particles were followed; "
                 (found.torn) " were torn out."
             }
-            (figure(&recovery(found), "The same particles against the distance behind the tool: mean and \
+            (figure(recovery(found).svg(), "The same particles against the distance behind the tool: mean and \
                 standard deviation between particles. The surface up to the clear distance is not part of \
                 the mean."))
-            (charts::force_figure(run.run, run.result))
-            (figure(&stress(&found.stress), "Residual stress against the depth below the plane of the \
+            (run::force_figure(run.run, run.result))
+            (figure(residual_stress::chart(&found.stress).svg(), "Residual stress against the depth below the plane of the \
                 tool's lowest point, tension positive: layers of one spacing weighted 1, 2, 1 with their \
                 neighbours, mean over the window of the machined surface (thick) and its 95 % interval \
                 (thin). The stress normal to the surface has to vanish at it: what it is there is an \
@@ -334,13 +299,18 @@ fn profile(found: &Springback) -> Chart<'static> {
         y_title: "Springback in \u{b5}m",
         height: 360.0,
         lines: vec![
-            Line {
+            ChartLine {
                 name: "Outermost particles",
                 colour: BLUE_LIGHT,
                 width: 1.0,
                 values: values(&strips),
             },
-            Line { name: "Touched particles", colour: BLUE, width: 2.0, values: values(&touched) },
+            ChartLine {
+                name: "Touched particles",
+                colour: BLUE,
+                width: 2.0,
+                values: values(&touched),
+            },
         ],
         window: Some((from, to, "window")),
         bands: bands.into_iter().collect(),
@@ -363,46 +333,11 @@ fn recovery(found: &Springback) -> Chart<'static> {
         height: 300.0,
         x: found.recovery.iter().map(|bin| bin.behind * UM).collect(),
         lines: vec![
-            Line { name: "", colour: BLUE_LIGHT, width: 1.0, values: of(1.0) },
-            Line { name: "", colour: BLUE_LIGHT, width: 1.0, values: of(-1.0) },
-            Line { name: "Touched particles", colour: BLUE, width: 2.0, values: of(0.0) },
+            ChartLine { name: "", colour: BLUE_LIGHT, width: 1.0, values: of(1.0) },
+            ChartLine { name: "", colour: BLUE_LIGHT, width: 1.0, values: of(-1.0) },
+            ChartLine { name: "Touched particles", colour: BLUE, width: 2.0, values: of(0.0) },
         ],
         window: Some((clear, last.max(clear), "clear of the tool")),
-        y_includes: vec![0.0],
-        ..Chart::default()
-    }
-}
-
-/// One stress of a layer with its interval.
-type Pick = fn(&StressBin) -> (f64, f64);
-
-/// Residual stress against depth.
-pub(super) fn stress(bins: &[StressBin]) -> Chart<'static> {
-    let mut lines = Vec::new();
-    let columns: [(&str, &str, Pick); 3] = [
-        ("Along the cut", BLUE, |bin| (bin.cutting, bin.cutting_ci95)),
-        ("Across", RED, |bin| (bin.across, bin.across_ci95)),
-        ("Normal to the surface", GREEN, |bin| (bin.normal, bin.normal_ci95)),
-    ];
-    for (name, colour, pick) in columns {
-        for (name, width, sign) in [("", 0.6, 1.0), ("", 0.6, -1.0), (name, 2.0, 0.0)] {
-            let value = |bin: &StressBin| {
-                let (mean, half) = pick(bin);
-                // No interval, no thin line.
-                let shift = if sign == 0.0 { 0.0 } else { sign * half };
-                let value = mean + shift;
-                if value.is_finite() { value * MPA } else { f64::NAN }
-            };
-            lines.push(Line { name, colour, width, values: bins.iter().map(value).collect() });
-        }
-    }
-    Chart {
-        description: "Residual stress against depth.".to_owned(),
-        x_title: "Depth in \u{b5}m",
-        y_title: "Residual stress in MPa",
-        height: 340.0,
-        x: bins.iter().map(|bin| bin.depth * UM).collect(),
-        lines,
         y_includes: vec![0.0],
         ..Chart::default()
     }

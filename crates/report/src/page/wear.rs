@@ -1,14 +1,13 @@
 //! `wear.html`: what grows while tools cut.
 
-use super::charts::{BLUE, RED, figure};
-use super::greybox::{indexed, page as whole};
-use crate::chart::{Chart, Line};
-use crate::text::{minus, percent, three_digits};
+use crate::kit::chart::{Chart, ChartLine};
+use crate::kit::colours::{BLUE, BLUE_LIGHT, INK, RED};
+use crate::kit::numbers::{minus, percent, three_digits};
+use crate::kit::shell::{Shell, figure, tab, verdict};
+use crate::kit::table::{Column, table};
+use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_diagnose::{Amount, Cause, LeftOutTool, WearGrowth, growth_words};
-
-const PALE: &str = "#9cc7e2";
-const INK: &str = "#22262b";
 
 /// What the page shows.
 #[derive(Debug, Clone, Copy)]
@@ -29,48 +28,41 @@ pub fn render_wear(page: &WearPage<'_>) -> String {
     let lead = html! {
         (found.left_out.len()) " tools, " (segments) " segments (" (page.table) "), each tool compared with itself when it was fresh."
     };
-    let sentences = growth_words(found);
     let grows = found.causes[0].0 != Cause::Nothing;
     let body = html! {
-        section.warnings[grows].clean[!grows] role="note" {
-            @if let [verdict, rest @ ..] = sentences.as_slice() {
-                h2 { (verdict) }
-                ul { @for sentence in rest { li { (indexed(sentence)) } } }
-            }
-        }
+        (verdict(grows, &growth_words(found), indexed))
         (causes(found))
         (tools(found))
         (limits(found))
     };
-    whole("What grows while tools cut", &lead, page.version, &body)
+    let title = "What grows while tools cut";
+    Shell { tab: tab(title), title, lead, version: page.version, body }.render()
 }
 
 fn causes(found: &WearGrowth) -> Markup {
+    let causes = html! { @for (cause, probability) in &found.causes { tr {
+        th scope="row" { (cause.title()) } td.n { (percent(*probability)) }
+    } } };
+    let columns = [
+        Column::Text("Tool left out"),
+        Column::Number("Wear, by the others"),
+        Column::Number("Mean change of F_c in N"),
+        Column::Number("Mean error in N"),
+        Column::Number("Error / change"),
+        Column::Number("Fall against the noise"),
+    ];
+    let tools = html! { @for tool in &found.left_out { tr.over[tool.is_unsteady()] {
+        th scope="row" { (tool.tool) } td.n { (percent(tool.wear)) }
+        td.n { (three_digits(tool.change)) } td.n { (three_digits(tool.error)) } td.n { (three_digits(tool.error / tool.change)) }
+        td.n { (three_digits(tool.fall)) @if tool.is_unsteady() { " (beyond noise)" } }
+    } } };
     html! {
         section {
             h2 { "What grows" }
-            div.scroll { table {
-                caption { "All explanations. They differ in the direction in which the three forces change together, and in whether a new tool takes the \
-                    change back. A name needs more than 90 %." }
-                thead { tr { th scope="col" { "Explanation" } th.n scope="col" { "Probability" } } }
-                tbody { @for (cause, probability) in &found.causes { tr {
-                    th scope="row" { (cause.title()) } td.n { (percent(*probability)) }
-                } } }
-            } }
-            div.scroll { table {
-                caption { "Each tool left out in turn: what the others say of the cause, and the change of the cutting force on the tool left out as it follows \
-                    from those of feed and passive force in the direction that the others taught." }
-                thead { tr {
-                    th scope="col" { "Tool left out" } th.n scope="col" { "Wear, by the others" }
-                    th.n scope="col" { "Mean change of F" sub { "c" } " in N" } th.n scope="col" { "Mean error in N" } th.n scope="col" { "Error / change" }
-                    th.n scope="col" { "Fall against the noise" }
-                } }
-                tbody { @for tool in &found.left_out { tr.over[tool.is_unsteady()] {
-                    th scope="row" { (tool.tool) } td.n { (percent(tool.wear)) }
-                    td.n { (three_digits(tool.change)) } td.n { (three_digits(tool.error)) } td.n { (three_digits(tool.error / tool.change)) }
-                    td.n { (three_digits(tool.fall)) @if tool.is_unsteady() { " (beyond noise)" } }
-                } } }
-            } }
+            (table("All explanations. They differ in the direction in which the three forces change together, and in whether a new tool takes the \
+                change back. A name needs more than 90 %.", [Column::Text("Explanation"), Column::Number("Probability")], &causes))
+            (table("Each tool left out in turn: what the others say of the cause, and the change of the cutting force on the tool left out as it follows \
+                from those of feed and passive force in the direction that the others taught.", columns, &tools))
             p { "Fall against the noise: how far the force of wear departs from its isotonic fit, root mean square over the standard \
                 deviation of a segment. Around 1 and below it is noise." }
         }
@@ -100,8 +92,8 @@ fn line<'a>(
     tool: &LeftOutTool,
     (name, colour, width): (&'a str, &'a str, f64),
     of: impl Fn(&Amount) -> f64,
-) -> Line<'a> {
-    Line { name, colour, width, values: tool.amounts.iter().map(of).collect() }
+) -> ChartLine<'a> {
+    ChartLine { name, colour, width, values: tool.amounts.iter().map(of).collect() }
 }
 
 fn force(tool: &LeftOutTool) -> Chart<'static> {
@@ -112,8 +104,8 @@ fn force(tool: &LeftOutTool) -> Chart<'static> {
         height: 300.0,
         x: times(tool),
         lines: vec![
-            line(tool, ("95 % interval", PALE, 1.0), |a| a.interval[0]),
-            line(tool, ("", PALE, 1.0), |a| a.interval[1]),
+            line(tool, ("95 % interval", BLUE_LIGHT, 1.0), |a| a.interval[0]),
+            line(tool, ("", BLUE_LIGHT, 1.0), |a| a.interval[1]),
             line(tool, ("as the forces say", BLUE, 2.0), |a| a.force),
             line(tool, ("isotonic fit", RED, 2.0), |a| a.never_falling),
         ],

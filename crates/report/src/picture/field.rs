@@ -1,6 +1,6 @@
 //! Quantities a picture can be coloured by.
 
-use crate::canvas::Rgb;
+use crate::kit::canvas::Rgb;
 use colorous::Gradient;
 use sphcut_sph::Snapshot;
 
@@ -9,7 +9,7 @@ const MIDDLE_SHADE: f64 = 0.2;
 
 /// A quantity of the particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Field {
+pub enum ParticleField {
     /// Temperature in K.
     Temperature,
     /// Equivalent plastic strain.
@@ -24,7 +24,7 @@ pub enum Field {
     Speed,
 }
 
-impl Field {
+impl ParticleField {
     /// Every field, in the order in which reports show them.
     pub const ALL: [Self; 6] = [
         Self::Temperature,
@@ -61,7 +61,7 @@ impl Field {
         }
     }
 
-    /// The values of the particles in the unit of [`Field::title`].
+    /// The values of the particles in the unit of [`ParticleField::title`].
     #[must_use]
     pub fn values(self, snapshot: &Snapshot) -> Vec<f64> {
         let in_mpa = |values: &[f64]| values.iter().map(|v| v * 1e-6).collect();
@@ -166,16 +166,16 @@ mod tests {
             pressure: values.iter().map(|value| value * 1e6).collect(),
             ..Snapshot::default()
         };
-        let (low, high) = Field::Pressure.range([&pressure(&[-120.0, 0.0, 800.0])]);
+        let (low, high) = ParticleField::Pressure.range([&pressure(&[-120.0, 0.0, 800.0])]);
         assert_eq!((low, high), (-800.0, 800.0));
-        assert_eq!(Field::Pressure.range([&pressure(&[-900.0, 800.0])]), (-900.0, 900.0));
-        assert_eq!(Field::Pressure.range([&pressure(&[0.0])]), (-1.0, 1.0));
-        let [red, green, blue] = Field::Pressure.colour_at(0.5);
+        assert_eq!(ParticleField::Pressure.range([&pressure(&[-900.0, 800.0])]), (-900.0, 900.0));
+        assert_eq!(ParticleField::Pressure.range([&pressure(&[0.0])]), (-1.0, 1.0));
+        let [red, green, blue] = ParticleField::Pressure.colour_at(0.5);
         let spread = red.max(green).max(blue) - red.min(green).min(blue);
         assert!(spread < 8 && (170..215).contains(&green), "{red} {green} {blue}");
-        let [red, _, blue] = Field::Pressure.colour_at(1.0);
+        let [red, _, blue] = ParticleField::Pressure.colour_at(1.0);
         assert!(red > 2 * blue.max(1), "{red} {blue}");
-        let [red, _, blue] = Field::Pressure.colour_at(0.0);
+        let [red, _, blue] = ParticleField::Pressure.colour_at(0.0);
         assert!(blue > 2 * red.max(1), "{red} {blue}");
     }
 }

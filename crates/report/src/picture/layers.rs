@@ -1,7 +1,8 @@
 //! The grid of the uncut material carried along by the particles.
 
-use super::{Layout, PictureOptions, View, draw_scene};
-use crate::canvas::Rgb;
+use super::plane::{Layout, PictureOptions, draw_scene};
+use super::view::View;
+use crate::kit::canvas::Rgb;
 use sphcut_sph::Snapshot;
 use std::collections::HashMap;
 

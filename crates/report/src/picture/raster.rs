@@ -1,8 +1,8 @@
 //! From particles and a polygon to pixels.
 
 use super::distance::squared_distances;
-use super::{Style, View};
-use crate::canvas::{Canvas, Rgb, WHITE};
+use super::view::View;
+use crate::kit::canvas::{Canvas, Rgb, WHITE};
 use sphcut_sph::Snapshot;
 
 /// Radius of a particle's disc in spacings. Discs of 0.71 just cover a square lattice.
@@ -14,6 +14,19 @@ const CLOSING_RADIUS: f64 = 1.3;
 const SURFACE: f64 = 0.5;
 const TOOL_FILL: Rgb = [196, 200, 205];
 const TOOL_EDGE: Rgb = [70, 76, 84];
+
+/// What a picture shows of the particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Style {
+    /// A disc of 0.72 spacings for each particle, the nearest one in front: white within the chip
+    /// is a place without particles, be it a hole or rows that the flow has stretched apart.
+    #[default]
+    Particles,
+    /// The material: rows of particles up to 2.6 spacings apart belong together, surfaces lie half
+    /// a spacing outside the outermost particles. Only holes wider than that stay white. Plane
+    /// runs only; in three dimensions as [`Style::Particles`].
+    Material,
+}
 
 /// The mapping from metres to pixels of one picture.
 #[derive(Debug, Clone, Copy)]

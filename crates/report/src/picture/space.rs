@@ -1,10 +1,11 @@
 //! Pictures of a run in three dimensions: a parallel projection, the particles as balls with light
 //! from above, the tool as a shaded surface; whatever is nearer to the eye hides what is behind.
 
-use super::raster::Mapping;
-use super::{ColourBar, raster};
-use super::{Field, Layout, OVERSAMPLING, View, colours, draw_colour_bar, draw_scale_bar};
-use crate::canvas::{Anchor, Canvas, INK, Rgb, Text};
+use super::field::ParticleField;
+use super::plane::{ColourBar, Layout, OVERSAMPLING, colours, draw_colour_bar, draw_scale_bar};
+use super::raster::{self, Mapping};
+use super::view::View;
+use crate::kit::canvas::{Anchor, Canvas, INK, Rgb, Text, WHITE, text_width};
 use sphcut_sph::Snapshot;
 
 /// Radius of a particle's ball in spacings: those of a cubic lattice leave no gaps.
@@ -28,8 +29,8 @@ pub struct SpaceOptions {
     /// up, towards the eye.
     pub axes: [Vector; 3],
     /// Whether the tool is drawn.
-    pub tool: Tool,
-    /// Ends of the colour bar; `None` takes [`Field::range`].
+    pub tool: ToolVisibility,
+    /// Ends of the colour bar; `None` takes [`ParticleField::range`].
     pub range: Option<(f64, f64)>,
     /// The part shown, along the directions of the picture; `None` shows all particles.
     pub view: Option<View>,
@@ -43,7 +44,7 @@ pub struct SpaceOptions {
 
 /// Whether the tool is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tool {
+pub enum ToolVisibility {
     /// It is.
     Shown,
     /// It is not: what it hides can be seen.
@@ -70,7 +71,11 @@ pub fn axes([ahead, side, up]: [Vector; 3], azimuth: f64, elevation: f64) -> [Ve
 
 /// The particles and the tool as PNG.
 #[must_use]
-pub fn render_in_space(snapshot: &Snapshot, field: Field, options: &SpaceOptions) -> Vec<u8> {
+pub fn render_in_space(
+    snapshot: &Snapshot,
+    field: ParticleField,
+    options: &SpaceOptions,
+) -> Vec<u8> {
     draw_in_space(snapshot, field, options).png()
 }
 
@@ -97,7 +102,11 @@ pub fn whole_in_space(snapshot: &Snapshot, axes: &[Vector; 3]) -> View {
     View::whole(&projected(snapshot, axes))
 }
 
-pub(crate) fn draw_in_space(snapshot: &Snapshot, field: Field, options: &SpaceOptions) -> Canvas {
+pub(crate) fn draw_in_space(
+    snapshot: &Snapshot,
+    field: ParticleField,
+    options: &SpaceOptions,
+) -> Canvas {
     let seen = projected(snapshot, &options.axes);
     let view = options.view.unwrap_or_else(|| View::whole(&seen));
     let layout = Layout::new(options.width, options.text_scale, view);
@@ -112,9 +121,9 @@ pub(crate) fn draw_in_space(snapshot: &Snapshot, field: Field, options: &SpaceOp
     // The mesh of its heat has the tool's whole surface.
     let heated = colours(&field.tool_values(snapshot), field, range);
     match options.tool {
-        Tool::Hidden => {}
-        Tool::Shown if heated.is_empty() => scene.triangles(&seen.tool),
-        Tool::Shown => scene.heated(&seen.tool_nodes, &snapshot.tool_elements, &heated),
+        ToolVisibility::Hidden => {}
+        ToolVisibility::Shown if heated.is_empty() => scene.triangles(&seen.tool),
+        ToolVisibility::Shown => scene.heated(&seen.tool_nodes, &snapshot.tool_elements, &heated),
     }
     let fine = scene.lit();
     let mut canvas = Canvas::new(layout.width, layout.height);
@@ -154,7 +163,7 @@ fn draw_directions(canvas: &mut Canvas, layout: &Layout, options: &SpaceOptions)
         }
         let at = [x + 0.8 * length, y + 0.35 * font];
         canvas.text(&Text { at, anchor: Anchor::Start, size: font, text: name }, INK);
-        x += 0.8 * length + crate::canvas::text_width(name, font) + 2.0 * length;
+        x += 0.8 * length + text_width(name, font) + 2.0 * length;
     }
 }
 
@@ -180,7 +189,7 @@ impl Scene {
             width,
             height,
             depth: vec![f64::NEG_INFINITY; count],
-            colour: vec![crate::canvas::WHITE; count],
+            colour: vec![WHITE; count],
             light: vec![f64::NAN; count],
             radius: 1.0,
         }
@@ -358,7 +367,7 @@ mod tests {
         assert_eq!((right[2], above[1], eye[0]), (-1.0, 1.0, 1.0));
     }
 
-    fn options(axes: [Vector; 3], tool: Tool) -> SpaceOptions {
+    fn options(axes: [Vector; 3], tool: ToolVisibility) -> SpaceOptions {
         SpaceOptions {
             width: 400,
             axes,
@@ -409,8 +418,11 @@ mod tests {
     #[test]
     fn an_empty_snapshot_has_a_picture() {
         let axes = axes(FRAME, 0.5, 0.5);
-        let picture =
-            render_in_space(&Snapshot::default(), Field::Speed, &options(axes, Tool::Shown));
+        let picture = render_in_space(
+            &Snapshot::default(),
+            ParticleField::Speed,
+            &options(axes, ToolVisibility::Shown),
+        );
         assert_eq!(&picture[1..4], b"PNG");
     }
 }

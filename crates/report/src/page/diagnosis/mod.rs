@@ -7,9 +7,14 @@ mod words;
 pub use series::{SeriesPage, render_series, series_summary};
 pub use words::diagnosis_words;
 
-use super::greybox::maps::{Colours, Map};
-use super::greybox::{figure, page as whole};
-use crate::text::{minus, percent, three_digits};
+use crate::kit::map::{ColourScale, Map};
+use crate::kit::numbers::{
+    M_PER_MIN, MM, UM, minus, percent, signed, signed_percent, three_digits, with_ends,
+};
+use crate::kit::shell::{Shell, plain, plotted, tab, verdict};
+use crate::kit::table::Column::{Number, Text};
+use crate::kit::table::{NONE, table};
+use crate::kit::text::listed;
 use maud::{Markup, html};
 use sphcut_diagnose::series::SeriesDiagnosis;
 use sphcut_diagnose::{
@@ -17,7 +22,7 @@ use sphcut_diagnose::{
     Predictor, Recordings, Rerun, Scored,
 };
 use sphcut_greybox::{Hull, Input};
-use words::{error, family, listed, parameters, part, pattern, rate, shown, unanswered};
+use words::{error, family, parameters, part, pattern, rate, shown, unanswered};
 
 /// Explanations that are shown.
 const MOST_EXPLANATIONS: usize = 10;
@@ -49,12 +54,7 @@ pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
     let sentences = diagnosis_words(page);
     let alarm = page.diagnosis.finding.is_alarm();
     let body = html! {
-        section.warnings[alarm].clean[!alarm] role="note" {
-            @if let [verdict, rest @ ..] = sentences.as_slice() {
-                h2 { (verdict) }
-                ul { @for sentence in rest { li { (sentence) } } }
-            }
-        }
+        (verdict(alarm, &sentences, plain))
         (where_it_is(page))
         (what_it_is(page))
         @if let Some(series) = page.series {
@@ -70,7 +70,8 @@ pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
         (next(page))
         (method(page))
     };
-    whole(&format!("What is missing: {}", provenance.title), &lead, provenance.version, &body)
+    let title = format!("What is missing: {}", provenance.title);
+    Shell { tab: tab(&title), title: &title, lead, version: provenance.version, body }.render()
 }
 
 fn where_it_is(page: &DiagnosisPage<'_>) -> Markup {
@@ -87,21 +88,16 @@ fn where_it_is(page: &DiagnosisPage<'_>) -> Markup {
                 cannot follow it."
                 @if tools_differ { " A place on the maps is the mean over the tools that cut there; what differs between them is among the patterns." } }
             div.pair { @for (channel, points) in &location.maps {
-                (figure(&map(page, points, size, channel.title()),
+                (plotted(&map(page, points, size, channel.title()),
                     &format!("{}: measured above the model is red, below is blue. Dots: recordings.", channel.title())))
             } }
-            div.scroll { table {
-                caption { "Patterns of the residual. A discovery survives Benjamini and Hochberg: of all discoveries one in twenty is expected to be false." }
-                thead { tr {
-                    th scope="col" { "Channel" } th scope="col" { "Pattern" }
-                    th.n scope="col" { "Standard deviations" } th scope="col" { "Discovery" }
-                } }
-                tbody { @for contrast in location.contrasts.iter().take(MOST_PATTERNS) { tr {
+            (table("Patterns of the residual. A discovery survives Benjamini and Hochberg: of all discoveries one in twenty is expected to be false.",
+                [Text("Channel"), Text("Pattern"), Number("Standard deviations"), Text("Discovery")],
+                &html! { @for contrast in location.contrasts.iter().take(MOST_PATTERNS) { tr {
                     th scope="row" { (contrast.channel.title()) } td { (pattern(contrast.pattern)) }
-                    td.n { (minus(&format!("{:+.1}", contrast.score))) }
+                    td.n { (signed(contrast.score, 1)) }
                     td { @if contrast.discovered { "yes" } @else { "no" } }
-                } } }
-            } }
+                } } }))
         }
     }
 }
@@ -122,7 +118,7 @@ fn map(page: &DiagnosisPage<'_>, points: &[MapPoint], size: f64, title: &str) ->
         title: title.to_owned(),
         description: format!("Residual of the {title} over cutting speed and uncut chip thickness"),
         quantity: "standard deviations".to_owned(),
-        colours: Colours::around_zero([size].into_iter()),
+        colours: ColourScale::around_zero([size].into_iter()),
         hull: &hull,
         inputs: &inputs,
         surface: Some(&surface),
@@ -168,37 +164,28 @@ fn what_it_is(page: &DiagnosisPage<'_>) -> Markup {
     html! {
         section {
             h2 { "Candidate effects" }
-            div.scroll { table {
-                caption { "The most probable explanations. Under each of them material, friction and instruments are fitted anew. An alarm needs \
-                    a posterior probability of the null hypothesis below 5 %; a named effect one above 90 %." }
-                thead { tr {
-                    th scope="col" { "Explanation" } th.n scope="col" { "Posterior probability" } th scope="col" { "Most probable size (95 % interval)" }
-                } }
-                tbody { @for scored in found.attribution.scored.iter().take(MOST_EXPLANATIONS) { tr {
+            (table("The most probable explanations. Under each of them material, friction and instruments are fitted anew. An alarm needs \
+                    a posterior probability of the null hypothesis below 5 %; a named effect one above 90 %.",
+                [Text("Explanation"), Number("Posterior probability"), Text("Most probable size (95 % interval)")],
+                &html! { @for scored in found.attribution.scored.iter().take(MOST_EXPLANATIONS) { tr {
                     th scope="row" { (titles(page, scored)) }
                     td.n { (percent(scored.probability)) }
                     td { @if let Some(fit) = found.fits.iter().find(|fit| fit.effects == scored.hypothesis.effects()) {
                         (parameters(page, fit).join("; "))
                     } }
-                } } }
-            } }
+                } } }))
             @if finding.is_alarm() && !finding.families.is_empty() {
                 p { "By family: " (listed(&finding.families.iter().map(|(name, p)| format!("{} {}", family(name), percent(*p))).collect::<Vec<_>>())) "." }
             }
-            div.scroll { table {
-                caption { "Every candidate: the posterior probability that it is missing in the simulation, and by how much \u{3c7}\u{b2} would fall on average if it were missing \
-                    at a typical strength and were put in. Below 6 it is not identifiable with these data." }
-                thead { tr {
-                    th scope="col" { "Effect" } th scope="col" { "Family" } th.n scope="col" { "Probability" }
-                    th.n scope="col" { "Expected fall of \u{3c7}\u{b2}" } th scope="col" { "Identifiable" }
-                } }
-                tbody { @for (k, effect) in effects.iter().enumerate() { tr {
+            (table("Every candidate: the posterior probability that it is missing in the simulation, and by how much \u{3c7}\u{b2} would fall on average if it were missing \
+                    at a typical strength and were put in. Below 6 it is not identifiable with these data.",
+                [Text("Effect"), Text("Family"), Number("Probability"), Number("Expected fall of \u{3c7}\u{b2}"), Text("Identifiable")],
+                &html! { @for (k, effect) in effects.iter().enumerate() { tr {
                     th scope="row" { (effect.title) } td { (family(effect.family)) }
                     td.n { (percent(finding.inclusion[k])) }
                     td.n { (three_digits(found.attribution.expected_gains[k])) }
                     td { @if found.attribution.is_testable(k) { "yes" } @else { "not with these data" } }
-                } } }
-            } }
+                } } }))
         }
     }
 }
@@ -209,7 +196,7 @@ fn repair(page: &DiagnosisPage<'_>) -> Markup {
     let factors = |unknowns| found.problem.nuisances(unknowns, 0);
     let null = factors(&found.null.unknowns);
     let after = repaired.map(|fit| factors(&fit.unknowns));
-    let factor = |log: f64| minus(&format!("{:+.1} %", log.exp_m1() * 100.0));
+    let factor = |log: f64| signed_percent(log.exp_m1(), 1);
     html! {
         section {
             h2 { "Correction" }
@@ -257,23 +244,18 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                     tbody { @for held in help { tr {
                         th scope="row" { (part(held.part)) } td.n { (held.values) }
                         td.n { (error(held.before)) } td.n { (error(held.refitted)) } td.n { (error(held.repaired)) }
-                        td.n { (three_digits(held.ratio[0])) " (" (three_digits(held.ratio[1])) " to " (three_digits(held.ratio[2])) ")" }
+                        td.n { (with_ends(held.ratio)) }
                         @for (_, log) in &held.grey_box { td.n { (error(*log)) } }
-                        @for _ in held.grey_box.len()..first.grey_box.len() { td.n { "\u{2013}" } }
+                        @for _ in held.grey_box.len()..first.grey_box.len() { td.n { (NONE) } }
                     } } }
                 } }
                 p { "The correction improves the prediction where the whole 95 % interval of the ratio lies below 1." }
-                div.scroll { table {
-                    caption { "The same by channel. A channel to which nothing was fitted is predicted only if the others show the missing effect, too." }
-                    thead { tr {
-                        th scope="col" { "Left out" } th scope="col" { "Channel" } th.n scope="col" { "Recalibrated baseline" }
-                        th.n scope="col" { "Corrected" } th.n scope="col" { "Corrected / recalibrated" }
-                    } }
-                    tbody { @for held in help { @for (channel, [refitted, repaired]) in &held.channels { tr {
+                (table("The same by channel. A channel to which nothing was fitted is predicted only if the others show the missing effect, too.",
+                [Text("Left out"), Text("Channel"), Number("Recalibrated baseline"), Number("Corrected"), Number("Corrected / recalibrated")],
+                &html! { @for held in help { @for (channel, [refitted, repaired]) in &held.channels { tr {
                         th scope="row" { (part(held.part)) } td { (channel.title()) }
                         td.n { (error(*refitted)) } td.n { (error(*repaired)) } td.n { (three_digits(repaired / refitted)) }
-                    } } } }
-                } }
+                    } } } }))
             } @else {
                 p { "There is no correction to validate." }
             }
@@ -284,20 +266,15 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
 
 fn in_the_solver(rerun: &Rerun) -> Markup {
     html! {
-        div.scroll { table {
-            caption { "The scenario itself, run again in the particle solver at " (rerun.conditions) " of the recorded conditions: as it is, with material and friction \
+        (table(html! { "The scenario itself, run again in the particle solver at " (rerun.conditions) " of the recorded conditions: as it is, with material and friction \
                 recalibrated, and with the correction. Mean error over the recordings there, which were held out of both fits; the corners of speed and thickness are \
-                among them: for those the fits look beyond the rest." }
-            thead { tr {
-                th scope="col" { "Channel" } th.n scope="col" { "Values" } th.n scope="col" { "As simulated" }
-                th.n scope="col" { "Recalibrated baseline" } th.n scope="col" { "Corrected" } th.n scope="col" { "Corrected / recalibrated" }
-            } }
-            tbody { @for one in &rerun.channels { tr {
+                among them: for those the fits look beyond the rest." },
+                [Text("Channel"), Number("Values"), Number("As simulated"), Number("Recalibrated baseline"), Number("Corrected"), Number("Corrected / recalibrated")],
+                &html! { @for one in &rerun.channels { tr {
                 th scope="row" { (one.channel.title()) } td.n { (one.values) }
                 @for log in one.errors { td.n { (error(log)) } }
-                td.n { (three_digits(one.ratio[0])) " (" (three_digits(one.ratio[1])) " to " (three_digits(one.ratio[2])) ")" }
-            } } }
-        } }
+                td.n { (with_ends(one.ratio)) }
+            } } }))
     }
 }
 
@@ -321,7 +298,7 @@ fn trust(page: &DiagnosisPage<'_>) -> Markup {
                     tr { th scope="row" { "\u{2026} in the 95 % set" } td { (rate(control.in_set)) } }
                 }
                 @for noise in page.recordings.noise() { tr {
-                    th scope="row" { "Noise of a single " (noise.channel.title()) }
+                    th scope="row" { "ChannelNoise of a single " (noise.channel.title()) }
                     td { (percent(noise.deviation)) ", " (origin(noise)) }
                 } }
                 @for setup in &found.setups { tr {
@@ -393,9 +370,9 @@ fn next(page: &DiagnosisPage<'_>) -> Markup {
                     } }
                     tbody { @for (k, cut) in next.conditions.iter().enumerate() { tr {
                         th scope="row" { (k + 1) }
-                        td.n { (three_digits(cut.cutting_speed * 60.0)) } td.n { (three_digits(cut.uncut_chip_thickness * 1e3)) }
+                        td.n { (three_digits(cut.cutting_speed * M_PER_MIN)) } td.n { (three_digits(cut.uncut_chip_thickness * MM)) }
                         @if let Some(rake) = cut.tool.rake_angle { td.n { (minus(&three_digits(rake.to_degrees()))) } }
-                        @if let Some(radius) = cut.tool.edge_radius { td.n { (three_digits(radius * 1e6)) } }
+                        @if let Some(radius) = cut.tool.edge_radius { td.n { (three_digits(radius * UM)) } }
                     } } }
                 } }
                 @if !next.with_channel.is_empty() {

@@ -1,10 +1,12 @@
 //! The force over time on the page of a diagnosis: lines, what they follow, how it was tested.
 
-use super::super::charts::figure;
-use super::super::greybox::{indexed, page as whole};
 use super::time;
-use crate::chart::{Chart, Line, Mark};
-use crate::text::{percent, plain, three_digits, with_interval};
+use crate::kit::chart::{Chart, ChartLine, Mark};
+use crate::kit::colours::{BLUE, GREEN, RED, SLATE};
+use crate::kit::numbers::{M_PER_MIN, MM, percent, plain, three_digits, with_ends, with_interval};
+use crate::kit::shell::{Shell, figure, tab, verdict};
+use crate::kit::table::{Column, or_dash, table};
+use crate::kit::text::with_symbols;
 use maud::{Markup, html};
 use sphcut_diagnose::series::{
     CutLine, Explanation, LineLaw, Named, OverTime, SeriesDiagnosis, Track, law_title,
@@ -13,11 +15,6 @@ use sphcut_diagnose::series::{
 
 /// Spectra that are drawn.
 const MOST_SPECTRA: usize = 6;
-const BLUE: &str = "#1f5fa8";
-const RED: &str = "#b3402a";
-const GREEN: &str = "#2c7a4b";
-const INK: &str = "#5b6470";
-
 /// What the page of series without means shows.
 #[derive(Clone, Copy)]
 pub struct SeriesPage<'a> {
@@ -39,17 +36,12 @@ pub fn render_series(page: &SeriesPage<'_>) -> String {
     let changes = |of: &OverTime| of.trending.contains(&true) || of.running_in.contains(&true);
     let alarm = page.series.tracks.iter().any(|track| track.lines.len() > 2)
         || page.series.time.iter().any(changes);
-    let summary = series_summary(page.series);
     let body = html! {
-        section.warnings[alarm].clean[!alarm] role="note" {
-            @if let [first, rest @ ..] = summary.as_slice() {
-                h2 { (first) }
-                ul { @for sentence in rest { li { (self::sentence(sentence)) } } }
-            }
-        }
+        (verdict(alarm, &series_summary(page.series), sentence))
         (sections(page.series))
     };
-    whole(&format!("Forces over time: {}", page.title), &lead, page.version, &body)
+    let title = format!("Forces over time: {}", page.title);
+    Shell { tab: tab(&title), title: &title, lead, version: page.version, body }.render()
 }
 
 /// What is found, in a few sentences.
@@ -67,19 +59,7 @@ pub fn series_summary(found: &SeriesDiagnosis) -> Vec<String> {
 pub(super) fn sentence(text: &str) -> Markup {
     html! {
         @for (k, part) in text.split('`').enumerate() {
-            @if k % 2 == 1 { code { (part) } } @else { (symbols(part)) }
-        }
-    }
-}
-
-/// Text in which F_c, F_f, F_p and v_c are symbols; another underscore is one.
-fn symbols(text: &str) -> Markup {
-    let symbol =
-        ["F_c", "F_f", "F_p", "v_c"].into_iter().filter_map(|s| Some((text.find(s)?, s))).min();
-    html! {
-        @match symbol {
-            Some((at, symbol)) => { (text[..at]) (indexed(symbol)) (symbols(&text[at + symbol.len()..])) },
-            None => (text),
+            @if k % 2 == 1 { code { (part) } } @else { (with_symbols(part)) }
         }
     }
 }
@@ -108,19 +88,21 @@ pub(super) fn sections(found: &SeriesDiagnosis) -> Markup {
 
 fn one_track(found: &SeriesDiagnosis, number: usize, track: &Track) -> Markup {
     let words = track_words(found, track);
+    let columns = [
+        Column::Text("It follows"),
+        Column::Number("Probability"),
+        Column::Text("Constant (95 % interval)"),
+    ];
+    let laws = html! { @for explanation in &track.explanations { tr {
+        th scope="row" { (law_title(explanation.law)) }
+        td.n { @if explanation.log_evidence.is_some() { (percent(explanation.probability)) } @else { "impossible here" } }
+        td { (constant(explanation)) }
+    } } };
     html! {
         h3 { "Line " (number) ": " (heading(found, track)) }
         ul { @for sentence in &words { li { (self::sentence(sentence)) } } }
-        div.scroll { table {
-            caption { "What it may follow. Named above 90 %, and only if these cuts can tell it from the other laws." }
-            thead { tr { th scope="col" { "It follows" } th.n scope="col" { "Probability" } th scope="col" { "Constant (95 % interval)" } } }
-            tbody { @for explanation in track.explanations.iter() { tr {
-                th scope="row" { (law_title(explanation.law)) }
-                td.n { @if explanation.log_evidence.is_some() { (percent(explanation.probability)) } @else { "impossible here" } }
-                td { (constant(explanation)) }
-            } } }
-        } }
-        div.scroll { (lines_table(found, track)) }
+        (table("What it may follow. Named above 90 %, and only if these cuts can tell it from the other laws.", columns, &laws))
+        (lines_table(found, track))
     }
 }
 
@@ -142,15 +124,10 @@ fn constant(explanation: &Explanation) -> String {
         return String::new();
     };
     let with = |name: &str, unit: &str| {
-        if low == high {
-            format!("{name}{}{unit}", three_digits(value))
-        } else {
-            format!(
-                "{name}{}{unit} ({} to {})",
-                three_digits(value),
-                three_digits(low),
-                three_digits(high)
-            )
+        let value = if low == high { three_digits(value) } else { with_ends([value, low, high]) };
+        match value.split_once(' ') {
+            Some((value, ends)) => format!("{name}{value}{unit} {ends}"),
+            None => format!("{name}{value}{unit}"),
         }
     };
     match explanation.law {
@@ -163,26 +140,28 @@ fn constant(explanation: &Explanation) -> String {
 
 fn lines_table(found: &SeriesDiagnosis, track: &Track) -> Markup {
     let air = !found.air.is_empty();
-    html! { table {
-        caption { "Its lines. Amplitude: of the sine with the same power." }
-        thead { tr {
-            th scope="col" { "Cut" } th.n scope="col" { "v" sub { "c" } " in m/min" } th.n scope="col" { "h in mm" }
-            th.n scope="col" { "Frequency in Hz" }
-            @for channel in &found.cuts[0].channels { th.n scope="col" { (indexed(channel.component.symbol())) " in N" } }
-            @if air { th scope="col" { "In the air" } }
-        } }
-        tbody { @for line in track.lines.iter().map(|&k| &found.lines[k]) { (row(found, line, air)) } }
-    } }
+    let forces: Vec<String> =
+        found.cuts[0].channels.iter().map(|c| format!("{} in N", c.component.symbol())).collect();
+    let columns = [
+        Column::Text("Cut"),
+        Column::Number("v_c in m/min"),
+        Column::Number("h in mm"),
+        Column::Number("Frequency in Hz"),
+    ];
+    let columns = columns.into_iter().chain(forces.iter().map(|force| Column::Number(force)));
+    let columns = columns.chain(air.then_some(Column::Text("In the air")));
+    let rows = html! { @for line in track.lines.iter().map(|&k| &found.lines[k]) { (row(found, line, air)) } };
+    table("Its lines. Amplitude: of the sine with the same power.", columns, &rows)
 }
 
 fn row(found: &SeriesDiagnosis, line: &CutLine, air: bool) -> Markup {
     let cut = &found.cuts[line.cut];
     html! { tr {
-        th scope="row" { (cut.name) } td.n { (plain(cut.cutting_speed * 60.0)) } td.n { (plain(cut.uncut_chip_thickness * 1e3)) }
+        th scope="row" { (cut.name) } td.n { (plain(cut.cutting_speed * M_PER_MIN)) } td.n { (plain(cut.uncut_chip_thickness * MM)) }
         td.n { (with_interval(line.frequency, 1.96 * line.error)) }
-        @for own in &line.channels { td.n {
-            @match own { Some(own) => (with_interval(own.amplitude, 1.96 * own.amplitude_error)), None => "\u{2013}" }
-        } }
+        @for own in &line.channels {
+            td.n { (or_dash(own.as_ref(), |own| with_interval(own.amplitude, 1.96 * own.amplitude_error))) }
+        }
         @if air { td { @if line.in_air { "yes" } @else { "no" } } }
     } }
 }
@@ -190,17 +169,17 @@ fn row(found: &SeriesDiagnosis, line: &CutLine, air: bool) -> Markup {
 /// Lines that belong to no track.
 fn others(found: &SeriesDiagnosis) -> Markup {
     let few: Vec<&Track> = found.tracks.iter().filter(|t| t.named == Named::TooFewCuts).collect();
+    let columns =
+        [Column::Text("Cut"), Column::Number("Frequency in Hz"), Column::Number("Amplitude in N")];
+    let rows = html! { @for line in few.iter().flat_map(|t| &t.lines).map(|&k| &found.lines[k]) { tr {
+        th scope="row" { (found.cuts[line.cut].name) }
+        td.n { (with_interval(line.frequency, 1.96 * line.error)) }
+        td.n { (three_digits(line.amplitude())) }
+    } } };
     html! { @if !few.is_empty() {
         h3 { "Lines in fewer than three cuts" }
         p { "They follow no law that could be named. Of all lines one in twenty is expected to be false: most of those are here." }
-        div.scroll { table {
-            thead { tr { th scope="col" { "Cut" } th.n scope="col" { "Frequency in Hz" } th.n scope="col" { "Amplitude in N" } } }
-            tbody { @for line in few.iter().flat_map(|t| &t.lines).map(|&k| &found.lines[k]) { tr {
-                th scope="row" { (found.cuts[line.cut].name) }
-                td.n { (with_interval(line.frequency, 1.96 * line.error)) }
-                td.n { (three_digits(line.amplitude())) }
-            } } }
-        } }
+        (table("", columns, &rows))
     } }
 }
 
@@ -228,13 +207,18 @@ fn spectrum(found: &SeriesDiagnosis, cut: usize) -> Chart<'static> {
     for ((channel, own), colour) in found.cuts[cut].channels.iter().zip(spectra).zip(colours) {
         let range = first..own.density.len() - first;
         let values = |of: &[f64]| of[range.clone()].iter().map(decibels).collect();
-        lines.push(Line {
+        lines.push(ChartLine {
             name: channel.component.symbol(),
             colour,
             width: 1.0,
             values: values(&own.density),
         });
-        lines.push(Line { name: "", colour: INK, width: 1.6, values: values(&own.background) });
+        lines.push(ChartLine {
+            name: "",
+            colour: SLATE,
+            width: 1.6,
+            values: values(&own.background),
+        });
     }
     let width = spectra[0].resolution;
     let bins = spectra[0].density.len();
@@ -244,7 +228,7 @@ fn spectrum(found: &SeriesDiagnosis, cut: usize) -> Chart<'static> {
         .filter(|line| line.cut == cut)
         .map(|line| Mark {
             at: line.frequency,
-            colour: INK,
+            colour: SLATE,
             label: format!("{} Hz", three_digits(line.frequency)),
         })
         .collect();

@@ -1,9 +1,11 @@
 //! What changes within the cuts, on the page of a diagnosis.
 
-use super::super::charts::figure;
-use super::super::greybox::indexed;
-use crate::chart::{Chart, Line};
-use crate::text::{minus, percent, three_digits, with_interval};
+use crate::kit::chart::{Chart, ChartLine};
+use crate::kit::colours::DISTINCT;
+use crate::kit::numbers::{percent, signed, signed_percent, three_digits, with_interval};
+use crate::kit::shell::figure;
+use crate::kit::table::{Column, table};
+use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_diagnose::series::{OverTime, RunInLaw, SeriesDiagnosis};
 use sphcut_physics::Channel;
@@ -12,9 +14,6 @@ use sphcut_physics::Channel;
 const POINTS: usize = 160;
 /// Cuts that are drawn in one chart.
 const MOST_CUTS: usize = 6;
-const COLOURS: [&str; MOST_CUTS] =
-    ["#1f5fa8", "#b3402a", "#2c7a4b", "#7a4fa0", "#a06a00", "#3f7f8c"];
-
 /// The section on time.
 pub(super) fn section(found: &SeriesDiagnosis) -> Markup {
     html! {
@@ -29,30 +28,34 @@ pub(super) fn section(found: &SeriesDiagnosis) -> Markup {
 
 fn one_force(found: &SeriesDiagnosis, of: &OverTime) -> Markup {
     let name = of.component.symbol();
+    let columns = [
+        Column::Text("Cut"),
+        Column::Number("Mean in N"),
+        Column::Number("Independent samples"),
+        Column::Number("Change over the cut"),
+        Column::Text("Trend"),
+        Column::Number("Last third less first, N"),
+        Column::Number("Zero moves, N"),
+        Column::Text("Run-in (time to 1/e)"),
+    ];
+    let rows = html! { @for k in 0..of.trends.len() { (row(found, of, k)) } };
+    let laws = html! { @for (law, probability) in &of.laws { tr {
+        th scope="row" { (title(*law)) } td.n { (percent(*probability)) }
+    } } };
     html! {
         h3 { (indexed(name)) " over the cuts" }
         (figure(chart(found, of).svg(), "Moving mean of the force over its mean, from entry to exit."))
-        div.scroll { table {
-            caption { "Change over the cut as a share of the force, run-in apart, with its 95 % interval. Discoveries survive Benjamini and Hochberg at 5 % over all cuts and forces." }
-            thead { tr {
-                th scope="col" { "Cut" } th.n scope="col" { "Mean in N" } th.n scope="col" { "Independent samples" }
-                th.n scope="col" { "Change over the cut" } th scope="col" { "Trend" }
-                th.n scope="col" { "Last third less first, N" } th.n scope="col" { "Zero moves, N" } th scope="col" { "Run-in (time to 1/e)" }
-            } }
-            tbody { @for k in 0..of.trends.len() { (row(found, of, k)) } }
-        } }
-        @if !of.laws.is_empty() { div.scroll { table {
-            caption { "What the time of the run-in goes with." }
-            thead { tr { th scope="col" { "It is" } th.n scope="col" { "Probability" } } }
-            tbody { @for (law, probability) in &of.laws { tr { th scope="row" { (title(*law)) } td.n { (percent(*probability)) } } } }
-        } } }
+        (table("Change over the cut as a share of the force, run-in apart, with its 95 % interval. Discoveries survive Benjamini and Hochberg at 5 % over all cuts and forces.", columns, &rows))
+        @if !of.laws.is_empty() {
+            (table("What the time of the run-in goes with.", [Column::Text("It is"), Column::Number("Probability")], &laws))
+        }
     }
 }
 
 fn row(found: &SeriesDiagnosis, of: &OverTime, k: usize) -> Markup {
     let trend = &of.trends[k];
     let [change, low, high] = of.change(k);
-    let share = |value: f64| minus(&format!("{:+.2} %", value * 100.0));
+    let share = |value: f64| signed_percent(value, 2);
     html! { tr {
         th scope="row" { (found.cuts[trend.cut].name) }
         td.n { (three_digits(trend.mean)) }
@@ -61,11 +64,11 @@ fn row(found: &SeriesDiagnosis, of: &OverTime, k: usize) -> Markup {
         td { @if of.trending[k] { "yes" } @else { "no" } }
         td.n { (with_interval(trend.thirds[0], trend.thirds[1])) }
         td.n { @match trend.zero {
-            Some(zero) => { (minus(&format!("{:+.1}", zero[0]))) @if of.drifting[k] { " (drifts)" } },
+            Some(zero) => { (signed(zero[0], 1)) @if of.drifting[k] { " (drifts)" } },
             None => "air on one side",
         } }
         td { @match trend.run_in.filter(|_| of.running_in[k]) {
-            Some(run_in) => { (minus(&format!("{:+.1} N", run_in.amplitude))) ", " (three_digits(run_in.time[0])) " s" },
+            Some(run_in) => { (signed(run_in.amplitude, 1)) " N, " (three_digits(run_in.time[0])) " s" },
             None => "no",
         } }
     } }
@@ -87,9 +90,9 @@ fn chart<'a>(found: &'a SeriesDiagnosis, of: &OverTime) -> Chart<'a> {
         let channels = &found.cuts[cut].channels;
         channels.iter().find(|c| c.component == component).map(|c| c.force.as_slice())
     };
-    let lines = drawn.zip(COLOURS).filter_map(|(trend, colour)| {
+    let lines = drawn.zip(DISTINCT).filter_map(|(trend, colour)| {
         let values = smooth(force(trend.cut, of.component)?, trend.mean);
-        Some(Line { name: &found.cuts[trend.cut].name, colour, width: 1.2, values })
+        Some(ChartLine { name: &found.cuts[trend.cut].name, colour, width: 1.2, values })
     });
     Chart {
         description: format!("{} over the cut as a share of its mean.", of.component.symbol()),

@@ -1,7 +1,8 @@
 //! The verdict in plain words.
 
 use super::DiagnosisPage;
-use crate::text::{percent, three_digits};
+use crate::kit::numbers::{percent, three_digits};
+use crate::kit::text::listed;
 use sphcut_diagnose::{
     BiasOrigin, ClaimVerdict, Fit, HeldOutErrors, ParameterEstimate, Part, Rate,
 };
@@ -103,15 +104,6 @@ pub(super) fn estimate(page: &DiagnosisPage<'_>, estimate: &ParameterEstimate) -
 
 pub(super) fn parameters(page: &DiagnosisPage<'_>, fit: &Fit) -> Vec<String> {
     page.diagnosis.estimates(page.predictor, fit).iter().map(|e| estimate(page, e)).collect()
-}
-
-/// `a`, `a and b`, `a, b and c`.
-pub(super) fn listed(words: &[String]) -> String {
-    match words {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }
 
 /// What can be said, one entry per thought.

@@ -1,13 +1,14 @@
 //! `comparison.html`: a stored correction against new measurements.
 
-use super::axes::{Axis, Frame, extremes};
-use super::words::{estimate, percent};
-use crate::text::three_digits;
-use maud::{Markup, PreEscaped, html};
+use super::words::estimate;
+use crate::kit::colours::{BLUE, GREY};
+use crate::kit::numbers::percent_tenths;
+use crate::kit::plot::{Axis, Plot, extremes};
+use crate::kit::shell::{Shell, note, plotted, tab};
+use crate::kit::table::or_dash;
+use crate::kit::text::indexed;
+use maud::{Markup, html};
 use sphcut_greybox::{BootstrapEstimate, ForceComparison, GreyBox, Scores, TableComparison};
-
-const GREY: &str = "#8b949e";
-const BLUE: &str = "#0072b2";
 
 /// The text of `comparison.html`; nothing is loaded.
 #[must_use]
@@ -16,14 +17,13 @@ pub fn render_comparison(model: &GreyBox, comparison: &TableComparison) -> Strin
         (comparison.pairs.rows.len()) " measured values under " (comparison.pairs.conditions.len()) " conditions, "
         (comparison.inside) " of them inside the hull of the conditions the correction was fitted to (" (model.tables[1].name) ")."
     };
+    let sentences = words(comparison);
     let body = html! {
-        section.warnings role="note" {
-            h2 { "What these figures say" }
-            ul { @for sentence in words(comparison) { li { (super::indexed(&sentence)) } } }
-        }
+        (note("What these figures say", sentences.iter().map(|sentence| indexed(sentence))))
         @for force in &comparison.forces { (section(comparison, force)) }
     };
-    super::page("Grey box against new measurements", &lead, &model.version, &body)
+    let title = "Grey box against new measurements";
+    Shell { tab: tab(title), title, lead, version: &model.version, body }.render()
 }
 
 fn words(comparison: &TableComparison) -> Vec<String> {
@@ -39,7 +39,7 @@ fn words(comparison: &TableComparison) -> Vec<String> {
     for force in &comparison.forces {
         let (before, after) = (&force.white_box.mae, &force.grey_box.mae);
         let verdict = if after.high < before.low {
-            format!("the correction removes {}", percent(1.0 - after.value / before.value))
+            format!("the correction removes {}", percent_tenths(1.0 - after.value / before.value))
         } else if after.value < before.value {
             "the correction helps, but not by more than the scatter of so few measurements"
                 .to_owned()
@@ -70,7 +70,7 @@ fn coverage(force: &ForceComparison, measured: usize) -> String {
     let found = format!(
         "{}: {} of the measurements lie inside the 95 % intervals that were predicted",
         force.force.symbol(),
-        percent(force.coverage)
+        percent_tenths(force.coverage)
     );
     // Two standard deviations of a share of 95 % of so many.
     let least = 0.95 - 2.0 * (0.95 * 0.05 / measured as f64).sqrt();
@@ -106,14 +106,14 @@ fn bias(force: &ForceComparison, found: &BootstrapEstimate) -> Option<String> {
 fn section(comparison: &TableComparison, force: &ForceComparison) -> Markup {
     let row = |name: &str, scores: &Scores| {
         html! { tr { th { (name) } td.n { (estimate(&scores.mae)) } td.n { (estimate(&scores.mse)) }
-        td.n { (scores.mape_of_force.map_or_else(|| "\u{2013}".to_owned(), |mape| percent(mape.value))) } } }
+        td.n { (or_dash(scores.mape_of_force, |mape| percent_tenths(mape.value))) } } }
     };
     html! {
         section {
-            h2 { (super::indexed(force.force.symbol())) ", " (force.method.name()) }
+            h2 { (indexed(force.force.symbol())) ", " (force.method.name()) }
             div.pair {
-                figure { (PreEscaped(plot(comparison, force))) figcaption { "Predicted against measured; line: equal; bars: predicted 95 % \
-                    intervals; hollow blue: outside the hull." } }
+                (plotted(&plot(comparison, force), "Predicted against measured; line: equal; bars: predicted 95 % \
+                    intervals; hollow blue: outside the hull."))
                 div {
                     div.scroll { table {
                         caption { "Errors of the force with 95 % intervals." }
@@ -126,23 +126,17 @@ fn section(comparison: &TableComparison, force: &ForceComparison) -> Markup {
                     } }
                     div.scroll { table {
                         tbody {
-                            tr { th scope="row" { "Measured minus corrected in N" } td.n { (signed(&force.bias)) } }
+                            tr { th scope="row" { "Measured minus corrected in N" } td.n { (estimate(&force.bias)) } }
                             @if let Some(found) = &force.bias_inside {
-                                tr { th scope="row" { "The same inside the hull" } td.n { (signed(found)) } }
+                                tr { th scope="row" { "The same inside the hull" } td.n { (estimate(found)) } }
                             }
-                            tr { th scope="row" { "Inside the predicted 95 % intervals" } td.n { (percent(force.coverage)) } }
+                            tr { th scope="row" { "Inside the predicted 95 % intervals" } td.n { (percent_tenths(force.coverage)) } }
                         }
                     } }
                 }
             }
         }
     }
-}
-
-/// An estimate that may be below 0.
-fn signed(found: &BootstrapEstimate) -> String {
-    let [value, low, high] = [found.value, found.low, found.high].map(three_digits);
-    format!("{value} ({low} to {high})")
 }
 
 fn plot(comparison: &TableComparison, force: &ForceComparison) -> String {
@@ -153,7 +147,7 @@ fn plot(comparison: &TableComparison, force: &ForceComparison) -> String {
         predicted.chain(measured.iter().copied())
     };
     let symbol = force.force.symbol();
-    let mut frame = Frame::new(
+    let mut plot = Plot::new(
         Axis::linear(&format!("Measured {symbol} in N"), all(), 0.04),
         Axis::linear(
             &format!("Predicted {symbol} in N"),
@@ -163,14 +157,14 @@ fn plot(comparison: &TableComparison, force: &ForceComparison) -> String {
         14.0,
         "Predicted against measured forces.",
     );
-    frame.axes("", true);
-    frame.legend(&[(GREY, "simulation alone"), (BLUE, "corrected")]);
+    plot.axes("", true);
+    plot.legend(&[(GREY, "simulation alone"), (BLUE, "corrected")]);
     let (low, high) = extremes(all());
-    frame.line(&[[low, low], [high, high]], r##"stroke="#22262b" stroke-width="1.2""##);
+    plot.line(&[[low, low], [high, high]], r##"stroke="#22262b" stroke-width="1.2""##);
     for (&x, prediction) in measured.iter().zip(found) {
         let [from, to] = prediction.interval;
-        frame.line(&[[x, from], [x, to]], r##"stroke="#0072b2" opacity="0.35""##);
-        frame.dot(
+        plot.line(&[[x, from], [x, to]], r##"stroke="#0072b2" opacity="0.35""##);
+        plot.dot(
             x,
             prediction.simulated,
             3.2,
@@ -181,7 +175,7 @@ fn plot(comparison: &TableComparison, force: &ForceComparison) -> String {
         } else {
             r##"fill="#fff" stroke="#0072b2" stroke-width="1.6""##
         };
-        frame.dot(x, prediction.corrected, 3.6, style);
+        plot.dot(x, prediction.corrected, 3.6, style);
     }
-    frame.finish()
+    plot.finish()
 }

@@ -1,8 +1,6 @@
 //! `greybox.html`: simulated forces corrected by measured ones.
 
-pub(super) mod axes;
 mod comparison;
-pub(super) mod maps;
 mod plots;
 mod tables;
 mod words;
@@ -10,9 +8,12 @@ mod words;
 pub use comparison::render_comparison;
 pub use words::greybox_words;
 
-use super::STYLE;
-use maps::{Colours, Map};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use crate::kit::map::{ColourScale, Map};
+use crate::kit::numbers::{percent_tenths, three_digits};
+use crate::kit::shell::{Shell, note, plotted, tab};
+use crate::kit::table::or_dash;
+use crate::kit::text::indexed;
+use maud::{Markup, html};
 use sphcut_greybox::{ForceFit, GreyBoxFit, Input};
 
 /// The text of `greybox.html`; nothing is loaded.
@@ -23,58 +24,15 @@ pub fn render_greybox(fit: &GreyBoxFit) -> String {
     (fit.pairs.rows.len()) " measured rows under " (fit.pairs.conditions.len()) " conditions (" (measured.name)
     "), simulated in " (simulated.name) ": the simulated force plus a correction learnt from its error, "
     (indexed("f_T + f_D.")) };
+    let sentences = greybox_words(fit);
     let body = html! {
-        section.warnings role="note" {
-            h2 { "What these figures say" }
-            ul { @for sentence in greybox_words(fit) { li { (indexed(&sentence)) } } }
-        }
+        (note("What these figures say", sentences.iter().map(|sentence| indexed(sentence))))
         @for force in &fit.forces { (section(fit, force)) }
         (definitions(fit))
         (reproduce(fit))
     };
-    page("Grey box: simulated forces corrected", &lead, fit.version, &body)
-}
-
-/// A page with this title and content.
-pub(super) fn page(title: &str, lead: &Markup, version: &str, body: &Markup) -> String {
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content={ "sphcut " (version) };
-                link rel="icon" href="data:,";
-                title { (title) " \u{2013} sphcut" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                main {
-                    header { h1 { (title) } p.lead { (lead) } }
-                    (body)
-                    footer { "Written by sphcut " (version) "." }
-                }
-            }
-        }
-    };
-    page.into_string()
-}
-
-/// Text in which the letter after an underscore is an index.
-pub(super) fn indexed(text: &str) -> Markup {
-    let mut parts = text.split('_');
-    let first = parts.next().unwrap_or_default();
-    html! {
-        (first)
-        @for part in parts {
-            @let (index, rest) = part.split_at(part.chars().next().map_or(0, char::len_utf8));
-            sub { (index) } (rest)
-        }
-    }
-}
-
-pub(super) fn figure(svg: &str, caption: &str) -> Markup {
-    html! { figure { (PreEscaped(svg)) figcaption { (indexed(caption)) } } }
+    let title = "Grey box: simulated forces corrected";
+    Shell { tab: tab(title), title, lead, version: fit.version, body }.render()
 }
 
 fn section(fit: &GreyBoxFit, force: &ForceFit) -> Markup {
@@ -87,16 +45,16 @@ fn section(fit: &GreyBoxFit, force: &ForceFit) -> Markup {
             (key_figures(force))
             ul { @for sentence in words::details(force) { li { (indexed(&sentence)) } } }
             div.pair {
-                (figure(&surface, "Simulated force as a surface; the dots are the measured forces in the same colours. The dashed line is the hull of \
+                (plotted(&surface, "Simulated force as a surface; the dots are the measured forces in the same colours. The dashed line is the hull of \
                     the measured conditions."))
-                (figure(&corrected, &format!("Corrected force ({method}) with the same dots: they should vanish in the surface. Outside the hull it is pale: \
+                (plotted(&corrected, &format!("Corrected force ({method}) with the same dots: they should vanish in the surface. Outside the hull it is pale: \
                     extrapolated.")))
-                (figure(&correction, "The correction f_D; dots: measured minus simulated. Red: the simulation is too low."))
-                (figure(&left, "What is left: measured minus corrected, each condition predicted without its own measurements. Neighbours of one \
+                (plotted(&correction, "The correction f_D; dots: measured minus simulated. Red: the simulation is too low."))
+                (plotted(&left, "What is left: measured minus corrected, each condition predicted without its own measurements. Neighbours of one \
                     colour would be structure that the regressor missed."))
-                (figure(&plots::slices(fit, force, 1), "Over the uncut chip thickness at fixed cutting speeds. Solid: corrected; dashed: simulated; dots: measured."))
-                (figure(&plots::slices(fit, force, 0), "Over the cutting speed at fixed thicknesses."))
-                (figure(&plots::against_measured(fit, force), "Predicted against measured; dashed lines at \u{b1} 10 %."))
+                (plotted(&plots::slices(fit, force, 1), "Over the uncut chip thickness at fixed cutting speeds. Solid: corrected; dashed: simulated; dots: measured."))
+                (plotted(&plots::slices(fit, force, 0), "Over the cutting speed at fixed thicknesses."))
+                (plotted(&plots::against_measured(fit, force), "Predicted against measured; dashed lines at \u{b1} 10 %."))
                 (learning(force))
             }
             (tables::errors(force))
@@ -112,20 +70,17 @@ fn capital(text: &str) -> String {
 }
 
 fn key_figures(force: &ForceFit) -> Markup {
-    let three = crate::text::three_digits;
     let (before, after) = (force.white_box.mae.value, force.procedure.mae.value);
     let relative = |scores: &sphcut_greybox::Scores| {
-        scores
-            .mape_of_force
-            .map_or_else(|| "\u{2013}".to_owned(), |mape| words::percent(mape.value))
+        or_dash(scores.mape_of_force, |mape| percent_tenths(mape.value))
     };
     html! {
         dl.figures {
-            div { dt { "MAE of the simulation" } dd { (three(before)) " N " small { (relative(&force.white_box)) } } }
-            div { dt { "MAE corrected, held out" } dd { (three(after)) " N " small { (relative(&force.procedure)) } } }
-            div { dt { "Reduction of MAE" } dd { (words::percent(1.0 - after / before.max(f64::MIN_POSITIVE))) } }
+            div { dt { "MAE of the simulation" } dd { (three_digits(before)) " N " small { (relative(&force.white_box)) } } }
+            div { dt { "MAE corrected, held out" } dd { (three_digits(after)) " N " small { (relative(&force.procedure)) } } }
+            div { dt { "Reduction of MAE" } dd { (percent_tenths(1.0 - after / before.max(f64::MIN_POSITIVE))) } }
             @if let Some(floor) = force.floor {
-                div { dt { "Noise floor" } dd { (three(floor.mae)) " N" } }
+                div { dt { "Noise floor" } dd { (three_digits(floor.mae)) " N" } }
             }
             div { dt { "Use" } dd { (force.choice.method.name()) } }
         }
@@ -144,9 +99,10 @@ fn four_maps(fit: &GreyBoxFit, force: &ForceFit) -> [String; 4] {
     let grey = |input: Input| white(input) + correction(input);
     let with =
         |values: &[f64]| inputs.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
-    let forces =
-        Colours::of_range(measured.iter().copied().chain(inputs.iter().map(|&input| white(input))));
-    let errors = Colours::around_zero(residuals.iter().copied());
+    let forces = ColourScale::of_range(
+        measured.iter().copied().chain(inputs.iter().map(|&input| white(input))),
+    );
+    let errors = ColourScale::around_zero(residuals.iter().copied());
     let left: Vec<f64> = residuals.iter().zip(held).map(|(r, p)| r - p).collect();
     let map = |title: &str, quantity: &str, colours, surface, points| {
         Map {
@@ -169,14 +125,14 @@ fn four_maps(fit: &GreyBoxFit, force: &ForceFit) -> [String; 4] {
         map("Simulated", &unit, forces, Some(&white as &dyn Fn(Input) -> f64), with(&measured)),
         map("Corrected", &unit, forces, Some(&grey), with(&measured)),
         map("Correction", "N", errors, Some(&correction), with(&residuals)),
-        map("Left over", "N", Colours::around_zero(left.iter().copied()), None, with(&left)),
+        map("Left over", "N", ColourScale::around_zero(left.iter().copied()), None, with(&left)),
     ]
 }
 
 fn learning(force: &ForceFit) -> Markup {
     html! {
         @if let Some(svg) = plots::learning(force) {
-            (figure(&svg, "How many experiments are enough: error on the conditions not used. Dots: median of eight draws, bars: their range; \
+            (plotted(&svg, "How many experiments are enough: error on the conditions not used. Dots: median of eight draws, bars: their range; \
                 green: the same regressor without the simulation."))
         }
     }

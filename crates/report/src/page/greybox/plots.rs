@@ -1,13 +1,9 @@
 //! Scatter plots and slices of the grey box.
 
-use super::axes::{Axis, Frame, extremes};
+use crate::kit::colours::{BLUE, GREEN, GREY, RED};
+use crate::kit::numbers::{M_PER_MIN, MM};
+use crate::kit::plot::{Axis, Plot, extremes};
 use sphcut_greybox::{ForceFit, ForceKind, GreyBoxFit, Input, LearningPoint};
-
-const M_PER_MIN: f64 = 60.0;
-const MM: f64 = 1e3;
-const GREY: &str = "#8b949e";
-const BLUE: &str = "#0072b2";
-const RED: &str = "#d55e00";
 
 /// Predicted against measured: the simulation alone and the held-out corrections.
 pub(super) fn against_measured(fit: &GreyBoxFit, force: &ForceFit) -> String {
@@ -17,30 +13,30 @@ pub(super) fn against_measured(fit: &GreyBoxFit, force: &ForceFit) -> String {
     let corrected: Vec<f64> = simulated.iter().zip(held).map(|(f, d)| f + d).collect();
     let all = || measured.iter().chain(&simulated).chain(&corrected).copied();
     let symbol = force.force.symbol();
-    let mut frame = Frame::new(
+    let mut plot = Plot::new(
         Axis::linear(&format!("Measured {symbol} in N"), all(), 0.04),
         Axis::linear(&format!("Predicted {symbol} in N"), all(), 0.04),
         14.0,
         "Predicted against measured forces.",
     );
-    frame.axes("", true);
+    plot.axes("", true);
     let (low, high) = extremes(all());
-    frame.line(&[[low, low], [high, high]], r##"stroke="#22262b" stroke-width="1.2""##);
+    plot.line(&[[low, low], [high, high]], r##"stroke="#22262b" stroke-width="1.2""##);
     for factor in [0.9, 1.1] {
-        frame.clipped(
+        plot.clipped(
             [low, low * factor],
             [high, high * factor],
             r##"stroke="#8b949e" stroke-width="1" stroke-dasharray="4 4""##,
         );
     }
     for (&x, &y) in measured.iter().zip(&simulated) {
-        frame.dot(x, y, 3.6, &format!(r#"fill="none" stroke="{GREY}" stroke-width="1.6""#));
+        plot.dot(x, y, 3.6, &format!(r#"fill="none" stroke="{GREY}" stroke-width="1.6""#));
     }
     for (&x, &y) in measured.iter().zip(&corrected) {
-        frame.dot(x, y, 3.4, &format!(r#"fill="{BLUE}" opacity="0.8""#));
+        plot.dot(x, y, 3.4, &format!(r#"fill="{BLUE}" opacity="0.8""#));
     }
-    frame.legend(&[(GREY, "simulation alone"), (BLUE, "corrected, held out")]);
-    frame.finish()
+    plot.legend(&[(GREY, "simulation alone"), (BLUE, "corrected, held out")]);
+    plot.finish()
 }
 
 /// Three slices over h at fixed v_c (axis 1) or over v_c at fixed h (axis 0).
@@ -72,27 +68,27 @@ pub(super) fn slices(fit: &GreyBoxFit, force: &ForceFit, axis: usize) -> String 
         points.chain(lines).collect::<Vec<f64>>()
     };
     let titles = ["v_c in m/min", "h in mm"];
-    let mut frame = Frame::new(
+    let mut plot = Plot::new(
         Axis::of_conditions(titles[axis], [low, high].into_iter().map(|v| v * scale[axis])),
         Axis::linear(&format!("{} in N", force.force.symbol()), values().into_iter(), 0.05),
         14.0,
         "Slices of the surfaces with the measured points.",
     );
-    frame.axes("", true);
-    let colours = [BLUE, RED, "#009e73"];
+    plot.axes("", true);
+    let colours = [BLUE, RED, GREEN];
     let mut names = Vec::new();
     for ((level, &span), colour) in levels.iter().zip(&spans).zip(colours) {
         let line = |surface: &dyn Fn(Input) -> f64| {
             steps(span).map(|x| [x * scale[axis], surface(at(level.value, x))]).collect::<Vec<_>>()
         };
-        frame.line(
+        plot.line(
             &line(&white),
             &format!(r#"stroke="{colour}" stroke-width="1.3" stroke-dasharray="5 4""#),
         );
-        frame.line(&line(&grey), &format!(r#"stroke="{colour}" stroke-width="2.2""#));
+        plot.line(&line(&grey), &format!(r#"stroke="{colour}" stroke-width="2.2""#));
         for &row in &level.rows {
             let style = format!(r##"fill="{colour}" stroke="#fff" stroke-width="1""##);
-            frame.dot(inputs[row][axis] * scale[axis], measured[row], 4.4, &style);
+            plot.dot(inputs[row][axis] * scale[axis], measured[row], 4.4, &style);
         }
         let value = format!("{:.3}", level.value * scale[fixed]);
         let value = value.trim_end_matches('0').trim_end_matches('.');
@@ -102,8 +98,8 @@ pub(super) fn slices(fit: &GreyBoxFit, force: &ForceFit, axis: usize) -> String 
         ));
     }
     let entries: Vec<(&str, &str)> = names.iter().map(|(c, n)| (*c, n.as_str())).collect();
-    frame.legend(&entries);
-    frame.finish()
+    plot.legend(&entries);
+    plot.finish()
 }
 
 /// Error on the conditions not used over the number of those that were.
@@ -116,35 +112,35 @@ pub(super) fn learning(force: &ForceFit) -> Option<String> {
     let values: Vec<f64> = values.chain([white]).chain(floor).collect();
     let counts = points.iter().map(|point| point.conditions as f64).chain([0.0]);
     let counts: Vec<f64> = counts.collect();
-    let mut frame = Frame::new(
+    let mut plot = Plot::new(
         Axis::linear("Measured conditions", counts.iter().copied(), 0.03),
         Axis::logarithmic("MAE in N", values.iter().copied()),
         14.0,
         "Error over the number of measured conditions.",
     );
-    frame.axes("", true);
+    plot.axes("", true);
     let count = |point: &LearningPoint| point.conditions as f64;
-    let level = |frame: &mut Frame, value: f64, style: &str| {
-        frame.line(&[[0.0, value], [last.conditions as f64, value]], style);
+    let level = |plot: &mut Plot, value: f64, style: &str| {
+        plot.line(&[[0.0, value], [last.conditions as f64, value]], style);
     };
-    level(&mut frame, white, &format!(r#"stroke="{GREY}" stroke-width="1.6""#));
+    level(&mut plot, white, &format!(r#"stroke="{GREY}" stroke-width="1.6""#));
     if let Some(floor) = floor {
         let style = format!(r#"stroke="{RED}" stroke-width="1.6" stroke-dasharray="5 4""#);
-        level(&mut frame, floor, &style);
+        level(&mut plot, floor, &style);
     }
     let alone: Vec<[f64; 2]> = points.iter().map(|p| [count(p), p.alone]).collect();
-    frame.line(&alone, r##"stroke="#009e73" stroke-width="1.6""##);
+    plot.line(&alone, &format!(r#"stroke="{GREEN}" stroke-width="1.6""#));
     let grey: Vec<[f64; 2]> = points.iter().map(|p| [count(p), p.mae]).collect();
-    frame.line(&grey, &format!(r#"stroke="{BLUE}" stroke-width="2.2""#));
+    plot.line(&grey, &format!(r#"stroke="{BLUE}" stroke-width="2.2""#));
     for point in points {
         let ends = point.range.map(|value| [count(point), value.max(1e-12)]);
-        frame.line(&ends, &format!(r#"stroke="{BLUE}" stroke-width="1.2" opacity="0.6""#));
-        frame.dot(count(point), point.mae, 3.4, &format!(r#"fill="{BLUE}""#));
+        plot.line(&ends, &format!(r#"stroke="{BLUE}" stroke-width="1.2" opacity="0.6""#));
+        plot.dot(count(point), point.mae, 3.4, &format!(r#"fill="{BLUE}""#));
     }
-    let mut names = vec![(BLUE, "corrected"), ("#009e73", "no simulation"), (GREY, "simulation")];
+    let mut names = vec![(BLUE, "corrected"), (GREEN, "no simulation"), (GREY, "simulation")];
     names.extend(floor.map(|_| (RED, "noise floor")));
-    frame.legend(&names);
-    Some(frame.finish())
+    plot.legend(&names);
+    Some(plot.finish())
 }
 
 /// One level of v_c or h with its rows.

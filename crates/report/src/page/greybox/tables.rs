@@ -1,8 +1,8 @@
 //! Tables of the grey box: errors, importance, and where they come from.
 
-use super::indexed;
-use super::words::percent;
-use crate::text::three_digits;
+use crate::kit::numbers::{minus, percent_tenths, three_digits};
+use crate::kit::table::{NONE, or_dash};
+use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_greybox::{BootstrapEstimate, ForceFit, MethodFit, Scores};
 
@@ -12,13 +12,13 @@ fn cell(found: Option<&BootstrapEstimate>, show: impl Fn(f64) -> String) -> Mark
         td.n {
             @if let Some(found) = found {
                 (show(found.value)) br; small { (show(found.low)) " to " (show(found.high)) }
-            } @else { "\u{2013}" }
+            } @else { (NONE) }
         }
     }
 }
 
-fn r_squared(value: f64) -> String {
-    crate::text::minus(&format!("{value:.3}"))
+fn thousandths(value: f64) -> String {
+    minus(&format!("{value:.3}"))
 }
 
 /// Cells of one row of scores.
@@ -26,9 +26,9 @@ fn cells(scores: &Scores) -> Markup {
     html! {
         (cell(Some(&scores.mae), three_digits))
         (cell(Some(&scores.mse), three_digits))
-        (cell(scores.r_squared.as_ref(), r_squared))
-        (cell(scores.mape_of_error.as_ref(), percent))
-        (cell(scores.mape_of_force.as_ref(), percent))
+        (cell(scores.r_squared.as_ref(), thousandths))
+        (cell(scores.mape_of_error.as_ref(), percent_tenths))
+        (cell(scores.mape_of_force.as_ref(), percent_tenths))
     }
 }
 
@@ -37,9 +37,9 @@ fn white_cells(scores: &Scores) -> Markup {
     html! {
         (cell(Some(&scores.mae), three_digits))
         (cell(Some(&scores.mse), three_digits))
-        (cell(None, r_squared))
-        (cell(None, percent))
-        (cell(scores.mape_of_force.as_ref(), percent))
+        (cell(None, thousandths))
+        (cell(None, percent_tenths))
+        (cell(scores.mape_of_force.as_ref(), percent_tenths))
     }
 }
 
@@ -63,7 +63,7 @@ pub(super) fn errors(force: &ForceFit) -> Markup {
                 tr { th { (force.choice.method.name()) ", without the simulation" } (cells(&force.alone.interpolation)) }
                 @if let Some(floor) = force.floor {
                     tr { th { "Noise floor" } td.n { (three_digits(floor.mae)) } td.n { (three_digits(floor.mse)) }
-                        td.n { "\u{2013}" } td.n { "\u{2013}" } td.n { "\u{2013}" } }
+                        td.n { (NONE) } td.n { (NONE) } td.n { (NONE) } }
                 }
             }
         } }
@@ -115,9 +115,8 @@ pub(super) fn extrapolation(force: &ForceFit) -> Markup {
 
 /// Importance of v_c and h, as in Tables 7 and 8 of the paper.
 pub(super) fn importance(force: &ForceFit) -> Markup {
-    let number = |value: f64| crate::text::minus(&format!("{value:.3}"));
-    let with = |value: f64, spread: f64| format!("{} \u{b1} {}", number(value), number(spread));
-    let dash = || "\u{2013}".to_owned();
+    let with =
+        |value: f64, spread: f64| format!("{} \u{b1} {}", thousandths(value), thousandths(spread));
     html! {
         div.scroll { table {
             caption { "What the error of " (indexed(force.force.symbol())) " depends on (compare Tables 7 and 8 of the published method). Permutation: loss of R\u{b2} when the values of one input are shuffled. Gain: \
@@ -130,10 +129,10 @@ pub(super) fn importance(force: &ForceFit) -> Markup {
             tbody {
                 @for fit in &force.methods { tr {
                     th { (fit.method.name()) }
-                    @for axis in 0..2 { td.n { (fit.permutation.map_or_else(dash, |p| number(p[axis].mean))) } }
-                    @for axis in 0..2 { td.n { (fit.gain.map_or_else(dash, |gain| number(gain[axis]))) } }
-                    @for axis in 0..2 { td.n { (fit.sobol.map_or_else(dash, |s| with(s.first[axis], s.first_spread[axis]))) } }
-                    @for axis in 0..2 { td.n { (fit.sobol.map_or_else(dash, |s| with(s.total[axis], s.total_spread[axis]))) } }
+                    @for axis in 0..2 { td.n { (or_dash(fit.permutation, |p| thousandths(p[axis].mean))) } }
+                    @for axis in 0..2 { td.n { (or_dash(fit.gain, |gain| thousandths(gain[axis]))) } }
+                    @for axis in 0..2 { td.n { (or_dash(fit.sobol, |s| with(s.first[axis], s.first_spread[axis]))) } }
+                    @for axis in 0..2 { td.n { (or_dash(fit.sobol, |s| with(s.total[axis], s.total_spread[axis]))) } }
                 } }
             }
         } }

@@ -1,6 +1,6 @@
 //! What the figures of a grey box say, in sentences.
 
-use crate::text::{minus, three_digits};
+use crate::kit::numbers::{percent_tenths, three_digits, with_ends};
 use sphcut_greybox::regressor::Method;
 use sphcut_greybox::{BootstrapEstimate, FloorSource, ForceFit, GreyBoxFit};
 
@@ -9,15 +9,9 @@ fn reduction(before: f64, after: f64) -> f64 {
     if before > 0.0 { 1.0 - after / before } else { 0.0 }
 }
 
-/// `97.9 %`.
-pub(super) fn percent(share: f64) -> String {
-    minus(&format!("{:.1} %", 100.0 * share))
-}
-
 /// `5.65 (3.62 to 7.96)`.
 pub(super) fn estimate(estimate: &BootstrapEstimate) -> String {
-    let [value, low, high] = [estimate.value, estimate.low, estimate.high].map(three_digits);
-    format!("{value} ({low} to {high})")
+    with_ends([estimate.value, estimate.low, estimate.high])
 }
 
 /// What can be said, one entry per force and point.
@@ -52,10 +46,10 @@ fn force_words(force: &ForceFit) -> Vec<String> {
         article(chosen.method),
         three_digits(before.value),
         estimate(after),
-        percent(reduction(before.value, after.value)),
+        percent_tenths(reduction(before.value, after.value)),
         force.procedure.mape_of_force.map_or_else(String::new, |mape| format!(
             "; that is {} of the force",
-            percent(mape.value)
+            percent_tenths(mape.value)
         ))
     );
     if let Some(floor) = force.floor {

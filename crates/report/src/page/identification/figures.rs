@@ -1,16 +1,16 @@
 //! Residual map and flow curves.
 
 use super::IdentificationPage;
-use crate::chart::{Chart, Line};
-use crate::text::{minus, plain};
+use crate::kit::chart::{Chart, ChartLine};
+use crate::kit::colours::DISTINCT;
+use crate::kit::numbers::{MPA, plain, signed};
+use crate::kit::shell::figure;
+use crate::kit::table::{Column, table};
 use maud::{Markup, html};
 use sphcut_identify::{Bin, Curve, LawFit, residual_map};
 
 /// ln(model / measured) at which the colour is full.
 const FULL: f64 = 0.3;
-const COLOURS: [&str; 8] =
-    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b6470", "#8c564b"];
-
 /// Blue where the model is too soft, orange where it is too hard.
 fn tint(mean: f64) -> String {
     let share = (mean.abs() / FULL).min(1.0);
@@ -35,7 +35,7 @@ fn deviation(mean: f64) -> String {
         return "0 %".to_owned();
     }
     let decimals = usize::from(per_cent.abs() < 1.95);
-    minus(&format!("{per_cent:+.decimals$} %"))
+    signed(per_cent, decimals) + " %"
 }
 
 /// The residuals of Johnson-Cook over strain, rate and temperature.
@@ -52,25 +52,30 @@ pub(super) fn residuals(page: &IdentificationPage<'_>) -> Markup {
     let find = |strain: [f64; 2], rate: [f64; 2], temperature: [f64; 2]| {
         map.iter().find(|b| b.strain == strain && b.rate == rate && b.temperature == temperature)
     };
+    let rate_names: Vec<String> = rates.iter().map(|rate| range(*rate)).collect();
+    let columns =
+        || [Column::Text("")].into_iter().chain(rate_names.iter().map(|name| Column::Number(name)));
+    let caption = |strain| {
+        let strain = range(strain);
+        format!("Plastic strain {strain}; down: temperature in K, across: strain rate in 1/s")
+    };
+    let rows = |strain| {
+        html! { @for temperature in &temperatures { tr {
+            th scope="row" { (range(*temperature)) }
+            @for rate in &rates {
+                @if let Some(bin) = find(strain, *rate, *temperature) {
+                    td.n style=(tint(bin.mean)) { (deviation(bin.mean)) " (" (bin.curves) ")" }
+                } @else { td.n { } }
+            }
+        } } }
+    };
     html! {
         section {
             h2 { "Where Johnson-Cook cannot follow" }
             p { "Model over measured in per cent, mean of the curves in each cell, and their number. Orange: the law is too \
                 hard; blue: too soft." }
             @for strain in &strains {
-                div.scroll { table {
-                    caption { "Plastic strain " (range(*strain)) "; down: temperature in K, across: strain rate in 1/s" }
-                    thead { tr { th { } @for rate in &rates { th.n scope="col" { (range(*rate)) } } } }
-                    tbody { @for temperature in &temperatures { tr {
-                        th scope="row" { (range(*temperature)) }
-                        @for rate in &rates {
-                            @if let Some(bin) = find(*strain, *rate, *temperature) {
-                                td.n style=(tint(bin.mean)) { (deviation(bin.mean))
-                                    " (" (bin.curves) ")" }
-                            } @else { td.n { } }
-                        }
-                    } } }
-                } }
+                (table(caption(*strain), columns(), &rows(*strain)))
             }
         }
     }
@@ -84,7 +89,7 @@ pub(super) fn curves(page: &IdentificationPage<'_>) -> Markup {
         let key = |c: &Curve| (c.temperature / 20.0).round();
         key(a).total_cmp(&key(b)).then(a.plastic_strain_rate.total_cmp(&b.plastic_strain_rate))
     });
-    let count = order.len().min(COLOURS.len());
+    let count = order.len().min(DISTINCT.len());
     let chosen: Vec<&Curve> =
         (0..count).map(|k| order[k * (order.len() - 1) / (count - 1).max(1)]).collect();
     let largest = chosen.iter().flat_map(|c| c.plastic_strain.iter().copied()).fold(0.0, f64::max);
@@ -98,10 +103,20 @@ pub(super) fn curves(page: &IdentificationPage<'_>) -> Markup {
         .collect();
     let mut lines = Vec::new();
     for (k, curve) in chosen.iter().enumerate() {
-        let measured = x.iter().map(|strain| measured(curve, *strain) * 1e-6).collect();
-        lines.push(Line { name: &names[k], colour: COLOURS[k], width: 3.0, values: measured });
-        let model = x.iter().map(|strain| modelled(page.johnson_cook, curve, *strain) * 1e-6);
-        lines.push(Line { name: "", colour: COLOURS[k], width: 1.0, values: model.collect() });
+        let measured = x.iter().map(|strain| measured(curve, *strain) * MPA).collect();
+        lines.push(ChartLine {
+            name: &names[k],
+            colour: DISTINCT[k],
+            width: 3.0,
+            values: measured,
+        });
+        let model = x.iter().map(|strain| modelled(page.johnson_cook, curve, *strain) * MPA);
+        lines.push(ChartLine {
+            name: "",
+            colour: DISTINCT[k],
+            width: 1.0,
+            values: model.collect(),
+        });
     }
     let chart = Chart {
         description: "Flow curves beside the law.".to_owned(),
@@ -113,10 +128,8 @@ pub(super) fn curves(page: &IdentificationPage<'_>) -> Markup {
         y_includes: vec![0.0],
         ..Chart::default()
     };
-    let figure = super::super::charts::figure(
-        chart.svg(),
-        "Some of the curves (thick) and Johnson-Cook, jointly fitted (thin).",
-    );
+    let figure =
+        figure(chart.svg(), "Some of the curves (thick) and Johnson-Cook, jointly fitted (thin).");
     html! { section { h2 { "Flow curves" } (figure) } }
 }
 

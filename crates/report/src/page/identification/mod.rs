@@ -2,10 +2,11 @@
 
 mod figures;
 
-use super::STYLE;
-use crate::text::{minus, percent, plain, three_digits, with_interval};
+use crate::kit::numbers::{minus, percent, plain, three_digits, with_interval};
+use crate::kit::shell::{Shell, note, plain as as_it_is};
+use crate::kit::table::{Column, NONE, or_dash, table};
 use figures::{curves, residuals};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use sphcut_identify::{Curve, CurvePoint, Fitted, LawComparison, LawFit, Sequence, SequenceError};
 
 /// A correlation above which two parameters are not told apart.
@@ -39,39 +40,21 @@ pub struct IdentificationPage<'a> {
 /// The text of `identification.html`; nothing is loaded.
 #[must_use]
 pub fn render_identification(page: &IdentificationPage<'_>) -> String {
-    let markup = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content={ "sphcut " (page.version) };
-                link rel="icon" href="data:,";
-                title { "Flow stress \u{2013} " (page.title) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                main {
-                    header {
-                        h1 { "Flow stress of " (page.title) }
-                        p.lead { (page.curves.len()) " curves, " (page.points.len()) " points; " (page.source) "." }
-                    }
-                    section.warnings role="note" {
-                        h2 { "What these figures say" }
-                        ul { @for sentence in identification_words(page) { li { (sentence) } } }
-                    }
-                    (parameters(page))
-                    (laws(page.comparison))
-                    (residuals(page))
-                    (curves(page))
-                    (correlations(page.johnson_cook))
-                    (definitions(page))
-                    footer { "Written by sphcut " (page.version) "." }
-                }
-            }
-        }
+    let lead =
+        html! { (page.curves.len()) " curves, " (page.points.len()) " points; " (page.source) "." };
+    let sentences = identification_words(page);
+    let body = html! {
+        (note("What these figures say", sentences.iter().map(|sentence| as_it_is(sentence))))
+        (parameters(page))
+        (laws(page.comparison))
+        (residuals(page))
+        (curves(page))
+        (correlations(page.johnson_cook))
+        (definitions(page))
     };
-    markup.into_string()
+    let tab = format!("Flow stress \u{2013} {}", page.title);
+    let title = format!("Flow stress of {}", page.title);
+    Shell { tab, title: &title, lead, version: page.version, body }.render()
 }
 
 /// What can be said, one sentence or two per entry.
@@ -177,25 +160,25 @@ fn parameters(page: &IdentificationPage<'_>) -> Markup {
     };
     let by_hand = |k: usize, key: &str| match page.sequence {
         Ok(found) if k < 5 => three_digits(found.parameters[k] * unit(key).0),
-        _ => "\u{2013}".to_owned(),
+        _ => NONE.to_owned(),
     };
+    let columns = [
+        Column::Text("Parameter"),
+        Column::Number("Johnson-Cook, by sequence"),
+        Column::Number("Johnson-Cook, jointly"),
+        Column::Number("with tanh softening"),
+    ];
+    let rows = html! { @for (k, p) in page.tanh.parameters.iter().enumerate() { tr {
+        th scope="row" { (symbol(p.key)) (unit(p.key).1) " " code { (p.key) } }
+        td.n { (by_hand(k, p.key)) }
+        td.n { (or_dash(page.johnson_cook.parameters.get(k), shown)) }
+        td.n { (shown(p)) }
+    } } };
     html! {
         section {
             h2 { "Parameters" }
-            div.scroll { table {
-                caption { "By sequence: one after the other, as by hand. Jointly: all curves at once, robust, with the \
-                    95 % interval from the scatter between curves." }
-                thead { tr {
-                    th scope="col" { "Parameter" } th.n scope="col" { "Johnson-Cook, by sequence" }
-                    th.n scope="col" { "Johnson-Cook, jointly" } th.n scope="col" { "with tanh softening" }
-                } }
-                tbody { @for (k, p) in page.tanh.parameters.iter().enumerate() { tr {
-                    th scope="row" { (symbol(p.key)) (unit(p.key).1) " " code { (p.key) } }
-                    td.n { (by_hand(k, p.key)) }
-                    td.n { (page.johnson_cook.parameters.get(k).map_or_else(|| "\u{2013}".to_owned(), shown)) }
-                    td.n { (shown(p)) }
-                } } }
-            } }
+            (table("By sequence: one after the other, as by hand. Jointly: all curves at once, robust, with the \
+                95 % interval from the scatter between curves.", columns, &rows))
             @if let Ok(found) = page.sequence { p { (why_they_differ(found, page.johnson_cook)) } }
         }
     }
@@ -227,40 +210,36 @@ fn why_they_differ(found: &Sequence, fit: &LawFit) -> String {
 }
 
 fn laws(comparison: &LawComparison) -> Markup {
-    html! {
-        section {
-            h2 { "Laws side by side" }
-            div.scroll { table {
-                caption { "Root mean square of ln(model / measured). Held out: each of " (comparison.conditions) " rates and \
-                    temperatures left out once, in ten groups." }
-                thead { tr {
-                    th scope="col" { "Law" } th.n scope="col" { "fitted" } th.n scope="col" { "held out" }
-                    th.n scope="col" { "better than Johnson-Cook by standard errors" }
-                } }
-                tbody { @for law in &comparison.laws { tr {
-                    th scope="row" { (title(law.law)) }
-                    td.n { (percent(law.fitted)) } td.n { (percent(law.unseen)) }
-                    td.n { (minus(&format!("{:.1}", law.advantage))) }
-                } } }
-            } }
-        }
-    }
+    let columns = [
+        Column::Text("Law"),
+        Column::Number("fitted"),
+        Column::Number("held out"),
+        Column::Number("better than Johnson-Cook by standard errors"),
+    ];
+    let rows = html! { @for law in &comparison.laws { tr {
+        th scope="row" { (title(law.law)) }
+        td.n { (percent(law.fitted)) } td.n { (percent(law.unseen)) }
+        td.n { (minus(&format!("{:.1}", law.advantage))) }
+    } } };
+    let caption = html! { "Root mean square of ln(model / measured). Held out: each of " (comparison.conditions) " rates and \
+    temperatures left out once, in ten groups." };
+    html! { section { h2 { "Laws side by side" } (table(caption, columns, &rows)) } }
 }
 
 fn correlations(fit: &LawFit) -> Markup {
+    let parameters = fit.parameters.iter().map(|p| Column::Number(symbol(p.key)));
+    let number = |value: &f64| {
+        or_dash(value.is_finite().then_some(value), |value| minus(&format!("{value:.2}")))
+    };
+    let rows = html! { @for (p, row) in fit.parameters.iter().zip(&fit.correlation) { tr {
+        th scope="row" { (symbol(p.key)) }
+        @for value in row { td.n { (number(value)) } }
+    } } };
+    let caption = "Between the errors of two parameters of Johnson-Cook.";
     html! {
         section {
             h2 { "Correlations of the joint fit" }
-            div.scroll { table {
-                caption { "Between the errors of two parameters of Johnson-Cook." }
-                thead { tr { th { }
-                    @for p in &fit.parameters { th.n scope="col" { (symbol(p.key)) } }
-                } }
-                tbody { @for (p, row) in fit.parameters.iter().zip(&fit.correlation) { tr {
-                    th scope="row" { (symbol(p.key)) }
-                    @for value in row { td.n { (if value.is_finite() { minus(&format!("{value:.2}")) } else { "\u{2013}".to_owned() }) } }
-                } } }
-            } }
+            (table(caption, [Column::Text("")].into_iter().chain(parameters), &rows))
         }
     }
 }

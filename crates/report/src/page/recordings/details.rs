@@ -1,15 +1,26 @@
 //! One cut of the page: the force over time and its spectrum.
 
-use super::{colour, symbol};
-use crate::chart::{Band, Chart, Line, Mark};
-use crate::text::{percent, plain, three_digits, with_interval};
+use crate::kit::chart::{Band, Chart, ChartLine, Mark};
+use crate::kit::colours::{BLUE, GREEN, INK, RED, SLATE};
+use crate::kit::numbers::{M_PER_MIN, MM, percent, plain, three_digits, with_interval};
+use crate::kit::shell::figure;
+use crate::kit::table::{Column, NONE, or_dash, table};
+use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_physics::Channel;
 use sphcut_recordings::{ComponentResult, CutResult};
 
 /// Columns of a force over time: of each the smallest and the largest value is drawn.
 const COLUMNS: usize = 350;
-const INK: &str = "#5b6470";
+
+/// The colour of a force.
+pub(super) fn colour(component: Channel) -> &'static str {
+    match component {
+        Channel::CuttingForce => BLUE,
+        Channel::FeedForce => RED,
+        _ => GREEN,
+    }
+}
 
 /// Force, spectrum and figures of a cut; what was noticed if it has none.
 pub(super) fn details(cut: &CutResult) -> Markup {
@@ -23,13 +34,13 @@ pub(super) fn details(cut: &CutResult) -> Markup {
     }
     html! {
         section {
-            h2 { (cut.conditions.name) ", " (plain(cut.conditions.cutting_speed * 60.0)) " m/min, h = "
-                (plain(cut.conditions.uncut_chip_thickness * 1e3)) " mm" }
+            h2 { (cut.conditions.name) ", " (plain(cut.conditions.cutting_speed * M_PER_MIN)) " m/min, h = "
+                (plain(cut.conditions.uncut_chip_thickness * MM)) " mm" }
             @if !cut.faults.is_empty() { ul { @for fault in &cut.faults { li { (fault) "." } } } }
-            (super::super::charts::figure(forces(cut).svg(), "Force over time with the zero taken out and \
+            (figure(forces(cut).svg(), "Force over time with the zero taken out and \
                 after the low-pass: smallest and largest value of each column. Shaded: steady window; bands: mean and its \
                 95 % interval."))
-            (super::super::charts::figure(spectrum(cut).svg(), "Power density of the force in the window \
+            (figure(spectrum(cut).svg(), "Power density of the force in the window \
                 (Welch, Hann windows), in decibels above 1 N\u{b2}/Hz. Dashed: the revolution, and resonances that stand \
                 out of their neighbourhood."))
             (figures(cut))
@@ -65,7 +76,7 @@ fn forces(cut: &CutResult) -> Chart<'static> {
         lines: cut
             .components
             .iter()
-            .map(|c| Line {
+            .map(|c| ChartLine {
                 name: c.component.symbol(),
                 colour: colour(c.component),
                 width: 1.0,
@@ -82,7 +93,7 @@ fn forces(cut: &CutResult) -> Chart<'static> {
                         to,
                         mean: c.mean,
                         half_width: c.ci95,
-                        colour: "#22262b",
+                        colour: INK,
                         label: format!(
                             "{} = {} N",
                             c.component.symbol(),
@@ -103,7 +114,7 @@ fn spectrum(cut: &CutResult) -> Chart<'static> {
         .components
         .iter()
         .filter(|c| c.spectrum.density.len() > 2)
-        .map(|c| Line {
+        .map(|c| ChartLine {
             name: c.component.symbol(),
             colour: colour(c.component),
             width: 1.0,
@@ -129,7 +140,7 @@ fn marks(cut: &CutResult) -> Vec<Mark<'static>> {
     let mut marks: Vec<Mark<'static>> = Vec::new();
     if let Some(revolution) = cut.conditions.revolution {
         let label = format!("revolution {} Hz", three_digits(revolution));
-        marks.push(Mark { at: revolution, colour: INK, label });
+        marks.push(Mark { at: revolution, colour: SLATE, label });
     }
     for found in &cut.components {
         for peak in &found.resonances {
@@ -147,9 +158,18 @@ fn marks(cut: &CutResult) -> Vec<Mark<'static>> {
 }
 
 fn figures(cut: &CutResult) -> Markup {
-    let newtons = |value: Option<f64>| {
-        value.map_or_else(|| "\u{2013}".to_owned(), |v| format!("{} N", three_digits(v)))
-    };
+    use Column::{Number, Text};
+    let columns = [
+        Text("Force"),
+        Number("Mean in N"),
+        Number("Standard deviation"),
+        Number("Correlation time"),
+        Number("Zero before"),
+        Number("Zero after"),
+        Number("Once per revolution"),
+        Text("Resonances (share of the variance)"),
+    ];
+    let newtons = |value: f64| format!("{} N", three_digits(value));
     let peaks = |found: &ComponentResult| {
         let list: Vec<String> = found
             .resonances
@@ -160,31 +180,19 @@ fn figures(cut: &CutResult) -> Markup {
         if list.is_empty() { "none stands out".to_owned() } else { list.join(", ") }
     };
     let revolution = |found: &ComponentResult| match &found.revolution {
-        None => "\u{2013}".to_owned(),
-        Some(line) if line.stands_out() => format!("{} N", three_digits(line.amplitudes[0])),
-        Some(line) => format!("below {} N", three_digits(line.noise)),
+        None => NONE.to_owned(),
+        Some(line) if line.stands_out() => newtons(line.amplitudes[0]),
+        Some(line) => format!("below {}", newtons(line.noise)),
     };
-    let parts: Vec<(Channel, &ComponentResult)> =
-        cut.components.iter().map(|c| (c.component, c)).collect();
-    html! {
-        div.scroll { table {
-            thead { tr {
-                th scope="col" { "Force" } th.n scope="col" { "Mean in N" }
-                th.n scope="col" { "Standard deviation" } th.n scope="col" { "Correlation time" }
-                th.n scope="col" { "Zero before" } th.n scope="col" { "Zero after" }
-                th.n scope="col" { "Once per revolution" }
-                th scope="col" { "Resonances (share of the variance)" }
-            } }
-            tbody { @for (component, found) in parts { tr {
-                th scope="row" { (symbol(component)) }
-                td.n { (with_interval(found.mean, found.ci95)) }
-                td.n { (newtons(Some(found.deviation))) }
-                td.n { (three_digits(found.correlation_time * 1e3)) " ms" }
-                td.n { (newtons(found.zero.before.map(|level| level.mean))) }
-                td.n { (newtons(found.zero.after.map(|level| level.mean))) }
-                td.n { (revolution(found)) }
-                td { (peaks(found)) }
-            } } }
-        } }
-    }
+    let rows = html! { @for found in &cut.components { tr {
+        th scope="row" { (indexed(found.component.symbol())) }
+        td.n { (with_interval(found.mean, found.ci95)) }
+        td.n { (newtons(found.deviation)) }
+        td.n { (three_digits(found.correlation_time * 1e3)) " ms" }
+        td.n { (or_dash(found.zero.before, |level| newtons(level.mean))) }
+        td.n { (or_dash(found.zero.after, |level| newtons(level.mean))) }
+        td.n { (revolution(found)) }
+        td { (peaks(found)) }
+    } } };
+    table("", columns, &rows)
 }

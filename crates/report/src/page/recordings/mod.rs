@@ -2,19 +2,16 @@
 
 mod details;
 
-use super::STYLE;
-use crate::chart::{Band, Chart, Line};
-use crate::text::{percent, plain, with_interval};
-use details::details;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use crate::kit::chart::{Band, Chart, ChartLine};
+use crate::kit::numbers::{M_PER_MIN, MM, percent, plain, with_interval};
+use crate::kit::shell::{Shell, figure, note};
+use crate::kit::table::{Column, or_dash, table};
+use crate::kit::text::with_symbols;
+use details::{colour, details};
+use maud::{Markup, html};
 use sphcut_physics::Channel;
 use sphcut_recordings::{CutResult, Pooled, PooledCuts, PooledForce};
 
-const BLUE: &str = "#0072b2";
-const RED: &str = "#d55e00";
-const GREEN: &str = "#009e73";
-const MM: f64 = 1e3;
-const M_PER_MIN: f64 = 60.0;
 /// Most cuts that are drawn; refused ones come first.
 const MOST_FIGURES: usize = 40;
 
@@ -33,74 +30,26 @@ pub struct RecordingsPage<'a> {
     pub pooled: &'a Pooled,
 }
 
-fn colour(component: Channel) -> &'static str {
-    match component {
-        Channel::CuttingForce => BLUE,
-        Channel::FeedForce => RED,
-        _ => GREEN,
-    }
-}
-
-/// `F<sub>c</sub>`.
-fn symbol(component: Channel) -> Markup {
-    let (letter, index) = component.symbol().split_once('_').unwrap_or(("F", ""));
-    html! { (letter) sub { (index) } }
-}
-
 /// The text of `recordings.html`; nothing is loaded.
 #[must_use]
 pub fn render_recordings(page: &RecordingsPage<'_>) -> String {
-    let markup = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content={ "sphcut " (page.version) };
-                link rel="icon" href="data:,";
-                title { "Recordings \u{2013} " (page.title) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                main {
-                    header {
-                        h1 { (page.title) }
-                        p.lead { "Forces from recordings: " (page.cuts.len()) " cuts, "
-                            (page.pooled.conditions.len()) " conditions. " (page.low_pass) }
-                    }
-                    section.warnings role="note" {
-                        h2 { "What these figures say" }
-                        ul { @for sentence in recordings_words(page) { li { (with_symbols(&sentence)) } } }
-                    }
-                    (conditions(page))
-                    (overview(page))
-                    (cuts(page))
-                    @for cut in drawn(page.cuts) { (details(cut)) }
-                    @if page.cuts.len() > MOST_FIGURES {
-                        p { "Drawn are " (MOST_FIGURES) " of " (page.cuts.len()) " cuts, those without a force \
-                            first; the series of all are in recordings.h5." }
-                    }
-                    (definitions())
-                    footer { "Written by sphcut " (page.version) "." }
-                }
-            }
+    let lead = html! { "Forces from recordings: " (page.cuts.len()) " cuts, "
+    (page.pooled.conditions.len()) " conditions. " (page.low_pass) };
+    let sentences = recordings_words(page);
+    let body = html! {
+        (note("What these figures say", sentences.iter().map(|sentence| with_symbols(sentence))))
+        (conditions(page))
+        (overview(page))
+        (cuts(page))
+        @for cut in drawn(page.cuts) { (details(cut)) }
+        @if page.cuts.len() > MOST_FIGURES {
+            p { "Drawn are " (MOST_FIGURES) " of " (page.cuts.len()) " cuts, those without a force \
+                first; the series of all are in recordings.h5." }
         }
+        (definitions())
     };
-    markup.into_string()
-}
-
-/// A sentence in which the names of the forces have their index; names of files keep their underscores.
-fn with_symbols(sentence: &str) -> Markup {
-    let mut parts = vec![PreEscaped(String::new())];
-    for (index, word) in sentence.split(' ').enumerate() {
-        let space = if index > 0 { " " } else { "" };
-        let found = Channel::FORCES.into_iter().find(|c| c.symbol() == word);
-        parts.push(match found {
-            Some(component) => html! { (space) (symbol(component)) },
-            None => html! { (space) (word) },
-        });
-    }
-    html! { @for part in parts { (part) } }
+    let tab = format!("Recordings \u{2013} {}", page.title);
+    Shell { tab, title: page.title, lead, version: page.version, body }.render()
 }
 
 /// The cuts that are drawn: refused ones, then the others, in the order of the file.
@@ -171,30 +120,32 @@ fn force(condition: &PooledCuts, component: Channel) -> Option<&PooledForce> {
 
 fn conditions(page: &RecordingsPage<'_>) -> Markup {
     let found = components(page);
+    let columns =
+        [Column::Number("v_c in m/min"), Column::Number("h in mm"), Column::Number("b in mm")];
+    let forces: Vec<String> = found.iter().map(in_newtons).collect();
+    let forces = forces.iter().map(|force| Column::Number(force));
+    let columns = columns.into_iter().chain(forces).chain([Column::Number("cuts")]);
+    let rows = html! { @for condition in &page.pooled.conditions { tr {
+        td.n { (plain(condition.cutting_speed * M_PER_MIN)) }
+        td.n { (plain(condition.uncut_chip_thickness * MM)) }
+        td.n { (or_dash(condition.width_of_cut, |b| plain(b * MM))) }
+        @for component in &found {
+            td.n { (or_dash(force(condition, *component), |f| with_interval(f.mean, f.ci95))) }
+        }
+        td.n { (condition.cuts.len()) }
+    } } };
     html! {
         section {
             h2 { "Forces" }
-            div.scroll { table {
-                caption { "Mean force and its 95 % interval at each set of conditions; forces.csv has the same \
-                    figures for other commands." }
-                thead { tr {
-                    th.n scope="col" { "v" sub { "c" } " in m/min" } th.n scope="col" { "h in mm" }
-                    th.n scope="col" { "b in mm" }
-                    @for component in &found { th.n scope="col" { (symbol(*component)) " in N" } }
-                    th.n scope="col" { "cuts" }
-                } }
-                tbody { @for condition in &page.pooled.conditions { tr {
-                    td.n { (plain(condition.cutting_speed * M_PER_MIN)) }
-                    td.n { (plain(condition.uncut_chip_thickness * MM)) }
-                    td.n { (condition.width_of_cut.map_or_else(|| "\u{2013}".to_owned(), |b| plain(b * MM))) }
-                    @for component in &found { td.n {
-                        (force(condition, *component).map_or_else(|| "\u{2013}".to_owned(), |f| with_interval(f.mean, f.ci95)))
-                    } }
-                    td.n { (condition.cuts.len()) }
-                } } }
-            } }
+            (table("Mean force and its 95 % interval at each set of conditions; forces.csv has the same \
+                figures for other commands.", columns, &rows))
         }
     }
+}
+
+/// The head of a column of forces.
+fn in_newtons(component: &Channel) -> String {
+    format!("{} in N", component.symbol())
 }
 
 /// Forces over what was varied most: the chip thickness, else the cutting speed.
@@ -247,7 +198,7 @@ fn overview(page: &RecordingsPage<'_>) -> Markup {
         lines: found
             .iter()
             .zip(&names)
-            .map(|(component, name)| Line {
+            .map(|(component, name)| ChartLine {
                 name,
                 colour: colour(*component),
                 width: 1.0,
@@ -269,7 +220,7 @@ fn overview(page: &RecordingsPage<'_>) -> Markup {
         let list: Vec<String> = speeds.iter().map(|speed| plain(*speed)).collect();
         caption += &format!(" Side by side, from left to right: {} m/min.", list.join(", "));
     }
-    super::charts::figure(chart.svg(), &caption)
+    figure(chart.svg(), &caption)
 }
 
 /// Values that differ by less, as a share, are one level.
@@ -288,28 +239,21 @@ fn cuts(page: &RecordingsPage<'_>) -> Markup {
         .into_iter()
         .filter(|c| page.cuts.iter().any(|cut| cut.component(*c).is_some()))
         .collect();
-    html! {
-        section {
-            h2 { "Cuts" }
-            div.scroll { table {
-                caption { "Every record with its mean, 95 % interval and everything that was noticed." }
-                thead { tr {
-                    th.n scope="col" { "No." } th scope="col" { "Record" }
-                    @for component in &found { th.n scope="col" { (symbol(*component)) " in N" } }
-                    th scope="col" { "Force given" } th scope="col" { "Noticed" }
-                } }
-                tbody { @for cut in page.cuts { tr.over[!cut.accepted] {
-                    td.n { (cut.conditions.order) }
-                    th scope="row" { (cut.conditions.name) }
-                    @for component in &found { td.n {
-                        (cut.component(*component).map_or_else(|| "\u{2013}".to_owned(), |c| with_interval(c.mean, c.ci95)))
-                    } }
-                    td { (if cut.accepted { "yes" } else { "no" }) }
-                    td { @for fault in &cut.faults { (fault) ". " } }
-                } } }
-            } }
+    let forces: Vec<String> = found.iter().map(in_newtons).collect();
+    let forces = forces.iter().map(|force| Column::Number(force));
+    let columns = [Column::Number("No."), Column::Text("Record")].into_iter().chain(forces);
+    let columns = columns.chain([Column::Text("Force given"), Column::Text("Noticed")]);
+    let rows = html! { @for cut in page.cuts { tr.over[!cut.accepted] {
+        td.n { (cut.conditions.order) }
+        th scope="row" { (cut.conditions.name) }
+        @for component in &found {
+            td.n { (or_dash(cut.component(*component), |c| with_interval(c.mean, c.ci95))) }
         }
-    }
+        td { (if cut.accepted { "yes" } else { "no" }) }
+        td { @for fault in &cut.faults { (fault) ". " } }
+    } } };
+    let caption = "Every record with its mean, 95 % interval and everything that was noticed.";
+    html! { section { h2 { "Cuts" } (table(caption, columns, &rows)) } }
 }
 
 fn definitions() -> Markup {

@@ -5,12 +5,13 @@ mod words;
 
 pub use words::sweep_words;
 
-use super::greybox::{figure, indexed, page};
 use crate::ReportError;
-use crate::pictures::thumbnail;
-use crate::text::{grouped, minus, three_digits, with_interval};
+use crate::kit::numbers::{grouped, minus, three_digits, with_interval};
+use crate::kit::shell::{Shell, note, plotted, tab};
+use crate::kit::text::indexed;
+use crate::picture::thumbnail;
 use maud::{Markup, html};
-use plots::Point;
+use plots::ForceAt;
 use sphcut_record::Run;
 use sphcut_sweep::{LeftOut, Row, State, Table};
 
@@ -43,10 +44,7 @@ pub fn render_sweep(sweep: &SweepPage<'_>) -> Result<String, ReportError> {
     let pictures = pictures(table)?;
     let body = html! {
         (failures(table))
-        section.warnings role="note" {
-            h2 { "What these runs say" }
-            ul { @for sentence in sweep_words(table, sweep.measured) { li { (indexed(&sentence)) } } }
-        }
+        (note("What these runs say", sweep_words(table, sweep.measured).iter().map(|sentence| indexed(sentence))))
         (figures(table))
         @for (index, name) in [(0, "Cutting force F_c"), (1, "Feed force F_f")] {
             (forces(sweep, index, name))
@@ -71,7 +69,8 @@ pub fn render_sweep(sweep: &SweepPage<'_>) -> Result<String, ReportError> {
         }
     };
     let lead = html! { (lead(table)) };
-    Ok(page(&table.title, &lead, sweep.version, &body))
+    let title = &table.title;
+    Ok(Shell { tab: tab(title), title, lead, version: sweep.version, body }.render())
 }
 
 fn lead(table: &Table) -> String {
@@ -109,16 +108,12 @@ fn failures(table: &Table) -> Markup {
     if failed.is_empty() {
         return html! {};
     }
-    html! {
-        section.warnings role="note" {
-            h2 { "Runs that failed" }
-            ul {
-                @for (row, reason) in failed {
-                    li { "Run " (row.number) ", " (row.values.join(", ")) ": " (reason) }
-                }
-            }
-        }
-    }
+    note(
+        "Runs that failed",
+        failed.iter().map(|(row, reason)| {
+            html! { "Run " (row.number) ", " (row.values.join(", ")) ": " (reason) }
+        }),
+    )
 }
 
 fn figures(table: &Table) -> Markup {
@@ -150,10 +145,10 @@ fn hours(seconds: f64) -> String {
 /// A force over speed and thickness, and over whatever else was varied.
 fn forces(sweep: &SweepPage<'_>, index: usize, name: &str) -> Markup {
     let points = plots::points(sweep.table, index);
-    let measured: Vec<Point> = sweep
+    let measured: Vec<ForceAt> = sweep
         .measured
         .iter()
-        .map(|row| Point { at: [row[0], row[1]], value: row[2 + index] })
+        .map(|row| ForceAt { at: [row[0], row[1]], value: row[2 + index] })
         .collect();
     let symbol = ["F_c", "F_f"][index];
     let mut charts: Vec<(String, &str)> = Vec::new();
@@ -186,7 +181,7 @@ fn forces(sweep: &SweepPage<'_>, index: usize, name: &str) -> Markup {
     html! {
         section {
             h2 { (indexed(name)) }
-            div.pair { @for (svg, caption) in &charts { (figure(svg, caption)) } }
+            div.pair { @for (svg, caption) in &charts { (plotted(svg, caption)) } }
         }
     }
 }

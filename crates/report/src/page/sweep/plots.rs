@@ -1,25 +1,24 @@
 //! Forces of a sweep over its conditions.
 
-use super::super::greybox::axes::{Axis, Frame};
-use super::super::greybox::maps::{Colours, Map};
+use crate::kit::colours::{BLUE, DISTINCT, GREY};
+use crate::kit::map::{ColourScale, Map};
+use crate::kit::numbers::{M_PER_MIN, MM, three_digits};
+use crate::kit::plot::{Axis, Plot};
 use sphcut_greybox::{Hull, Input};
 use sphcut_sweep::{ForcePoint, Table};
 
-const M_PER_MIN: f64 = 60.0;
-const MM: f64 = 1e3;
 /// Conditions closer than this share are one.
 const SAME: f64 = 1e-6;
-const COLOURS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
 
 /// A force at a cutting speed in m/s and an uncut chip thickness in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Point {
+pub(super) struct ForceAt {
     pub(super) at: Input,
     pub(super) value: f64,
 }
 
 /// The mean of all results at each condition, sorted.
-pub(super) fn points(table: &Table, force: usize) -> Vec<Point> {
+pub(super) fn points(table: &Table, force: usize) -> Vec<ForceAt> {
     let mut all: Vec<(Input, f64, f64)> = Vec::new();
     for row in &table.rows {
         let (Some(condition), Some([mean, _])) = (row.condition, row.forces[force]) else {
@@ -31,14 +30,14 @@ pub(super) fn points(table: &Table, force: usize) -> Vec<Point> {
             None => all.push((at, mean, 1.0)),
         }
     }
-    let mut points: Vec<Point> =
-        all.into_iter().map(|(at, sum, count)| Point { at, value: sum / count }).collect();
+    let mut points: Vec<ForceAt> =
+        all.into_iter().map(|(at, sum, count)| ForceAt { at, value: sum / count }).collect();
     points.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1])));
     points
 }
 
 /// The same as trends are found in.
-pub(super) fn force_points(points: &[Point]) -> Vec<ForcePoint> {
+pub(super) fn force_points(points: &[ForceAt]) -> Vec<ForcePoint> {
     points.iter().map(|point| ForcePoint { at: point.at, force: point.value }).collect()
 }
 
@@ -47,7 +46,7 @@ pub(super) fn same(a: f64, b: f64) -> bool {
 }
 
 /// The different values of one input, rising.
-pub(super) fn levels(points: &[Point], axis: usize) -> Vec<f64> {
+pub(super) fn levels(points: &[ForceAt], axis: usize) -> Vec<f64> {
     let mut values: Vec<f64> = points.iter().map(|point| point.at[axis]).collect();
     values.sort_by(f64::total_cmp);
     values.dedup_by(|a, b| same(*a, *b));
@@ -62,7 +61,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(points: &[Point]) -> Option<Self> {
+    fn new(points: &[ForceAt]) -> Option<Self> {
         let (speeds, thicknesses) = (levels(points, 0), levels(points, 1));
         if speeds.len() < 2
             || thicknesses.len() < 2
@@ -89,7 +88,7 @@ impl Grid {
 }
 
 /// The surface with the measured points on it; `None` without speeds and thicknesses.
-pub(super) fn map(points: &[Point], measured: &[Point], symbol: &str) -> Option<String> {
+pub(super) fn map(points: &[ForceAt], measured: &[ForceAt], symbol: &str) -> Option<String> {
     if levels(points, 0).len() < 2 || levels(points, 1).len() < 2 {
         return None;
     }
@@ -103,7 +102,7 @@ pub(super) fn map(points: &[Point], measured: &[Point], symbol: &str) -> Option<
         title: symbol.to_owned(),
         description: format!("{symbol} over cutting speed and uncut chip thickness."),
         quantity: format!("{symbol} in N"),
-        colours: Colours::of_range(points.iter().chain(dots).map(|point| point.value)),
+        colours: ColourScale::of_range(points.iter().chain(dots).map(|point| point.value)),
         hull: &hull,
         inputs: &inputs,
         surface: grid.is_some().then_some(&surface as &dyn Fn(Input) -> f64),
@@ -114,8 +113,8 @@ pub(super) fn map(points: &[Point], measured: &[Point], symbol: &str) -> Option<
 
 /// First, middle and last of the levels of the other input; lines over `axis`.
 pub(super) fn slices(
-    points: &[Point],
-    measured: &[Point],
+    points: &[ForceAt],
+    measured: &[ForceAt],
     symbol: &str,
     axis: usize,
 ) -> Option<String> {
@@ -126,8 +125,8 @@ pub(super) fn slices(
         return None;
     }
     let scale = [M_PER_MIN, MM];
-    let near = |point: &&Point, level: f64| (point.at[fixed] - level).abs() <= 0.01 * level.abs();
-    let of = |from: &'_ [Point], level: f64| -> Vec<[f64; 2]> {
+    let near = |point: &&ForceAt, level: f64| (point.at[fixed] - level).abs() <= 0.01 * level.abs();
+    let of = |from: &'_ [ForceAt], level: f64| -> Vec<[f64; 2]> {
         let kept = from.iter().filter(|point| near(point, level));
         kept.map(|point| [point.at[axis] * scale[axis], point.value]).collect()
     };
@@ -135,25 +134,25 @@ pub(super) fn slices(
     let dots: Vec<Vec<[f64; 2]>> = chosen.iter().map(|level| of(measured, *level)).collect();
     let values = lines.iter().chain(&dots).flatten().map(|point| point[1]);
     let titles = ["v_c in m/min", "h in mm"];
-    let mut frame = Frame::new(
+    let mut plot = Plot::new(
         Axis::of_conditions(titles[axis], along.iter().map(|value| value * scale[axis])),
         Axis::linear(&format!("{symbol} in N"), values.clone(), 0.05),
         14.0,
         "Slices of the simulated forces with the measured points.",
     );
-    frame.axes("", true);
+    plot.axes("", true);
     let mut names = Vec::new();
-    for (((level, line), dots), colour) in chosen.iter().zip(&lines).zip(&dots).zip(COLOURS) {
-        frame.line(line, &format!(r#"stroke="{colour}" stroke-width="2""#));
+    for (((level, line), dots), colour) in chosen.iter().zip(&lines).zip(&dots).zip(DISTINCT) {
+        plot.line(line, &format!(r#"stroke="{colour}" stroke-width="2""#));
         for [x, y] in if dots.is_empty() { line } else { dots } {
-            frame.dot(*x, *y, 4.0, &format!(r##"fill="{colour}" stroke="#fff" stroke-width="1""##));
+            plot.dot(*x, *y, 4.0, &format!(r##"fill="{colour}" stroke="#fff" stroke-width="1""##));
         }
-        let value = crate::text::three_digits(level * scale[fixed]);
+        let value = three_digits(level * scale[fixed]);
         names.push((colour, format!("{value} {}", ["m/min", "mm"][fixed])));
     }
     let entries: Vec<(&str, &str)> = names.iter().map(|(c, n)| (*c, n.as_str())).collect();
-    frame.legend(&entries);
-    Some(frame.finish())
+    plot.legend(&entries);
+    Some(plot.finish())
 }
 
 fn chosen(levels: &[f64]) -> Vec<f64> {
@@ -190,23 +189,23 @@ pub(super) fn scatter(
         let half = if half.is_finite() { *half } else { 0.0 };
         [mean - half, mean + half]
     });
-    let mut frame = Frame::new(
+    let mut plot = Plot::new(
         Axis::of_conditions(&title, points.iter().map(|point| point[0])),
         Axis::linear(&format!("{symbol} in N"), ends, 0.05),
         14.0,
         "Forces of all runs over one key.",
     );
-    frame.axes("", true);
+    plot.axes("", true);
     for [x, mean, half] in points {
         if half.is_finite() {
-            frame.line(
+            plot.line(
                 &[[x, mean - half], [x, mean + half]],
-                r##"stroke="#8b949e" stroke-width="1.2""##,
+                &format!(r#"stroke="{GREY}" stroke-width="1.2""#),
             );
         }
-        frame.dot(x, mean, 3.6, r##"fill="#0072b2" opacity="0.8""##);
+        plot.dot(x, mean, 3.6, &format!(r#"fill="{BLUE}" opacity="0.8""#));
     }
-    Some(frame.finish())
+    Some(plot.finish())
 }
 
 #[cfg(test)]
@@ -216,9 +215,9 @@ mod tests {
     #[test]
     fn the_surface_is_linear_between_the_conditions() {
         let plane = |at: Input| 3.0 * at[0] - 2.0 * at[1] + 1.0;
-        let points: Vec<Point> = [1.0, 2.0, 4.0]
+        let points: Vec<ForceAt> = [1.0, 2.0, 4.0]
             .into_iter()
-            .flat_map(|v| [10.0, 20.0].map(|h| Point { at: [v, h], value: plane([v, h]) }))
+            .flat_map(|v| [10.0, 20.0].map(|h| ForceAt { at: [v, h], value: plane([v, h]) }))
             .collect();
         let grid = Grid::new(&points).unwrap();
         for at in [[1.0, 10.0], [1.5, 12.0], [3.9, 20.0], [4.0, 15.0]] {

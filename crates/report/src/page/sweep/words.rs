@@ -1,11 +1,8 @@
 //! What a sweep over speed and thickness says, in words.
 
-use super::plots::{Point, force_points, levels, points, same};
-use crate::text::{minus, three_digits};
+use super::plots::{ForceAt, force_points, levels, points, same};
+use crate::kit::numbers::{M_PER_MIN, MM, minus, three_digits};
 use sphcut_sweep::{Estimate, Table, line_over_thickness, power_law};
-
-const M_PER_MIN: f64 = 60.0;
-const MM: f64 = 1e3;
 
 /// One sentence each.
 #[must_use]
@@ -13,8 +10,8 @@ pub fn sweep_words(table: &Table, measured: &[[f64; 4]]) -> Vec<String> {
     let mut words = Vec::new();
     for (index, symbol) in ["F_c", "F_f"].into_iter().enumerate() {
         let simulated = points(table, index);
-        let point = |row: &[f64; 4]| Point { at: [row[0], row[1]], value: row[2 + index] };
-        let real: Vec<Point> = measured.iter().map(point).collect();
+        let point = |row: &[f64; 4]| ForceAt { at: [row[0], row[1]], value: row[2 + index] };
+        let real: Vec<ForceAt> = measured.iter().map(point).collect();
         words.extend(over_thickness(&simulated, &real, symbol));
         words.extend(over_all(&simulated, symbol, "simulated"));
         words.extend(over_all(&common(&real, &simulated), symbol, "measured"));
@@ -56,7 +53,7 @@ fn percent(share: f64) -> String {
 }
 
 /// `At 150 m/min the simulated F_c changes by 8260 ± 90 N per mm of h ...`, and how it compares with the measured one.
-fn over_thickness(simulated: &[Point], measured: &[Point], symbol: &str) -> Option<String> {
+fn over_thickness(simulated: &[ForceAt], measured: &[ForceAt], symbol: &str) -> Option<String> {
     let speed = middle(&levels(simulated, 0))?;
     let line = line_over_thickness(&force_points(simulated), speed)?;
     let mut text = format!(
@@ -85,7 +82,7 @@ fn compared(difference: f64, half_widths: f64, real: f64) -> String {
 }
 
 /// The exponents over all conditions, and what the speed changes from end to end.
-fn over_all(points: &[Point], symbol: &str, what: &str) -> Option<String> {
+fn over_all(points: &[ForceAt], symbol: &str, what: &str) -> Option<String> {
     let law = power_law(&force_points(points))?;
     let mut powers = Vec::new();
     if let Some(thickness) = law.thickness {
@@ -118,15 +115,15 @@ fn over_all(points: &[Point], symbol: &str, what: &str) -> Option<String> {
 }
 
 /// Those of `points` whose conditions are among the `others`: exponents are not the same everywhere.
-fn common(points: &[Point], others: &[Point]) -> Vec<Point> {
+fn common(points: &[ForceAt], others: &[ForceAt]) -> Vec<ForceAt> {
     let is_among =
-        |a: &Point| others.iter().any(|b| same(a.at[0], b.at[0]) && same(a.at[1], b.at[1]));
+        |a: &ForceAt| others.iter().any(|b| same(a.at[0], b.at[0]) && same(a.at[1], b.at[1]));
     points.iter().filter(|point| is_among(point)).copied().collect()
 }
 
 /// How far the simulated forces are from the measured ones where there are both.
-fn against(simulated: &[Point], measured: &[Point], symbol: &str) -> Option<String> {
-    let is_at = |a: &Point, b: &Point| same(a.at[0], b.at[0]) && same(a.at[1], b.at[1]);
+fn against(simulated: &[ForceAt], measured: &[ForceAt], symbol: &str) -> Option<String> {
+    let is_at = |a: &ForceAt, b: &ForceAt| same(a.at[0], b.at[0]) && same(a.at[1], b.at[1]);
     let mut pairs = Vec::new();
     for point in simulated {
         let there: Vec<f64> =
@@ -155,12 +152,12 @@ fn against(simulated: &[Point], measured: &[Point], symbol: &str) -> Option<Stri
 mod tests {
     use super::*;
 
-    fn grid(slope: f64, power: f64) -> Vec<Point> {
+    fn grid(slope: f64, power: f64) -> Vec<ForceAt> {
         let at = [100.0, 150.0, 200.0]
             .into_iter()
             .flat_map(|v| [0.06, 0.1, 0.15].map(|h| [v / 60.0, h / 1e3]));
         let force = |at: [f64; 2]| slope * at[1] * 1e3 * (at[0] / 2.5).powf(power);
-        at.map(|at| Point { at, value: force(at) }).collect()
+        at.map(|at| ForceAt { at, value: force(at) }).collect()
     }
 
     #[test]

@@ -1,14 +1,15 @@
 //! The tables of the page.
 
-use super::charts::term_colour;
-use crate::text::{grouped, percent, three_digits, with_interval};
+use crate::kit::colours::INK;
+use crate::kit::numbers::{UM, grouped, percent, three_digits, with_interval};
+use crate::kit::table::{ResultRow, results as results_table, row};
+use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_postprocess::{
     EnergyBalance, Force, MomentumBalance, ProcessResult, TermKind, ToolHeatBalance,
 };
 use sphcut_record::{Run, Setting};
-
-pub(super) const UM: f64 = 1e6;
+use sphcut_sph::ChannelId;
 
 /// The five numbers one looks for first.
 pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
@@ -47,52 +48,24 @@ pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
 }
 
 fn figure(name: &str, value: &str, unit: &str) -> Markup {
-    html! { div { dt { (symbol(name)) } dd { (value) @if !unit.is_empty() { " " small { (unit) } } } } }
+    html! { div { dt { (indexed(name)) } dd { (value) @if !unit.is_empty() { " " small { (unit) } } } } }
 }
 
-/// A name whose symbol has an index after an underscore.
-fn symbol(name: &str) -> Markup {
-    match name.split_once('_') {
-        Some((letter, index)) => html! { (letter) sub { (index) } },
-        None => html! { (name) },
-    }
-}
-
-/// A row of a table of results.
-pub(super) struct Row {
-    name: &'static str,
-    value: String,
-    unit: &'static str,
-    note: String,
-}
-
-pub(super) fn row(
-    name: &'static str,
-    value: String,
-    unit: &'static str,
-    note: impl Into<String>,
-) -> Row {
-    Row { name, value, unit, note: note.into() }
-}
-
-pub(super) fn table(caption: &str, rows: &[Row]) -> Markup {
-    html! {
-        div.scroll {
-            table.results {
-                caption { (caption) }
-                thead { tr { th scope="col" { "Quantity" } th.n scope="col" { "Value" } th scope="col" { "Unit" } th scope="col" { "Note" } } }
-                tbody {
-                    @for row in rows {
-                        tr {
-                            th scope="row" { (symbol(row.name)) }
-                            td.n { (row.value) }
-                            td { (row.unit) }
-                            td { (row.note) }
-                        }
-                    }
-                }
-            }
-        }
+/// Colour of a term of the energy balance; physical ones in calm colours, numerical ones warm.
+pub(super) fn term_colour(channel: ChannelId) -> &'static str {
+    match channel {
+        ChannelId::PlasticWork => "#4c78a8",
+        ChannelId::FrictionWork => "#72b7b2",
+        ChannelId::ElasticEnergy => "#9ecae9",
+        ChannelId::KineticEnergy => "#b8b0d8",
+        ChannelId::ThermoelasticWork => "#d6cfe6",
+        ChannelId::HourglassWork => "#e45756",
+        ChannelId::ViscosityWork => "#f58518",
+        ChannelId::DensityDiffusionWork => "#eeca3b",
+        ChannelId::ArtificialStressWork => "#b279a2",
+        ChannelId::UpdateResidue => "#ff9da6",
+        ChannelId::ContactEnergy => "#9d755d",
+        _ => INK,
     }
 }
 
@@ -106,7 +79,7 @@ pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
     html! {
         section {
             h2 { "Results" }
-            (table("Intervals are 95 % and take the correlation of the force along the travel into \
+            (results_table("Intervals are 95 % and take the correlation of the force along the travel into \
                 account.", &rows))
             (passes(result))
             @if ProcessResult::is_cut(run) { (steadiness(run, result)) }
@@ -126,9 +99,9 @@ fn passes(result: &ProcessResult) -> Markup {
                 caption { "Mean forces of each pass in N; above are those of the last one." }
                 thead { tr {
                     th scope="col" { "Pass" }
-                    th.n scope="col" { (symbol("F_c")) }
-                    th.n scope="col" { (symbol("F_f")) }
-                    th.n scope="col" { (symbol("F_p")) }
+                    th.n scope="col" { (indexed("F_c")) }
+                    th.n scope="col" { (indexed("F_f")) }
+                    th.n scope="col" { (indexed("F_p")) }
                     th scope="col" { "Means over" }
                 } }
                 tbody {
@@ -151,7 +124,7 @@ fn passes(result: &ProcessResult) -> Markup {
     }
 }
 
-fn force_rows(run: &Run, result: &ProcessResult) -> Vec<Row> {
+fn force_rows(run: &Run, result: &ProcessResult) -> Vec<ResultRow> {
     let forces = &result.forces;
     let mut rows = Vec::new();
     for (name, per_width, force) in [
@@ -174,7 +147,7 @@ fn force_rows(run: &Run, result: &ProcessResult) -> Vec<Row> {
     rows
 }
 
-fn state_rows(result: &ProcessResult) -> Vec<Row> {
+fn state_rows(result: &ProcessResult) -> Vec<ResultRow> {
     let (temperature, extremes) = (&result.temperature, &result.extremes);
     let mut rows = Vec::new();
     if let Some(interface) = &temperature.interface {
@@ -253,7 +226,7 @@ fn steadiness(run: &Run, result: &ProcessResult) -> Markup {
         ),
         row("Possible drift of the feed force", possible, unit, result.feed_known.to_string()),
     ];
-    html! { h3 { "Steadiness" } (table("Judged by the cutting force.", &rows)) }
+    html! { h3 { "Steadiness" } (results_table("Judged by the cutting force.", &rows)) }
 }
 
 /// Energy, momentum and heat.
@@ -377,7 +350,7 @@ pub(super) fn setup(run: &Run, result: &ProcessResult) -> Markup {
     html! {
         section {
             h2 { "Setup" }
-            (table("Resolution and cost.", &cost_rows(result)))
+            (results_table("Resolution and cost.", &cost_rows(result)))
             @if !run.provenance.effects.is_empty() {
                 h3 { "Laws and effects" }
                 table { tbody {
@@ -394,7 +367,7 @@ pub(super) fn setup(run: &Run, result: &ProcessResult) -> Markup {
     }
 }
 
-fn cost_rows(result: &ProcessResult) -> Vec<Row> {
+fn cost_rows(result: &ProcessResult) -> Vec<ResultRow> {
     let (resolution, performance) = (&result.resolution, &result.performance);
     let mut rows = vec![row(
         "Particle spacing",

@@ -1,19 +1,23 @@
 //! The pictures of a cut in three dimensions.
 
-use crate::picture::{Field, SpaceOptions, Tool, View, axes, render_in_space, whole_in_space};
-use crate::pictures::{PICTURE_WIDTH, Picture, Pictures, description, tool_range};
+use super::described::{PICTURE_WIDTH, Picture, Pictures, description, tool_range};
+use super::field::ParticleField;
+use super::plane::time_text;
+use super::space::{SpaceOptions, ToolVisibility, axes, render_in_space, whole_in_space};
+use super::view::View;
+use crate::kit::numbers::three_digits;
 use sphcut_record::{Run, RunError};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Pass;
 use std::sync::Arc;
 
 /// Fields shown with the tool.
-const FIELDS: [Field; 5] = [
-    Field::PlasticStrain,
-    Field::Temperature,
-    Field::VonMisesStress,
-    Field::Pressure,
-    Field::Speed,
+const FIELDS: [ParticleField; 5] = [
+    ParticleField::PlasticStrain,
+    ParticleField::Temperature,
+    ParticleField::VonMisesStress,
+    ParticleField::Pressure,
+    ParticleField::Speed,
 ];
 /// From ahead of the tool, on the side of the feed and above: the chip stands before the rake face.
 const FROM_AHEAD: [f64; 2] = [40.0, 30.0];
@@ -47,7 +51,7 @@ impl Directions {
         SpaceOptions {
             width: PICTURE_WIDTH,
             axes,
-            tool: Tool::Shown,
+            tool: ToolVisibility::Shown,
             range: None,
             view: None,
             text_scale: 1.6,
@@ -64,14 +68,14 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
     let ahead = directions.options(FROM_AHEAD);
     let whole = Picture {
         title: "The whole workpiece and the tool at the end, from ahead and above".to_owned(),
-        description: description(Field::PlasticStrain, last),
+        description: description(ParticleField::PlasticStrain, last),
         media_type: "image/png",
         bytes: render_in_space(
             last,
-            Field::PlasticStrain,
+            ParticleField::PlasticStrain,
             &SpaceOptions {
                 view: Some(whole_in_space(last, &ahead.axes)),
-                caption: time(last),
+                caption: time_text(last.time),
                 ..ahead.clone()
             },
         ),
@@ -84,7 +88,7 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
         bytes: render_in_space(
             last,
             field,
-            &SpaceOptions { view, caption: time(last), ..ahead.clone() },
+            &SpaceOptions { view, caption: time_text(last.time), ..ahead.clone() },
         ),
     });
     let mut fields = with_tool.to_vec();
@@ -116,14 +120,14 @@ fn tool_alone(snapshot: &Snapshot, options: &SpaceOptions) -> Picture {
         title: "Temperature in K of the tool alone, from ahead and above".to_owned(),
         description: format!(
             "Temperature of the tool's surface, between {} and {}.",
-            crate::text::three_digits(low),
-            crate::text::three_digits(high)
+            three_digits(low),
+            three_digits(high)
         ),
         media_type: "image/png",
         bytes: render_in_space(
             &alone,
-            Field::Temperature,
-            &SpaceOptions { caption: time(snapshot), ..options.clone() },
+            ParticleField::Temperature,
+            &SpaceOptions { caption: time_text(snapshot.time), ..options.clone() },
         ),
     }
 }
@@ -132,18 +136,18 @@ fn surface(directions: &Directions, pass: usize, snapshot: &Snapshot) -> Picture
     let behind = directions.options(FROM_BEHIND);
     Picture {
         title: format!("Surface after pass {pass}, from behind and above, the tool left out"),
-        description: description(Field::PlasticStrain, snapshot),
+        description: description(ParticleField::PlasticStrain, snapshot),
         media_type: "image/png",
         bytes: render_in_space(
             snapshot,
-            Field::PlasticStrain,
-            &SpaceOptions { tool: Tool::Hidden, caption: time(snapshot), ..behind },
+            ParticleField::PlasticStrain,
+            &SpaceOptions {
+                tool: ToolVisibility::Hidden,
+                caption: time_text(snapshot.time),
+                ..behind
+            },
         ),
     }
-}
-
-fn time(snapshot: &Snapshot) -> String {
-    crate::picture::time_text(snapshot.time)
 }
 
 /// The last snapshot within each pass that the run has come to, with the number of the pass.

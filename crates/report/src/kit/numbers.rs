@@ -1,4 +1,13 @@
-//! Numbers for people.
+//! Numbers for people: digits, intervals, shares. Scales say what a page multiplies SI values with.
+
+/// m to um.
+pub(crate) const UM: f64 = 1e6;
+/// m to mm.
+pub(crate) const MM: f64 = 1e3;
+/// Pa to MPa.
+pub(crate) const MPA: f64 = 1e-6;
+/// m/s to m/min.
+pub(crate) const M_PER_MIN: f64 = 60.0;
 
 /// A number with about three significant digits.
 pub(crate) fn three_digits(value: f64) -> String {
@@ -49,6 +58,27 @@ pub(crate) fn percent(share: f64) -> String {
     }
     // A sum over nothing is -0.
     minus(&format!("{:.2} %", value + 0.0))
+}
+
+/// A share in per cent to the first decimal.
+pub(crate) fn percent_tenths(share: f64) -> String {
+    minus(&format!("{:.1} %", 100.0 * share))
+}
+
+/// A change as `+3.2`.
+pub(crate) fn signed(value: f64, decimals: usize) -> String {
+    minus(&format!("{value:+.decimals$}"))
+}
+
+/// A change of a share as `+3.2 %`.
+pub(crate) fn signed_percent(share: f64, decimals: usize) -> String {
+    signed(100.0 * share, decimals) + " %"
+}
+
+/// A value with the ends of its interval: `5.65 (3.62 to 7.96)`.
+pub(crate) fn with_ends([value, low, high]: [f64; 3]) -> String {
+    let [value, low, high] = [value, low, high].map(three_digits);
+    format!("{value} ({low} to {high})")
 }
 
 /// A count in groups of three digits.

@@ -1,7 +1,8 @@
 //! Animated GIF of the snapshots.
 
-use crate::canvas::{Canvas, Rgb};
-use crate::picture::{Field, PictureOptions, draw};
+use super::field::ParticleField;
+use super::plane::{PictureOptions, draw};
+use crate::kit::canvas::{Canvas, Rgb};
 use gif::{Encoder, Frame, Repeat};
 use sphcut_record::{RunError, Snapshots};
 use sphcut_sph::Snapshot;
@@ -17,7 +18,7 @@ const LAST_DELAY: u16 = 150;
 /// The snapshots as an endless animation, each seen as `options` says, or `None` for fewer than two.
 pub(crate) fn animate(
     snapshots: &Snapshots,
-    field: Field,
+    field: ParticleField,
     options: impl Fn(&Snapshot) -> PictureOptions,
 ) -> Result<Option<Vec<u8>>, RunError> {
     if snapshots.len() < 2 {
@@ -55,7 +56,7 @@ struct Palette {
 }
 
 impl Palette {
-    fn new(field: Field) -> Self {
+    fn new(field: ParticleField) -> Self {
         let share = |k: usize, count: usize| k as f64 / (count - 1) as f64;
         let map = (0..FIELD_COLOURS).map(|k| field.colour_at(share(k, FIELD_COLOURS)));
         let greys = 256 - FIELD_COLOURS;
@@ -101,7 +102,8 @@ mod tests {
         let cut = SyntheticCut { particle_spacing: 40e-6, ..SyntheticCut::default() };
         let snapshots = Snapshots::in_memory(vec![cut.snapshot(0.0), cut.snapshot(0.5e-3)]);
         let options = PictureOptions { width: 300, ..PictureOptions::default() };
-        let bytes = animate(&snapshots, Field::Temperature, |_| options.clone()).unwrap().unwrap();
+        let bytes =
+            animate(&snapshots, ParticleField::Temperature, |_| options.clone()).unwrap().unwrap();
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(bytes.as_slice()).unwrap();
@@ -112,6 +114,9 @@ mod tests {
         }
         assert_eq!(frames, 2);
         let one = Snapshots::in_memory(vec![cut.snapshot(0.0)]);
-        assert_eq!(animate(&one, Field::Speed, |_| PictureOptions::default()).unwrap(), None);
+        assert_eq!(
+            animate(&one, ParticleField::Speed, |_| PictureOptions::default()).unwrap(),
+            None
+        );
     }
 }

@@ -1,17 +1,16 @@
 //! Chip, shear zone, contact and machined surface: one table and their figures.
 
-use super::charts::{BLUE, GREEN, RED, figure};
-use super::springback::stress;
-use super::tables::{Row, UM, row, table};
-use crate::chart::{Chart, Line};
-use crate::text::{grouped, percent, three_digits, with_interval};
+use crate::kit::chart::{Chart, ChartLine};
+use crate::kit::colours::{BLUE, GREEN, RED};
+use crate::kit::numbers::{MPA, UM, grouped, percent, three_digits, with_interval};
+use crate::kit::shell::figure;
+use crate::kit::table::{NONE, ResultRow, results, row};
+use crate::page::residual_stress;
 use maud::{Markup, html};
 use sphcut_postprocess::{Geometry, Interface, Missing, ProcessResult, ShearZone};
 use sphcut_record::Run;
 
-const NONE: &str = "\u{2013}";
 const MICROMETRE: &str = "\u{b5}m";
-const MPA: f64 = 1e-6;
 /// How far across the shear zone the figure reaches, in widths of the zone.
 const SHOWN: f64 = 2.0;
 
@@ -28,7 +27,7 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
     html! {
         section {
             h2 { "Chip and surface" }
-            (table("Means over the snapshots of the window, \u{b1} standard deviation between them; \
+            (results("Means over the snapshots of the window, \u{b1} standard deviation between them; \
                 definitions and sources: docs/chip.md.", &rows))
             (figures(result))
         }
@@ -36,7 +35,7 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
 }
 
 /// A row without a value: the reason in place of the note.
-fn missing(name: &'static str, reason: &Missing) -> Row {
+fn missing(name: &'static str, reason: &Missing) -> ResultRow {
     row(name, NONE.to_owned(), "", reason.to_string())
 }
 
@@ -44,7 +43,7 @@ fn degrees(angle: f64) -> String {
     three_digits(angle.to_degrees())
 }
 
-fn chip_rows(geometry: &Geometry) -> Vec<Row> {
+fn chip_rows(geometry: &Geometry) -> Vec<ResultRow> {
     let mut rows = Vec::new();
     match &geometry.chip {
         Err(reason) => rows.push(missing("Chip thickness", reason)),
@@ -96,7 +95,7 @@ fn chip_rows(geometry: &Geometry) -> Vec<Row> {
     rows
 }
 
-fn shear_rows(geometry: &Geometry) -> Vec<Row> {
+fn shear_rows(geometry: &Geometry) -> Vec<ResultRow> {
     let zone = match &geometry.shear_zone {
         Err(reason) => return vec![missing("Shear zone", reason)],
         Ok(zone) => zone,
@@ -124,7 +123,7 @@ fn rate(rate: f64) -> String {
     grouped(((rate / step).round() * step) as u64)
 }
 
-fn contact_rows(geometry: &Geometry) -> Vec<Row> {
+fn contact_rows(geometry: &Geometry) -> Vec<ResultRow> {
     let mut rows = Vec::new();
     match &geometry.contact {
         Err(reason) => rows.push(missing("Covered length of the tool", reason)),
@@ -161,7 +160,7 @@ fn contact_rows(geometry: &Geometry) -> Vec<Row> {
     rows
 }
 
-fn surface_rows(result: &ProcessResult) -> Vec<Row> {
+fn surface_rows(result: &ProcessResult) -> Vec<ResultRow> {
     let mut rows = Vec::new();
     if let Some(surface) = result.geometry.surface {
         let note = format!(
@@ -203,7 +202,7 @@ fn figures(result: &ProcessResult) -> Markup {
         (figure(along(geometry).svg(), "Thickness of the chip along its free side in the last snapshot, \
             against the place before the cut."))
         @if let Ok(bins) = &result.residual_stress {
-            (figure(stress(bins).svg(), "Residual stress below the machined surface, tension positive: \
+            (figure(residual_stress::chart(bins).svg(), "Residual stress below the machined surface, tension positive: \
                 mean of three layers (thick) and its 95 % interval (thin). The stress normal to the \
                 surface should vanish there; what it is tells the error of the others."))
         }
@@ -219,13 +218,13 @@ fn stresses(interface: &Interface) -> Chart<'static> {
         height: 320.0,
         x: bins.iter().map(|bin| bin.distance * UM).collect(),
         lines: vec![
-            Line {
+            ChartLine {
                 name: "Normal",
                 colour: BLUE,
                 width: 2.0,
                 values: bins.iter().map(|bin| bin.normal_stress * MPA).collect(),
             },
-            Line {
+            ChartLine {
                 name: "Shear",
                 colour: RED,
                 width: 2.0,
@@ -245,7 +244,7 @@ fn temperature(interface: &Interface) -> Chart<'static> {
         y_title: "Temperature in K",
         height: 260.0,
         x: bins.iter().map(|bin| bin.distance * UM).collect(),
-        lines: vec![Line {
+        lines: vec![ChartLine {
             name: "In contact",
             colour: BLUE,
             width: 2.0,
@@ -265,7 +264,7 @@ fn across(zone: &ShearZone) -> Chart<'static> {
         y_title: "Strain rate in 1000/s",
         height: 300.0,
         x: shown.iter().map(|point| point[0] * UM).collect(),
-        lines: vec![Line {
+        lines: vec![ChartLine {
             name: "",
             colour: GREEN,
             width: 2.0,
@@ -286,7 +285,7 @@ fn along(geometry: &Geometry) -> Chart<'static> {
         y_title: "Chip thickness in \u{b5}m",
         height: 280.0,
         x: places.iter().map(|place| (place[0] - start) * 1e3).collect(),
-        lines: vec![Line {
+        lines: vec![ChartLine {
             name: "",
             colour: BLUE,
             width: 2.0,

@@ -1,13 +1,14 @@
 //! Maps over v_c and h: a surface as colours, the measured points on it, the hull around them.
 
-use super::axes::{Axis, Frame, extremes};
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
+use super::canvas::{Canvas, Rgb};
+use super::numbers::{M_PER_MIN, MM};
+use super::plot::{Axis, Plot, extremes};
+use super::shell::data_uri;
+use super::text::svg_text;
+use super::ticks::Ticks;
 use colorous::{Gradient, RED_BLUE, VIRIDIS};
 use sphcut_greybox::{Hull, Input};
 
-const M_PER_MIN: f64 = 60.0;
-const MM: f64 = 1e3;
 /// Points of a surface.
 const GRID: [usize; 2] = [96, 72];
 /// Room for the colours at the right.
@@ -15,20 +16,20 @@ const BAR: f64 = 84.0;
 
 /// The colours of a map.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::page) enum Colours {
+pub(crate) enum ColourScale {
     /// From a low to a high value.
     Range(f64, f64),
     /// As far below zero as above; red is above.
     Around(f64),
 }
 
-impl Colours {
-    pub(in crate::page) fn of_range(values: impl Iterator<Item = f64>) -> Self {
+impl ColourScale {
+    pub(crate) fn of_range(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extremes(values);
         Self::Range(low, if high > low { high } else { low + 1.0 })
     }
 
-    pub(in crate::page) fn around_zero(values: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn around_zero(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extremes(values);
         Self::Around(low.abs().max(high.abs()).max(1e-9))
     }
@@ -40,7 +41,7 @@ impl Colours {
         }
     }
 
-    fn rgb(self, value: f64) -> [u8; 3] {
+    fn rgb(self, value: f64) -> Rgb {
         let (low, high) = self.ends();
         let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
         let (gradient, share): (Gradient, f64) = match self {
@@ -58,12 +59,12 @@ impl Colours {
 }
 
 /// One map.
-pub(in crate::page) struct Map<'a> {
+pub(crate) struct Map<'a> {
     pub title: String,
     pub description: String,
     /// Name and unit of what the colours show.
     pub quantity: String,
-    pub colours: Colours,
+    pub colours: ColourScale,
     pub hull: &'a Hull,
     /// All conditions, for the axes.
     pub inputs: &'a [Input],
@@ -74,58 +75,50 @@ pub(in crate::page) struct Map<'a> {
 }
 
 impl Map<'_> {
-    pub(in crate::page) fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let x = Axis::of_conditions("v_c in m/min", self.inputs.iter().map(|i| i[0] * M_PER_MIN));
         let y = Axis::of_conditions("h in mm", self.inputs.iter().map(|i| i[1] * MM));
-        let mut frame = Frame::new(x, y, BAR, &self.description);
+        let mut plot = Plot::new(x, y, BAR, &self.description);
         if let Some(surface) = self.surface {
-            let image = self.image(&frame, surface);
-            let [left, top, right, bottom] = frame.inner();
-            frame.put(format_args!(
-                r#"<image x="{left}" y="{top}" width="{:.1}" height="{:.1}" preserveAspectRatio="none" href="data:image/png;base64,{image}"/>"#,
+            let image = self.image(&plot, surface);
+            let [left, top, right, bottom] = plot.inner();
+            plot.put(format_args!(
+                r#"<image x="{left}" y="{top}" width="{:.1}" height="{:.1}" preserveAspectRatio="none" href="{image}"/>"#,
                 right - left,
                 bottom - top
             ));
         }
-        self.border(&mut frame);
+        self.border(&mut plot);
         for &(input, value) in &self.points {
             let style =
                 format!(r##"fill="{}" stroke="#fff" stroke-width="1.2""##, self.colours.css(value));
-            frame.dot(input[0] * M_PER_MIN, input[1] * MM, 6.2, r##"fill="#22262b""##);
-            frame.dot(input[0] * M_PER_MIN, input[1] * MM, 5.2, &style);
+            plot.dot(input[0] * M_PER_MIN, input[1] * MM, 6.2, r##"fill="#22262b""##);
+            plot.dot(input[0] * M_PER_MIN, input[1] * MM, 5.2, &style);
         }
-        frame.axes(&self.title, false);
-        self.bar(&mut frame);
-        frame.finish()
+        plot.axes(&self.title, false);
+        self.bar(&mut plot);
+        plot.finish()
     }
 
     /// The surface as a picture; paler outside the hull.
-    fn image(&self, frame: &Frame, surface: &dyn Fn(Input) -> f64) -> String {
+    fn image(&self, plot: &Plot, surface: &dyn Fn(Input) -> f64) -> String {
         let [columns, rows] = GRID;
-        let mut pixels = Vec::with_capacity(3 * columns * rows);
+        let mut canvas = Canvas::new(columns, rows);
         for row in 0..rows {
-            let h = frame.y.value(1.0 - (row as f64 + 0.5) / rows as f64) / MM;
+            let h = plot.y.value(1.0 - (row as f64 + 0.5) / rows as f64) / MM;
             for column in 0..columns {
-                let v = frame.x.value((column as f64 + 0.5) / columns as f64) / M_PER_MIN;
+                let v = plot.x.value((column as f64 + 0.5) / columns as f64) / M_PER_MIN;
                 let colour = self.colours.rgb(surface([v, h]));
                 let inside = self.hull.contains([v, h]);
                 let fade = |c: u8| if inside { c } else { 255 - (255 - c) / 5 };
-                pixels.extend(colour.map(fade));
+                canvas.pixels[row * columns + column] = colour.map(fade);
             }
         }
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, columns as u32, rows as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder
-            .write_header()
-            .and_then(|mut writer| writer.write_image_data(&pixels))
-            .expect("a picture in memory of the size it was announced with");
-        BASE64_STANDARD.encode(bytes)
+        data_uri("image/png", &canvas.png())
     }
 
     /// The hull of the measured conditions; its straight sides bend where an axis is logarithmic.
-    fn border(&self, frame: &mut Frame) {
+    fn border(&self, plot: &mut Plot) {
         let corners = self.hull.corners();
         let mut points = Vec::new();
         for (k, a) in corners.iter().enumerate() {
@@ -136,17 +129,17 @@ impl Map<'_> {
                 [mix(0) * M_PER_MIN, mix(1) * MM]
             }));
         }
-        frame.line(&points, r##"stroke="#22262b" stroke-width="1.4" stroke-dasharray="5 4""##);
+        plot.line(&points, r##"stroke="#22262b" stroke-width="1.4" stroke-dasharray="5 4""##);
     }
 
-    fn bar(&self, frame: &mut Frame) {
-        let [_, top, right, bottom] = frame.inner();
+    fn bar(&self, plot: &mut Plot) {
+        let [_, top, right, bottom] = plot.inner();
         let (low, high) = self.colours.ends();
         let steps = 60;
         for step in 0..steps {
             let value = low + (high - low) * (f64::from(step) + 0.5) / f64::from(steps);
             let height = (bottom - top) / f64::from(steps);
-            frame.put(format_args!(
+            plot.put(format_args!(
                 r#"<rect x="{:.1}" y="{:.1}" width="14" height="{:.1}" fill="{}"/>"#,
                 right + 14.0,
                 bottom - height * f64::from(step + 1),
@@ -154,21 +147,21 @@ impl Map<'_> {
                 self.colours.css(value)
             ));
         }
-        let ticks = crate::ticks::Ticks::new(low, high, 6);
+        let ticks = Ticks::new(low, high, 6);
         for &value in &ticks.values {
             let y = bottom - (value - low) / (high - low) * (bottom - top);
-            frame.put(format_args!(
+            plot.put(format_args!(
                 r#"<text class="tick" x="{:.1}" y="{:.1}">{}</text>"#,
                 right + 33.0,
                 y + 4.0,
                 ticks.label(value)
             ));
         }
-        frame.put(format_args!(
+        plot.put(format_args!(
             r#"<text class="label" x="{:.1}" y="{:.1}" text-anchor="end">{}</text>"#,
             right + BAR - 2.0,
             bottom + 36.0,
-            super::axes::escape(&self.quantity)
+            svg_text(&self.quantity)
         ));
     }
 }

@@ -1,17 +1,18 @@
-//! A small frame of two axes, linear or logarithmic, for maps and scatter plots.
+//! A small plot: two axes, linear or logarithmic, for maps and scatter plots.
 
-use crate::ticks::Ticks;
+use super::text::{svg_description, svg_text};
+use super::ticks::Ticks;
 use std::fmt::Write;
 
-pub(in crate::page) const WIDTH: f64 = 520.0;
-pub(in crate::page) const HEIGHT: f64 = 390.0;
+pub(crate) const WIDTH: f64 = 520.0;
+pub(crate) const HEIGHT: f64 = 390.0;
 const LEFT: f64 = 62.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 46.0;
 
 /// One axis.
 #[derive(Debug, Clone)]
-pub(in crate::page) struct Axis {
+pub(crate) struct Axis {
     pub title: String,
     low: f64,
     high: f64,
@@ -23,10 +24,7 @@ const DECADES: f64 = 12.0;
 
 impl Axis {
     /// An axis of cutting conditions: all values with a margin; logarithmic if they span decades.
-    pub(in crate::page) fn of_conditions(
-        title: &str,
-        values: impl Iterator<Item = f64> + Clone,
-    ) -> Self {
+    pub(crate) fn of_conditions(title: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
         let (low, high) = extremes(values);
         if low > 0.0 && high / low > DECADES {
             let margin = (high / low).powf(0.04);
@@ -37,7 +35,7 @@ impl Axis {
     }
 
     /// A linear axis with a margin of a share of its extent.
-    pub(in crate::page) fn linear(
+    pub(crate) fn linear(
         title: &str,
         values: impl Iterator<Item = f64> + Clone,
         share: f64,
@@ -49,20 +47,20 @@ impl Axis {
     }
 
     /// A logarithmic axis with a margin; all values above 0.
-    pub(in crate::page) fn logarithmic(title: &str, values: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn logarithmic(title: &str, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extremes(values.filter(|value| *value > 0.0));
         let (low, high) = (low.max(1e-12) / 1.25, high.max(1e-12) * 1.25);
         Self { title: title.to_owned(), low, high, logarithmic: true }
     }
 
     /// Place of a value, 0 at the low end and 1 at the high end.
-    pub(in crate::page) fn share(&self, value: f64) -> f64 {
+    pub(crate) fn share(&self, value: f64) -> f64 {
         let map = |v: f64| if self.logarithmic { v.max(1e-300).ln() } else { v };
         (map(value) - map(self.low)) / (map(self.high) - map(self.low))
     }
 
     /// The value at a place.
-    pub(in crate::page) fn value(&self, share: f64) -> f64 {
+    pub(crate) fn value(&self, share: f64) -> f64 {
         if self.logarithmic {
             return (self.low.ln() + share * (self.high / self.low).ln()).exp();
         }
@@ -87,7 +85,7 @@ impl Axis {
     }
 }
 
-pub(in crate::page) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -95,7 +93,7 @@ pub(in crate::page) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64)
 }
 
 /// Two axes and the drawing.
-pub(in crate::page) struct Frame {
+pub(crate) struct Plot {
     pub x: Axis,
     pub y: Axis,
     /// Room for a colour bar.
@@ -103,21 +101,21 @@ pub(in crate::page) struct Frame {
     pub svg: String,
 }
 
-impl Frame {
-    pub(in crate::page) fn new(x: Axis, y: Axis, right: f64, description: &str) -> Self {
+impl Plot {
+    pub(crate) fn new(x: Axis, y: Axis, right: f64, description: &str) -> Self {
         let svg = format!(
             r#"<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
-            escape(description)
+            svg_description(description)
         );
         Self { x, y, right, svg }
     }
 
     /// Left, top, right and bottom of the inner part.
-    pub(in crate::page) fn inner(&self) -> [f64; 4] {
+    pub(crate) fn inner(&self) -> [f64; 4] {
         [LEFT, TOP, WIDTH - self.right, HEIGHT - BOTTOM]
     }
 
-    pub(in crate::page) fn at(&self, x: f64, y: f64) -> [f64; 2] {
+    pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
         let [left, top, right, bottom] = self.inner();
         [
             left + self.x.share(x).clamp(-5.0, 6.0) * (right - left),
@@ -125,11 +123,11 @@ impl Frame {
         ]
     }
 
-    pub(in crate::page) fn put(&mut self, text: std::fmt::Arguments<'_>) {
+    pub(crate) fn put(&mut self, text: std::fmt::Arguments<'_>) {
         self.svg.write_fmt(text).expect("writing to a string cannot fail");
     }
 
-    pub(in crate::page) fn line(&mut self, points: &[[f64; 2]], style: &str) {
+    pub(crate) fn line(&mut self, points: &[[f64; 2]], style: &str) {
         let path: Vec<String> = points
             .iter()
             .map(|&[x, y]| self.at(x, y))
@@ -138,13 +136,13 @@ impl Frame {
         self.put(format_args!(r#"<path d="M{}" fill="none" {style}/>"#, path.join("L")));
     }
 
-    pub(in crate::page) fn dot(&mut self, x: f64, y: f64, radius: f64, style: &str) {
+    pub(crate) fn dot(&mut self, x: f64, y: f64, radius: f64, style: &str) {
         let [x, y] = self.at(x, y);
         self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#));
     }
 
     /// Names of colours in the row above, to the right.
-    pub(in crate::page) fn legend(&mut self, entries: &[(&str, &str)]) {
+    pub(crate) fn legend(&mut self, entries: &[(&str, &str)]) {
         let width = |name: &str| 7.0 * name.chars().count() as f64 + 24.0;
         let mut x = WIDTH - self.right - entries.iter().map(|(_, name)| width(name)).sum::<f64>();
         for (colour, name) in entries {
@@ -152,14 +150,14 @@ impl Frame {
                 r#"<circle cx="{:.1}" cy="12" r="4.5" fill="{colour}"/><text class="legend" x="{:.1}" y="16">{}</text>"#,
                 x + 8.0,
                 x + 16.0,
-                escape(name)
+                svg_text(name)
             ));
             x += width(name);
         }
     }
 
     /// A line that ends at the border of the inner part.
-    pub(in crate::page) fn clipped(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
+    pub(crate) fn clipped(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
         let inside = |value: f64, axis: &Axis| (-1e-9..=1.0 + 1e-9).contains(&axis.share(value));
         let steps = 400;
         let points: Vec<[f64; 2]> = (0..=steps)
@@ -175,7 +173,7 @@ impl Frame {
     }
 
     /// Grid, axes and titles.
-    pub(in crate::page) fn axes(&mut self, title: &str, grid: bool) {
+    pub(crate) fn axes(&mut self, title: &str, grid: bool) {
         let [left, top, right, bottom] = self.inner();
         for (value, label) in self.y.ticks(6) {
             let [_, y] = self.at(self.x.low, value);
@@ -199,7 +197,7 @@ impl Frame {
                 bottom + 18.0
             ));
         }
-        let (x_title, y_title) = (escape(&self.x.title), escape(&self.y.title));
+        let (x_title, y_title) = (svg_text(&self.x.title), svg_text(&self.y.title));
         self.put(format_args!(
             r#"<rect x="{left}" y="{top}" width="{:.1}" height="{:.1}" fill="none" class="axis"/><text class="label" x="{:.1}" y="{:.1}" text-anchor="middle">{x_title}</text><text class="label" x="4" y="16">{y_title}</text><text class="label" x="{:.1}" y="16" text-anchor="end" font-weight="600">{}</text>"#,
             right - left,
@@ -207,30 +205,14 @@ impl Frame {
             (left + right) / 2.0,
             HEIGHT - 8.0,
             WIDTH - 4.0,
-            escape(title)
+            svg_text(title)
         ));
     }
 
-    pub(in crate::page) fn finish(mut self) -> String {
+    pub(crate) fn finish(mut self) -> String {
         self.svg.push_str("</svg>");
         self.svg
     }
-}
-
-/// Text for SVG; what follows an underscore becomes an index of one letter.
-pub(in crate::page) fn escape(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-    let mut parts = text.split('_');
-    let mut escaped = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let rest = part.chars().next().map_or(0, char::len_utf8);
-        let (index, rest) = part.split_at(rest);
-        let _ = write!(
-            escaped,
-            r#"<tspan dy="3" font-size="75%">{index}</tspan><tspan dy="-3">{rest}</tspan>"#
-        );
-    }
-    escaped
 }
 
 #[cfg(test)]

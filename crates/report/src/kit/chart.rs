@@ -1,6 +1,8 @@
-//! Line and area charts over travel as SVG, drawn for a page: text stays text, print stays sharp.
+//! ChartLine and area charts over travel as SVG, drawn for a page: text stays text, print stays sharp.
 
-use crate::ticks::Ticks;
+use super::plot::extremes;
+use super::text::{svg_description, svg_text};
+use super::ticks::Ticks;
 use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;
@@ -26,7 +28,7 @@ pub(crate) struct Chart<'a> {
     pub height: f64,
     pub x: Vec<f64>,
     /// Lines over `x`.
-    pub lines: Vec<Line<'a>>,
+    pub lines: Vec<ChartLine<'a>>,
     /// Areas over `x`, stacked: positive values upwards, negative ones downwards.
     pub areas: Vec<Area<'a>>,
     /// A part of the x axis to shade, with its name.
@@ -48,7 +50,7 @@ pub(crate) struct Mark<'a> {
 }
 
 #[derive(Debug, Clone)]
-pub(crate) struct Line<'a> {
+pub(crate) struct ChartLine<'a> {
     pub name: &'a str,
     pub colour: &'a str,
     pub width: f64,
@@ -112,7 +114,7 @@ impl Chart<'_> {
         let mut svg = format!(
             r#"<svg class="chart" viewBox="0 0 {WIDTH} {}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
             self.height,
-            plain(&self.description)
+            svg_description(&self.description)
         );
         self.shade(&mut svg, &axes);
         self.grid(&mut svg, &axes);
@@ -129,12 +131,7 @@ impl Chart<'_> {
         let lines = self.lines.iter().flat_map(|line| line.values.iter().copied());
         let areas = stacks.iter().flat_map(|s| s.low.iter().chain(&s.high).copied());
         let all = lines.chain(areas).chain(self.y_includes.iter().copied());
-        let (low, high) = all
-            .filter(|value| value.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        if low > high {
-            return (0.0, 1.0);
-        }
+        let (low, high) = extremes(all);
         let margin = 0.05 * (high - low).max(1e-12 * high.abs()).max(f64::MIN_POSITIVE);
         (if low == 0.0 { 0.0 } else { low - margin }, high + margin)
     }
@@ -151,7 +148,7 @@ impl Chart<'_> {
                 axes.bottom - axes.top,
                 x0 + 6.0,
                 axes.top + 15.0,
-                escape(name)
+                svg_text(name)
             ),
         );
     }
@@ -193,9 +190,9 @@ impl Chart<'_> {
                 WIDTH - RIGHT,
                 (LEFT + WIDTH - RIGHT) / 2.0,
                 self.height - 6.0,
-                escape(self.x_title),
+                svg_text(self.x_title),
                 FIRST_ROW,
-                escape(self.y_title)
+                svg_text(self.y_title)
             ),
         );
     }
@@ -260,7 +257,7 @@ impl Chart<'_> {
                     band.colour,
                     x1 - 6.0,
                     top - 6.0,
-                    escape(&band.label)
+                    svg_text(&band.label)
                 ),
             );
         }
@@ -282,7 +279,7 @@ impl Chart<'_> {
                     mark.colour,
                     x + shift,
                     axes.top + 14.0 + 15.0 * (row % 6) as f64,
-                    escape(&mark.label)
+                    svg_text(&mark.label)
                 ),
             );
         }
@@ -326,7 +323,7 @@ impl LegendEntry<'_> {
                 base - 9.0,
                 self.colour,
                 self.x + 19.0,
-                escape(self.name)
+                svg_text(self.name)
             ),
         );
     }
@@ -379,29 +376,6 @@ fn put(target: &mut String, text: std::fmt::Arguments<'_>) {
     target.write_fmt(text).expect("writing to a string cannot fail");
 }
 
-/// Text for the description of a drawing.
-fn plain(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('_', "")
-}
-
-/// Text for SVG; the letter after an underscore becomes an index.
-fn escape(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-    let mut parts = text.split('_');
-    let mut escaped = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let rest = part.chars().next().map_or(0, char::len_utf8);
-        let (index, rest) = part.split_at(rest);
-        put(
-            &mut escaped,
-            format_args!(
-                r#"<tspan dy="3" font-size="75%">{index}</tspan><tspan dy="-3">{rest}</tspan>"#
-            ),
-        );
-    }
-    escaped
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -431,7 +405,7 @@ mod tests {
         let mut chart = Chart {
             x: vec![0.0],
             height: 300.0,
-            lines: vec![Line { name: "a<b", colour: "red", width: 1.0, values: vec![1.0] }],
+            lines: vec![ChartLine { name: "a<b", colour: "red", width: 1.0, values: vec![1.0] }],
             ..Chart::default()
         };
         assert_eq!(chart.svg(), None);

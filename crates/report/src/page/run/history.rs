@@ -1,39 +1,17 @@
-//! The charts of the page.
+//! Forces, energy, momentum and temperature over the run.
 
-use crate::chart::{Area, Band, Chart, Line};
-use crate::text::with_interval;
-use maud::{Markup, PreEscaped, html};
+use super::tables::term_colour;
+use crate::kit::chart::{Area, Band, Chart, ChartLine};
+use crate::kit::colours::{BLUE, BLUE_LIGHT, GREEN, GREEN_LIGHT, INK, RED, RED_LIGHT};
+use crate::kit::numbers::with_interval;
+use crate::kit::shell::figure;
+use maud::{Markup, html};
 use sphcut_postprocess::{ENERGY_TERMS, Force, ProcessResult, TermKind};
 use sphcut_record::{Facts, Run};
 use sphcut_sph::ChannelId;
 
-pub(super) const BLUE: &str = "#0072b2";
-const BLUE_LIGHT: &str = "#9cc7e2";
-pub(super) const RED: &str = "#d55e00";
-const RED_LIGHT: &str = "#f0b890";
-pub(super) const GREEN: &str = "#009e73";
-const GREEN_LIGHT: &str = "#99d8c7";
-const INK: &str = "#22262b";
 /// Share of the record averaged for the smooth line of a force.
 const SMOOTHING: f64 = 0.02;
-
-/// Colour of a term of the energy balance; physical ones in calm colours, numerical ones warm.
-pub(super) fn term_colour(channel: ChannelId) -> &'static str {
-    match channel {
-        ChannelId::PlasticWork => "#4c78a8",
-        ChannelId::FrictionWork => "#72b7b2",
-        ChannelId::ElasticEnergy => "#9ecae9",
-        ChannelId::KineticEnergy => "#b8b0d8",
-        ChannelId::ThermoelasticWork => "#d6cfe6",
-        ChannelId::HourglassWork => "#e45756",
-        ChannelId::ViscosityWork => "#f58518",
-        ChannelId::DensityDiffusionWork => "#eeca3b",
-        ChannelId::ArtificialStressWork => "#b279a2",
-        ChannelId::UpdateResidue => "#ff9da6",
-        ChannelId::ContactEnergy => "#9d755d",
-        _ => "#22262b",
-    }
-}
 
 /// Forces, energy, momentum and temperature over the travel.
 pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
@@ -56,20 +34,12 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
 }
 
 /// Forces over the travel alone, for the page of springback.
-pub(super) fn force_figure(run: &Run, result: &ProcessResult) -> Markup {
+pub(in crate::page) fn force_figure(run: &Run, result: &ProcessResult) -> Markup {
     let chart = forces(run, result, &Axis::of(run, result));
     figure(
         chart.svg(),
         "Forces of the tool on the workpiece per width of cut, as in the run's report.",
     )
-}
-
-pub(super) fn figure(svg: Option<String>, caption: &str) -> Markup {
-    html! {
-        @if let Some(svg) = svg {
-            figure { (PreEscaped(svg)) figcaption { (caption) } }
-        }
-    }
 }
 
 /// Travel in mm where a tool cuts once, else time in ms.
@@ -160,7 +130,7 @@ fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
     let factor = scale.factor;
     let cutting = scaled(run.samples.channel(ChannelId::CuttingForce), factor);
     let feed = scaled(run.samples.channel(ChannelId::FeedForce), factor);
-    let line = |name, colour, width, values| Line { name, colour, width, values };
+    let line = |name, colour, width, values| ChartLine { name, colour, width, values };
     let mut chart = Chart {
         x_title: axis.title,
         y_title: scale.force_title,
@@ -212,13 +182,13 @@ fn temperature<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
         height: 300.0,
         x: axis.values.clone(),
         lines: vec![
-            Line {
+            ChartLine {
                 name: "Highest",
                 colour: RED,
                 width: 1.5,
                 values: run.samples.channel(ChannelId::MaxTemperature).to_vec(),
             },
-            Line {
+            ChartLine {
                 name: "In contact",
                 colour: BLUE,
                 width: 1.5,
@@ -257,7 +227,7 @@ fn energy<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
         height: 420.0,
         x: axis.values.clone(),
         areas,
-        lines: vec![Line {
+        lines: vec![ChartLine {
             name: "Work",
             colour: INK,
             width: 2.0,
@@ -282,8 +252,12 @@ fn momentum<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
     let equal: Vec<f64> = (0..time.len()).map(|k| (rate(k) - reaction[k]) * factor).collect();
     let force = scaled(channel(ChannelId::CuttingForce), factor);
     let difference: Vec<f64> = force.iter().zip(&equal).map(|(a, b)| a - b).collect();
-    let line =
-        |name, colour, width, values: &[f64]| Line { name, colour, width, values: smooth(values) };
+    let line = |name, colour, width, values: &[f64]| ChartLine {
+        name,
+        colour,
+        width,
+        values: smooth(values),
+    };
     Chart {
         description: "Contact force and the force from supports and momentum over the travel: the \
                       two lines should lie on each other."

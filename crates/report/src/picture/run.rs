@@ -1,22 +1,27 @@
 //! The pictures of a report.
 
-use crate::animation::animate;
-use crate::picture::{Field, PictureOptions, Style, View, render_layers, render_snapshot};
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
+use super::animation::animate;
+use super::described::{PICTURE_WIDTH, Picture, Pictures, description, tool_range};
+use super::field::ParticleField;
+use super::layers::render_layers;
+use super::plane::{PictureOptions, render_snapshot};
+use super::raster::Style;
+use super::run_in_space;
+use super::view::View;
+use crate::kit::numbers::three_digits;
+use crate::kit::shell::data_uri;
 use sphcut_record::{Run, RunError, Setting};
 use sphcut_sph::Snapshot;
 
 /// Fields shown in a report.
-const FIELDS: [Field; 6] = [
-    Field::Temperature,
-    Field::PlasticStrain,
-    Field::PlasticStrainRate,
-    Field::VonMisesStress,
-    Field::Pressure,
-    Field::Speed,
+const FIELDS: [ParticleField; 6] = [
+    ParticleField::Temperature,
+    ParticleField::PlasticStrain,
+    ParticleField::PlasticStrainRate,
+    ParticleField::VonMisesStress,
+    ParticleField::Pressure,
+    ParticleField::Speed,
 ];
-pub(crate) const PICTURE_WIDTH: u32 = 1000;
 const THUMBNAIL_WIDTH: u32 = 560;
 const ANIMATION_WIDTH: u32 = 960;
 /// Size of the window about the cutting edge in uncut chip thicknesses.
@@ -25,26 +30,6 @@ const WINDOW: [f64; 2] = [11.5, 7.6];
 const CLOSE_UP: [f64; 2] = [3.6, 2.4];
 /// Chip farther than this from the edge, in the same unit, may lie outside the window.
 const FARTHEST: f64 = 7.5;
-
-/// A picture file with what it shows.
-#[derive(Clone)]
-pub(crate) struct Picture {
-    pub title: String,
-    /// For people who cannot see it.
-    pub description: String,
-    pub media_type: &'static str,
-    pub bytes: Vec<u8>,
-}
-
-/// Everything a report shows of the particles; empty for a run without snapshots.
-#[derive(Default)]
-pub(crate) struct Pictures {
-    pub animation: Option<Picture>,
-    /// All of the last snapshot, where the animation cannot be seen.
-    pub whole: Option<Picture>,
-    pub fields: Vec<Picture>,
-    pub layers: Option<Picture>,
-}
 
 /// Whether the scenario wants `key` of its section `output`: everything it does not switch off.
 fn wanted(run: &Run, key: &str) -> bool {
@@ -58,7 +43,7 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
     }
     let Some(last) = run.snapshots.last()? else { return Ok(Pictures::default()) };
     if run.facts.dimension == 3 && run.facts.uncut_chip_thickness.is_some() {
-        return crate::pictures_in_space::draw_all(run, &last);
+        return run_in_space::draw_all(run, &last);
     }
     let first = run.snapshots.get(0)?;
     let view = about_edge(run, &last);
@@ -99,12 +84,12 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
     let scene = Scene::of_run(run, &first, &last);
     let still = Picture {
         title: "The whole workpiece".to_owned(),
-        description: description(Field::Temperature, &last),
+        description: description(ParticleField::Temperature, &last),
         media_type: "image/png",
-        bytes: render_snapshot(&last, Field::Temperature, &scene.last),
+        bytes: render_snapshot(&last, ParticleField::Temperature, &scene.last),
     };
     let movie = if wanted(run, "animation") {
-        animate(&run.snapshots, Field::Temperature, |snapshot| scene.of(run, snapshot))?
+        animate(&run.snapshots, ParticleField::Temperature, |snapshot| scene.of(run, snapshot))?
     } else {
         None
     };
@@ -131,17 +116,8 @@ pub(crate) fn thumbnail(run: &Run) -> Result<Option<String>, RunError> {
         style: Style::Material,
         ..PictureOptions::default()
     };
-    let bytes = render_snapshot(&last, Field::Temperature, &options);
-    Ok(Some(format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes))))
-}
-
-/// Ends of a colour bar for the tool alone; `None` where it does not conduct heat.
-pub(crate) fn tool_range(snapshot: &Snapshot) -> Option<(f64, f64)> {
-    let temperatures = || snapshot.tool_temperature.iter().copied();
-    let low = temperatures().reduce(f64::min)?;
-    let high = temperatures().reduce(f64::max)?;
-    // A tool that nothing has heated yet still needs a bar.
-    Some((low, high.max(low + 1.0)))
+    let bytes = render_snapshot(&last, ParticleField::Temperature, &options);
+    Ok(Some(data_uri("image/png", &bytes)))
 }
 
 /// The tool in colours that show its own differences, which the chip's drown.
@@ -151,11 +127,11 @@ fn tool_picture(snapshot: &Snapshot, options: &PictureOptions) -> Picture {
         title: "Temperature in K at the edge, colours for the tool".to_owned(),
         description: format!(
             "Temperature of the tool, between {} and {}; particles beyond have the colours of the ends.",
-            crate::text::three_digits(low),
-            crate::text::three_digits(high)
+            three_digits(low),
+            three_digits(high)
         ),
         media_type: "image/png",
-        bytes: render_snapshot(snapshot, Field::Temperature, options),
+        bytes: render_snapshot(snapshot, ParticleField::Temperature, options),
     }
 }
 
@@ -175,7 +151,7 @@ impl Scene {
         let last = PictureOptions {
             width: ANIMATION_WIDTH,
             view: Some(if followed.is_none() { view.union(View::whole(first)) } else { view }),
-            range: Some(Field::Temperature.range([first, last])),
+            range: Some(ParticleField::Temperature.range([first, last])),
             style: Style::Material,
             ..PictureOptions::default()
         };
@@ -189,18 +165,6 @@ impl Scene {
             .map_or([0.0; 2], |(end, now)| [now[0] - end[0], now[1] - end[1]]);
         PictureOptions { view: self.last.view.map(|view| view.moved(way)), ..self.last.clone() }
     }
-}
-
-/// What a picture says in one sentence.
-pub(crate) fn description(field: Field, snapshot: &Snapshot) -> String {
-    let (low, high) = field.range([snapshot]);
-    format!(
-        "{} of the particles and the tool at the end of the run; 99.8 % of the particles lie \
-         between {} and {}.",
-        field.title(),
-        crate::text::three_digits(low),
-        crate::text::three_digits(high)
-    )
 }
 
 /// A window about the lowest point of the tool that holds the chip near it; `None` where there is

@@ -1,0 +1,101 @@
+//! Text with symbols: indices in HTML and SVG, lists in words.
+
+use maud::{Markup, html};
+use std::fmt::Write;
+
+/// Symbols that sentences have in them.
+const SYMBOLS: [&str; 4] = ["F_c", "F_f", "F_p", "v_c"];
+
+/// Text in which the letter after an underscore is an index.
+pub(crate) fn indexed(text: &str) -> Markup {
+    let mut parts = text.split('_');
+    let first = parts.next().unwrap_or_default();
+    html! {
+        (first)
+        @for part in parts {
+            @let (index, rest) = after_underscore(part);
+            sub { (index) } (rest)
+        }
+    }
+}
+
+/// Text in which F_c, F_f, F_p and v_c are symbols; another underscore is one.
+pub(crate) fn with_symbols(text: &str) -> Markup {
+    let symbol = SYMBOLS.into_iter().filter_map(|s| Some((find_symbol(text, s)?, s))).min();
+    html! {
+        @match symbol {
+            Some((at, symbol)) => { (text[..at]) (indexed(symbol)) (with_symbols(&text[at + symbol.len()..])) },
+            None => (text),
+        }
+    }
+}
+
+/// Where a symbol stands by itself: not within the name of a file.
+fn find_symbol(text: &str, symbol: &str) -> Option<usize> {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+    text.match_indices(symbol).map(|(at, _)| at).find(|&at| {
+        let mut after = text[at + symbol.len()..].chars();
+        let goes_on = match after.next() {
+            Some('.') => after.next().is_some_and(is_part),
+            next => next.is_some_and(is_part),
+        };
+        !goes_on && !text[..at].ends_with(is_part)
+    })
+}
+
+/// The letter after an underscore, and what follows it.
+fn after_underscore(part: &str) -> (&str, &str) {
+    part.split_at(part.chars().next().map_or(0, char::len_utf8))
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub(crate) fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+/// Text for the description of a drawing, which has no indices.
+pub(crate) fn svg_description(text: &str) -> String {
+    escaped(text).replace('_', "")
+}
+
+/// Text for SVG; the letter after an underscore becomes an index.
+pub(crate) fn svg_text(text: &str) -> String {
+    let text = escaped(text);
+    let mut parts = text.split('_');
+    let mut result = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (index, rest) = after_underscore(part);
+        let _ = write!(
+            result,
+            r#"<tspan dy="3" font-size="75%">{index}</tspan><tspan dy="-3">{rest}</tspan>"#
+        );
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbols_get_their_index_and_names_of_files_keep_their_underscores() {
+        let html = |text| with_symbols(text).into_string();
+        assert_eq!(
+            html("F_c (and v_c/h) of F_f."),
+            "F<sub>c</sub> (and v<sub>c</sub>/h) of F<sub>f</sub>."
+        );
+        assert_eq!(html("F_c.csv and my_F_c"), "F_c.csv and my_F_c");
+        assert_eq!(
+            svg_text("F_c < 3"),
+            "F<tspan dy=\"3\" font-size=\"75%\">c</tspan><tspan dy=\"-3\"> &lt; 3</tspan>"
+        );
+    }
+}

@@ -1,0 +1,153 @@
+//! `report.html`: one run.
+
+mod history;
+mod measures;
+mod tables;
+
+pub(super) use history::force_figure;
+
+use crate::ReportError;
+use crate::kit::numbers::{UM, grouped, three_digits};
+use crate::kit::shell::{Shell, data_uri, note, tab};
+use crate::picture::{Picture, Pictures, draw_all};
+use maud::{Markup, html};
+use sphcut_postprocess::ProcessResult;
+use sphcut_record::{Outcome, Run};
+use std::path::{Path, PathBuf};
+
+/// Writes `report.html` into `folder` and returns its path.
+///
+/// # Errors
+/// A snapshot that cannot be read, a folder that cannot be written to.
+pub fn write_report(
+    run: &Run,
+    result: &ProcessResult,
+    folder: &Path,
+) -> Result<PathBuf, ReportError> {
+    let page = render_report(run, result)?;
+    let path = folder.join("report.html");
+    // Beside the target and renamed: a full disk leaves an older page whole.
+    let beside = folder.join("report.html.new");
+    std::fs::write(&beside, page)
+        .and_then(|()| std::fs::rename(&beside, &path))
+        .map_err(|source| ReportError::Write { path: path.clone(), source })?;
+    Ok(path)
+}
+
+/// The text of `report.html`: pictures and charts are part of it, nothing is loaded.
+///
+/// # Errors
+/// A snapshot that cannot be read.
+pub fn render_report(run: &Run, result: &ProcessResult) -> Result<String, ReportError> {
+    let provenance = &run.provenance;
+    let title =
+        if provenance.title.is_empty() { &provenance.scenario_name } else { &provenance.title };
+    let pictures = draw_all(run)?;
+    let body = html! {
+        (warnings(result))
+        (tables::key_figures(run, result))
+        (cut(&pictures))
+        (tables::results(run, result))
+        (measures::section(run, result))
+        (history::section(run, result))
+        (tables::balances(run, result))
+        (tables::setup(run, result))
+        (reproduce(run))
+    };
+    let lead = html! { (lead(run)) };
+    Ok(Shell { tab: tab(title), title, lead, version: &provenance.version, body }.render())
+}
+
+/// One line on what was run and how it ended.
+fn lead(run: &Run) -> String {
+    let outcome = match &run.outcome {
+        Outcome::Finished => "ran to its end",
+        Outcome::Steady => "stopped when the cutting force was steady",
+        Outcome::Interrupted => "was interrupted",
+        Outcome::Diverged(_) => "diverged",
+    };
+    let dimension = if run.facts.dimension == 2 { "plane strain" } else { "three dimensions" };
+    let time = run.samples.last().map_or(0.0, |s| s.get(sphcut_sph::ChannelId::Time));
+    format!(
+        "Scenario {}, {dimension}, {} particles of {} \u{b5}m; {outcome} after {} ms of simulated \
+         time.",
+        run.provenance.scenario_name,
+        grouped(run.performance.particles as u64),
+        three_digits(run.facts.particle_spacing * UM),
+        three_digits(time * 1e3),
+    )
+}
+
+fn warnings(result: &ProcessResult) -> Markup {
+    if result.warnings.is_empty() {
+        return html! {
+            p.clean {
+                "No warnings: the cutting force is steady, the balances close and the numerical terms are \
+                 within their limits."
+            }
+        };
+    }
+    note("Before you use these numbers", result.warnings.iter().map(|warning| html! { (warning) }))
+}
+
+fn cut(pictures: &Pictures) -> Markup {
+    if pictures.fields.is_empty() {
+        return html! {};
+    }
+    html! {
+        section {
+            h2 { "The cut" }
+            @if let Some(animation) = &pictures.animation {
+                (figure(animation, pictures.whole.as_ref()))
+            } @else if let Some(whole) = &pictures.whole {
+                (figure(whole, None))
+            }
+            div.pair {
+                @for picture in pictures.fields.iter().chain(&pictures.layers) {
+                    (figure(picture, None))
+                }
+            }
+        }
+    }
+}
+
+/// A picture; on paper and for readers who want nothing to move, `still` takes its place.
+fn figure(picture: &Picture, still: Option<&Picture>) -> Markup {
+    html! {
+        figure {
+            @if let Some(still) = still {
+                img.moving src=(uri(picture)) alt=(picture.description);
+                img.still src=(uri(still)) alt=(still.description);
+            } @else {
+                img src=(uri(picture)) alt=(picture.description);
+            }
+            figcaption { (picture.title) }
+        }
+    }
+}
+
+fn uri(picture: &Picture) -> String {
+    data_uri(picture.media_type, &picture.bytes)
+}
+
+fn reproduce(run: &Run) -> Markup {
+    let provenance = &run.provenance;
+    html! {
+        section {
+            h2 { "How to reproduce" }
+            p {
+                "With sphcut " (provenance.version) " and the text below as "
+                code { (provenance.scenario_name) ".toml" } ":"
+            }
+            pre { code { "sphcut run " (provenance.scenario_name) ".toml" } }
+            p {
+                "The same scenario gives the same bits, whatever the number of threads. Seed: "
+                (provenance.seed) "."
+            }
+            details {
+                summary { "Scenario, word for word" }
+                pre { (provenance.scenario_text) }
+            }
+        }
+    }
+}
