@@ -18,7 +18,7 @@
 //! chip's particles relative to the tool; by conservation of volume v_c / v_ch is the same ratio
 //! once the cut is steady and no material flows sideways or under the edge.
 
-use crate::cloud::{Cloud, CutPlane, Point, difference};
+use crate::cloud::{CutParticles, CutPlane, PlanePoint, difference};
 use crate::statistics::{median, quantile};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Vector;
@@ -68,7 +68,7 @@ impl ChipContext {
 /// Measures the chip; `None` while there is too little of it.
 pub(crate) fn measure(
     snapshot: &Snapshot,
-    cloud: &Cloud,
+    cloud: &CutParticles,
     context: &ChipContext,
 ) -> Option<ChipShape> {
     let floor = context.floor(cloud.spacing);
@@ -96,14 +96,19 @@ pub(crate) fn measure(
 }
 
 /// In the frame of the tool.
-fn relative_velocity(snapshot: &Snapshot, particle: usize, context: &ChipContext) -> Point {
+fn relative_velocity(snapshot: &Snapshot, particle: usize, context: &ChipContext) -> PlanePoint {
     let velocity = snapshot.velocity[particle];
     context.plane.project(&[0, 1, 2].map(|k| velocity[k] - context.tool_velocity[k]))
 }
 
 /// Area per length about the line from a surface particle inwards; `None` inside the material, at an end that the flow
 /// crosses, and where the line goes below the uncut surface.
-fn local_thickness(cloud: &Cloud, particle: usize, surface: f64, flow: Point) -> Option<f64> {
+fn local_thickness(
+    cloud: &CutParticles,
+    particle: usize,
+    surface: f64,
+    flow: PlanePoint,
+) -> Option<f64> {
     let normal = cloud.outward_normal(particle)?;
     let across = normal[0] * flow[0] + normal[1] * flow[1];
     if across.abs() > ALONG_FLOW * flow[0].hypot(flow[1]) {
@@ -111,8 +116,9 @@ fn local_thickness(cloud: &Cloud, particle: usize, surface: f64, flow: Point) ->
     }
     let start = cloud.points[particle];
     let step = 0.5 * cloud.spacing;
-    let at =
-        |length: f64| -> Point { [start[0] - normal[0] * length, start[1] - normal[1] * length] };
+    let at = |length: f64| -> PlanePoint {
+        [start[0] - normal[0] * length, start[1] - normal[1] * length]
+    };
     let (mut length, width) = (0.0, STRIP * cloud.spacing);
     let mut strip: Vec<usize> = Vec::new();
     loop {
@@ -155,7 +161,7 @@ mod tests {
         let snapshot = cut.snapshot(travel);
         let frame = frame(cut.orientation);
         let plane = CutPlane::new(frame);
-        let cloud = Cloud::new(&snapshot, plane);
+        let cloud = CutParticles::new(&snapshot, plane);
         let context = ChipContext {
             plane,
             surface: 0.0,

@@ -12,7 +12,7 @@ const SMALLEST_CLUSTER: usize = 20;
 
 /// A point in the frame of the cut: along the cutting direction, and away from the machined
 /// surface (against the feed direction).
-pub(crate) type Point = [f64; 2];
+pub(crate) type PlanePoint = [f64; 2];
 
 /// The projection of space onto the plane of the cut.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +25,7 @@ impl CutPlane {
         Self { frame }
     }
 
-    pub fn project(&self, vector: &Vector) -> Point {
+    pub fn project(&self, vector: &Vector) -> PlanePoint {
         [dot(vector, &self.frame.cutting), -dot(vector, &self.frame.feed)]
     }
 }
@@ -34,15 +34,15 @@ fn dot(a: &Vector, b: &Vector) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-pub(crate) fn difference(a: Point, b: Point) -> Point {
+pub(crate) fn difference(a: PlanePoint, b: PlanePoint) -> PlanePoint {
     [a[0] - b[0], a[1] - b[1]]
 }
 
 /// The particles that hang together with others, in the frame of the cut.
-pub(crate) struct Cloud {
+pub(crate) struct CutParticles {
     pub spacing: f64,
     /// Positions of the particles kept.
-    pub points: Vec<Point>,
+    pub points: Vec<PlanePoint>,
     /// How far the material of each reaches towards the tool in m; half a spacing where a record does not tell.
     pub half_thickness: Vec<f64>,
     /// Their indices in the snapshot.
@@ -52,19 +52,19 @@ pub(crate) struct Cloud {
     grid: Grid,
 }
 
-impl Cloud {
+impl CutParticles {
     /// Projects the particles and leaves out those in clusters of fewer than twenty.
     pub fn new(snapshot: &Snapshot, plane: CutPlane) -> Self {
         let spacing = snapshot.particle_spacing;
-        let all: Vec<Point> = snapshot.position.iter().map(|p| plane.project(p)).collect();
+        let all: Vec<PlanePoint> = snapshot.position.iter().map(|p| plane.project(p)).collect();
         let finite: Vec<usize> =
             (0..all.len()).filter(|&i| all[i].iter().all(|x| x.is_finite())).collect();
-        let points: Vec<Point> = finite.iter().map(|&i| all[i]).collect();
+        let points: Vec<PlanePoint> = finite.iter().map(|&i| all[i]).collect();
         let sizes = cluster_sizes(&points, spacing);
         let kept: Vec<usize> =
             (0..points.len()).filter(|&i| sizes[i] >= SMALLEST_CLUSTER).collect();
         let source: Vec<usize> = kept.iter().map(|&i| finite[i]).collect();
-        let points: Vec<Point> = kept.iter().map(|&i| points[i]).collect();
+        let points: Vec<PlanePoint> = kept.iter().map(|&i| points[i]).collect();
         let grid = Grid::new(&points, LINK * spacing);
         let half_thickness = source
             .iter()
@@ -76,7 +76,7 @@ impl Cloud {
 
     /// Calls `visit` for each particle within `radius` of `centre`; `radius` is at most 2.2
     /// spacings.
-    pub fn near(&self, centre: Point, radius: f64, mut visit: impl FnMut(usize)) {
+    pub fn near(&self, centre: PlanePoint, radius: f64, mut visit: impl FnMut(usize)) {
         debug_assert!(radius <= LINK * self.spacing * (1.0 + 1e-12));
         self.grid.around(centre, |i| {
             if distance(self.points[i], centre) <= radius {
@@ -86,7 +86,7 @@ impl Cloud {
     }
 
     /// Whether a particle lies within `radius` of `centre`.
-    pub fn any_near(&self, centre: Point, radius: f64) -> bool {
+    pub fn any_near(&self, centre: PlanePoint, radius: f64) -> bool {
         let mut found = false;
         self.near(centre, radius, |_| found = true);
         found
@@ -96,7 +96,7 @@ impl Cloud {
     /// The sum of the unit vectors from the neighbours vanishes inside and points outwards at a
     /// surface; a particle is at the surface where it is at least 0.25 of their number (a
     /// straight edge gives 2 / pi of a half disc of neighbours).
-    pub fn outward_normal(&self, particle: usize) -> Option<Point> {
+    pub fn outward_normal(&self, particle: usize) -> Option<PlanePoint> {
         let here = self.points[particle];
         let (mut sum, mut count) = ([0.0, 0.0], 0.0);
         self.near(here, LINK * self.spacing, |i| {
@@ -112,12 +112,12 @@ impl Cloud {
     }
 }
 
-pub(crate) fn distance(a: Point, b: Point) -> f64 {
+pub(crate) fn distance(a: PlanePoint, b: PlanePoint) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// For each point the number of points in its cluster.
-fn cluster_sizes(points: &[Point], spacing: f64) -> Vec<usize> {
+fn cluster_sizes(points: &[PlanePoint], spacing: f64) -> Vec<usize> {
     let grid = Grid::new(points, LINK * spacing);
     let mut cluster = vec![usize::MAX; points.len()];
     let mut sizes = Vec::new();
@@ -146,7 +146,7 @@ fn cluster_sizes(points: &[Point], spacing: f64) -> Vec<usize> {
 
 /// Points sorted into square cells by a counting sort; cells outside the extent are empty.
 struct Grid {
-    low: Point,
+    low: PlanePoint,
     cell: f64,
     size: [usize; 2],
     starts: Vec<usize>,
@@ -157,7 +157,7 @@ struct Grid {
 const MOST_CELLS: f64 = 4096.0;
 
 impl Grid {
-    fn new(points: &[Point], wanted_cell: f64) -> Self {
+    fn new(points: &[PlanePoint], wanted_cell: f64) -> Self {
         let bound = |component: usize, start: f64, pick: fn(f64, f64) -> f64| {
             points.iter().map(|p| p[component]).fold(start, pick)
         };
@@ -182,14 +182,14 @@ impl Grid {
         grid
     }
 
-    fn cell_of(&self, point: Point) -> usize {
+    fn cell_of(&self, point: PlanePoint) -> usize {
         let index =
             |c: usize| (((point[c] - self.low[c]) / self.cell) as usize).min(self.size[c] - 1);
         index(1) * self.size[0] + index(0)
     }
 
     /// Visits the points in the cell of `centre` and its eight neighbours.
-    fn around(&self, centre: Point, mut visit: impl FnMut(usize)) {
+    fn around(&self, centre: PlanePoint, mut visit: impl FnMut(usize)) {
         let range = |c: usize| {
             let position = (centre[c] - self.low[c]) / self.cell;
             let first = (position - 1.0).floor().clamp(0.0, self.size[c] as f64);
@@ -216,7 +216,8 @@ mod tests {
 
     #[test]
     fn the_grid_finds_what_a_search_over_all_finds() {
-        let points: Vec<Point> = (0..400).map(|k| [uniform(2 * k), uniform(2 * k + 1)]).collect();
+        let points: Vec<PlanePoint> =
+            (0..400).map(|k| [uniform(2 * k), uniform(2 * k + 1)]).collect();
         let grid = Grid::new(&points, 0.08);
         for k in 0..50 {
             let centre = [1.4 * uniform(9000 + k) - 0.2, 1.4 * uniform(9500 + k) - 0.2];
@@ -239,7 +240,7 @@ mod tests {
         let mut snapshot = cut.snapshot(0.5e-3);
         snapshot.position[0] = [f64::NAN, 0.0, 0.0];
         snapshot.position[1] = [1e3, 1e3, 0.0];
-        let cloud = Cloud::new(&snapshot, CutPlane::new(CuttingFrame::default()));
+        let cloud = CutParticles::new(&snapshot, CutPlane::new(CuttingFrame::default()));
         assert_eq!(cloud.loose, 9);
         assert_eq!(cloud.points.len() + 9, snapshot.position.len());
     }
@@ -248,7 +249,7 @@ mod tests {
     fn surfaces_have_normals_and_the_inside_has_none() {
         let cut = SyntheticCut { disorder: 0.2, ..SyntheticCut::default() };
         let snapshot = cut.snapshot(0.0);
-        let cloud = Cloud::new(&snapshot, CutPlane::new(CuttingFrame::default()));
+        let cloud = CutParticles::new(&snapshot, CutPlane::new(CuttingFrame::default()));
         let (mut surface, mut count) = (0, 0);
         for (i, point) in cloud.points.iter().enumerate() {
             let inside_x = point[0] > 0.4e-3 && point[0] < 2.4e-3;

@@ -12,8 +12,8 @@
 //! sticking part is the length that such particles cover, the sliding part is the rest: there
 //! friction follows the law of sliding. Of the sticking part, the length without slip is told on its own.
 
-use crate::cloud::Cloud;
-use crate::outline::{Foot, Outline};
+use crate::cloud::CutParticles;
+use crate::outline::{Outline, OutlineFoot};
 use sphcut_sph::Snapshot;
 
 /// Lengths of contact in m.
@@ -50,13 +50,17 @@ pub(crate) struct Touching {
     /// Its index in the snapshot.
     pub particle: usize,
     /// Where on the outline.
-    pub foot: Foot,
+    pub foot: OutlineFoot,
     /// Length of the outline that it covers in m.
     pub width: f64,
 }
 
 /// The particles in contact, loose ones left out.
-pub(crate) fn touching(snapshot: &Snapshot, cloud: &Cloud, outline: &Outline) -> Vec<Touching> {
+pub(crate) fn touching(
+    snapshot: &Snapshot,
+    cloud: &CutParticles,
+    outline: &Outline,
+) -> Vec<Touching> {
     let size = |i: usize| snapshot.contact_force[i].iter().map(|f| f * f).sum::<f64>().sqrt();
     let largest = cloud.source.iter().map(|&i| size(i)).fold(0.0, f64::max);
     let limit = NEGLIGIBLE_FORCE * largest;
@@ -154,7 +158,7 @@ mod tests {
     fn measured(snapshot: &Snapshot) -> Option<ContactShape> {
         let plane = CutPlane::new(CuttingFrame::default());
         let outline = Outline::of(snapshot, plane)?;
-        let touching = touching(snapshot, &Cloud::new(snapshot, plane), &outline);
+        let touching = touching(snapshot, &CutParticles::new(snapshot, plane), &outline);
         Some(measure(snapshot, &touching, &outline))
     }
 

@@ -1,12 +1,12 @@
 //! Chip, contact and machined surface over the snapshots of a run.
 
 use crate::chip::{self, ChipContext, ChipShape};
-use crate::cloud::{Cloud, CutPlane};
+use crate::cloud::{CutParticles, CutPlane};
 use crate::contact::{self, ContactShape};
+use crate::forces::SteadyWindow;
 use crate::interface::{self, Interface};
 use crate::missing::Missing;
 use crate::outline::Outline;
-use crate::process::Window;
 use crate::segments::{self, SegmentContext, Segments, deviation};
 use crate::shear_zone::{self, ShearZone};
 use crate::statistics::{mean, median, quantile};
@@ -32,7 +32,7 @@ pub struct Geometry {
     /// The teeth of a segmented chip, in the last snapshot.
     pub segments: Result<Segments, Missing>,
     /// Length of contact between tool and workpiece.
-    pub contact: Result<Contact, Missing>,
+    pub contact: Result<ContactLengths, Missing>,
     /// Stress and temperature along the rake side.
     pub interface: Result<Interface, Missing>,
     /// The machined surface in the last snapshot.
@@ -81,7 +81,7 @@ pub struct Chip {
 
 /// The contact, mean over the snapshots of the window in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct ContactLengths {
     /// On the side of the tool that faces the cut.
     pub rake: f64,
     /// On the side that faces the machined surface.
@@ -94,7 +94,7 @@ pub struct Contact {
     pub without_slip: Option<f64>,
 }
 
-impl Contact {
+impl ContactLengths {
     /// Rake and flank together.
     #[must_use]
     pub fn length(&self) -> f64 {
@@ -103,7 +103,7 @@ impl Contact {
 }
 
 /// Measures the snapshots that lie in the window, and the last one whether it does or not.
-pub(crate) fn measure(run: &Run, window: &Window) -> Result<Geometry, RunError> {
+pub(crate) fn measure(run: &Run, window: &SteadyWindow) -> Result<Geometry, RunError> {
     let (Some(thickness), Some(tool_velocity)) =
         (run.facts.uncut_chip_thickness, run.facts.tool_velocity)
     else {
@@ -130,7 +130,7 @@ pub(crate) fn measure(run: &Run, window: &Window) -> Result<Geometry, RunError> 
             continue;
         }
         let snapshot = run.snapshots.get(number)?;
-        let cloud = Cloud::new(&snapshot, plane);
+        let cloud = CutParticles::new(&snapshot, plane);
         let outline = Outline::of(&snapshot, plane);
         found.visit(&snapshot, &cloud, outline.as_ref(), &context);
         geometry.snapshots += 1;
@@ -173,7 +173,7 @@ fn shear_angle(ratio: f64, rake: f64) -> f64 {
 /// Height of the surface before the cut: of a hundred strips the median of the highest particle,
 /// plus its half thickness.
 pub(crate) fn uncut_surface(snapshot: &Snapshot, plane: CutPlane) -> f64 {
-    let cloud = Cloud::new(snapshot, plane);
+    let cloud = CutParticles::new(snapshot, plane);
     let along: Vec<f64> = cloud.points.iter().map(|p| p[0]).collect();
     let (low, high) = (quantile(&along, 0.0), quantile(&along, 1.0));
     let width = ((high - low) / 100.0).max(2.0 * cloud.spacing);
@@ -202,7 +202,7 @@ const LEVEL: f64 = 1e-9;
 fn machined_surface(
     run: &Run,
     snapshot: &Snapshot,
-    cloud: &Cloud,
+    cloud: &CutParticles,
     context: &ChipContext,
 ) -> Option<MachinedSurface> {
     let corners: Vec<_> = snapshot.tool.iter().map(|c| context.plane.project(c)).collect();
@@ -223,15 +223,15 @@ fn machined_surface(
 struct Found {
     chips: Vec<ChipShape>,
     contacts: Vec<ContactShape>,
-    interface: interface::Collector,
-    shear_zone: shear_zone::Collector,
+    interface: interface::InterfaceCollector,
+    shear_zone: shear_zone::ShearZoneCollector,
 }
 
 impl Found {
     fn visit(
         &mut self,
         snapshot: &Snapshot,
-        cloud: &Cloud,
+        cloud: &CutParticles,
         outline: Option<&Outline>,
         context: &ChipContext,
     ) {
@@ -261,14 +261,14 @@ impl Found {
         })
     }
 
-    fn contact(&self) -> Result<Contact, Missing> {
+    fn contact(&self) -> Result<ContactLengths, Missing> {
         if self.contacts.is_empty() {
             return Err(Missing::NoContact);
         }
         let of =
             |pick: fn(&ContactShape) -> f64| self.contacts.iter().map(pick).collect::<Vec<f64>>();
         let told = |length: f64| (!length.is_nan()).then_some(length);
-        Ok(Contact {
+        Ok(ContactLengths {
             rake: mean(&of(|contact| contact.rake)),
             flank: mean(&of(|contact| contact.flank)),
             deviation: deviation(&of(ContactShape::total)),

@@ -16,7 +16,7 @@
 //! the snapshots. The mean in `temperature.interface_mean_k` weights with the contact force and includes
 //! the flank.
 
-use crate::cloud::{CutPlane, Point};
+use crate::cloud::{CutPlane, PlanePoint};
 use crate::contact::{self, Touching};
 use crate::missing::Missing;
 use crate::outline::Outline;
@@ -71,14 +71,14 @@ struct Sums {
 
 /// Gathers the snapshots of the window.
 #[derive(Debug, Default)]
-pub(crate) struct Collector {
+pub(crate) struct InterfaceCollector {
     bins: BTreeMap<i64, Sums>,
     means: Vec<f64>,
     hottest: Vec<f64>,
     snapshots: usize,
 }
 
-impl Collector {
+impl InterfaceCollector {
     pub fn visit(
         &mut self,
         snapshot: &Snapshot,
@@ -90,8 +90,8 @@ impl Collector {
         let mut temperatures = Vec::new();
         let (mut heated, mut covered) = (0.0, 0.0);
         for touch in touching.iter().filter(|t| outline.sides[t.foot.side].faces_cut()) {
-            let force: Point = plane.project(&snapshot.contact_force[touch.particle]);
-            let along = |way: Point| force[0] * way[0] + force[1] * way[1];
+            let force: PlanePoint = plane.project(&snapshot.contact_force[touch.particle]);
+            let along = |way: PlanePoint| force[0] * way[0] + force[1] * way[1];
             let bin = (outline.up_the_rake(touch.foot) / snapshot.particle_spacing).floor() as i64;
             let sums = self.bins.entry(bin).or_default();
             let temperature = snapshot.temperature[touch.particle];
@@ -166,17 +166,17 @@ fn sticking_length(profile: &[InterfaceBin], spacing: f64, contact_length: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cloud::Cloud;
+    use crate::cloud::CutParticles;
     use crate::synthetic::{AMBIENT, INTERFACE_TEMPERATURE, SyntheticCut};
     use sphcut_sph::setup::CuttingFrame;
 
     fn interface(cut: &SyntheticCut) -> Result<Interface, Missing> {
         let plane = CutPlane::new(CuttingFrame::default());
-        let mut collector = Collector::default();
+        let mut collector = InterfaceCollector::default();
         for k in 0..8 {
             let snapshot = cut.snapshot(0.8e-3 + 13e-6 * f64::from(k));
             let outline = Outline::of(&snapshot, plane).unwrap();
-            let cloud = Cloud::new(&snapshot, plane);
+            let cloud = CutParticles::new(&snapshot, plane);
             let touching = contact::touching(&snapshot, &cloud, &outline);
             collector.visit(&snapshot, &touching, &outline, plane);
         }

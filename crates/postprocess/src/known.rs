@@ -4,7 +4,7 @@
 //! F_f scatters more and runs in for longer. [`crate::steady::window_drift`] over the window of the means bounds what it may
 //! still change: with 95 % confidence its drift over the window is less than [`Drift::bound`].
 
-use crate::process::{Force, Window};
+use crate::forces::{Force, SteadyWindow};
 use crate::steady::{Drift, window_drift};
 use sphcut_record::{Facts, Samples};
 use sphcut_sph::ChannelId;
@@ -34,7 +34,7 @@ impl KnownForce {
     /// The feed force `mean` of a run over `window`, whose samples are those of `range`.
     pub(crate) fn feed(
         samples: &Samples,
-        window: &Window,
+        window: &SteadyWindow,
         range: &Range<usize>,
         facts: &Facts,
         mean: &Force,

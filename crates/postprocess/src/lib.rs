@@ -5,15 +5,18 @@
 
 mod balances;
 pub mod calibration;
+mod checks;
 mod chip;
 mod cloud;
 mod contact;
+mod forces;
 mod geometry;
 mod interface;
 mod known;
 mod missing;
 mod outline;
 mod process;
+mod result;
 mod segments;
 mod shear_zone;
 pub mod springback;
@@ -33,13 +36,13 @@ pub use balances::{
     ENERGY_TERMS, EnergyBalance, EnergyTerm, HeatBalance, MomentumBalance, MomentumBalances,
     TermKind, ToolHeatBalance,
 };
-pub use geometry::{Chip, Contact, Geometry};
+pub use forces::{Force, Forces, SteadyWindow};
+pub use geometry::{Chip, ContactLengths, Geometry};
 pub use interface::{Interface, InterfaceBin};
 pub use known::KnownForce;
 pub use missing::Missing;
-pub use process::{
-    Extremes, Force, Forces, PassResult, ProcessResult, Resolution, Window, evaluate, evaluate_with,
-};
+pub use process::{evaluate, evaluate_with};
+pub use result::{Extremes, ParticleResolution, PassResult, ProcessResult};
 pub use segments::Segments;
 pub use shear_zone::ShearZone;
 pub use summary::{SCHEMA_VERSION, Summary, summary_json};

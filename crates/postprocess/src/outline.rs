@@ -1,23 +1,23 @@
 //! The outline of a plane tool in the frame of the cut: arc length, sides, rake angle.
 
-use crate::cloud::{CutPlane, Point, difference};
+use crate::cloud::{CutPlane, PlanePoint, difference};
 use sphcut_sph::Snapshot;
 
 /// Heights that differ by less than this share of the perimeter are one: far above rounding.
 const LEVEL: f64 = 1e-9;
 
 /// A side of the outline.
-pub(crate) struct Side {
-    pub from: Point,
-    pub to: Point,
+pub(crate) struct OutlineSide {
+    pub from: PlanePoint,
+    pub to: PlanePoint,
     /// Arc length at which it starts.
     pub start: f64,
     pub length: f64,
     /// Unit normal out of the tool.
-    pub normal: Point,
+    pub normal: PlanePoint,
 }
 
-impl Side {
+impl OutlineSide {
     /// Whether its outward normal points along the cutting direction.
     pub fn faces_cut(&self) -> bool {
         self.normal[0] > 0.0
@@ -26,7 +26,7 @@ impl Side {
 
 /// The point of the outline nearest to a particle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Foot {
+pub(crate) struct OutlineFoot {
     /// Arc length.
     pub arc: f64,
     /// Index of the side.
@@ -34,7 +34,7 @@ pub(crate) struct Foot {
 }
 
 pub(crate) struct Outline {
-    pub sides: Vec<Side>,
+    pub sides: Vec<OutlineSide>,
     pub perimeter: f64,
     /// +1 where the arc length grows up the rake face, else -1.
     upwards: f64,
@@ -49,7 +49,7 @@ pub(crate) struct Outline {
 impl Outline {
     /// The outline in `snapshot`; `None` without one.
     pub fn of(snapshot: &Snapshot, plane: CutPlane) -> Option<Self> {
-        let corners: Vec<Point> = snapshot.tool.iter().map(|c| plane.project(c)).collect();
+        let corners: Vec<PlanePoint> = snapshot.tool.iter().map(|c| plane.project(c)).collect();
         if corners.len() < 3 {
             return None;
         }
@@ -67,7 +67,7 @@ impl Outline {
             if length > 0.0 {
                 // Outward normal of a counter-clockwise outline: (dy, -dx).
                 let normal = [along[1] / length * upwards, -along[0] / length * upwards];
-                sides.push(Side { from, to, start: perimeter, length, normal });
+                sides.push(OutlineSide { from, to, start: perimeter, length, normal });
                 perimeter += length;
             }
         }
@@ -82,8 +82,8 @@ impl Outline {
     }
 
     /// The nearest point of the outline.
-    pub fn foot(&self, point: Point) -> Foot {
-        let mut best = (f64::INFINITY, Foot { arc: 0.0, side: 0 });
+    pub fn foot(&self, point: PlanePoint) -> OutlineFoot {
+        let mut best = (f64::INFINITY, OutlineFoot { arc: 0.0, side: 0 });
         for (index, side) in self.sides.iter().enumerate() {
             let along = difference(side.to, side.from);
             let offset = difference(point, side.from);
@@ -91,7 +91,7 @@ impl Outline {
                 .clamp(0.0, 1.0);
             let gap = (offset[0] - share * along[0]).hypot(offset[1] - share * along[1]);
             if gap < best.0 {
-                best = (gap, Foot { arc: side.start + share * side.length, side: index });
+                best = (gap, OutlineFoot { arc: side.start + share * side.length, side: index });
             }
         }
         best.1
@@ -99,14 +99,14 @@ impl Outline {
 
     /// Length along the outline from the front end of the tool's lowest part, round the edge and up
     /// the rake face.
-    pub fn up_the_rake(&self, foot: Foot) -> f64 {
+    pub fn up_the_rake(&self, foot: OutlineFoot) -> f64 {
         let length = (self.upwards * (foot.arc - self.edge)).rem_euclid(self.perimeter);
         // Just behind the lowest point: a small negative length, not a whole turn.
         if length > 0.5 * self.perimeter { length - self.perimeter } else { length }
     }
 
     /// Unit vector up the rake along a side.
-    pub fn up(&self, side: usize) -> Point {
+    pub fn up(&self, side: usize) -> PlanePoint {
         let side = &self.sides[side];
         let along = difference(side.to, side.from);
         along.map(|component| self.upwards * component / side.length)
@@ -158,7 +158,7 @@ mod tests {
                 let found = outline.rake_angle(0.1e-3).unwrap();
                 assert!((found.to_degrees() - rake).abs() < 1e-9, "{rake}: {found}");
                 let (sine, cosine) = rake.to_radians().sin_cos();
-                let place = |along: f64, off: f64| -> Point {
+                let place = |along: f64, off: f64| -> PlanePoint {
                     [0.3e-3 - sine * along + cosine * off, -0.1e-3 + cosine * along + sine * off]
                 };
                 let length = outline.up_the_rake(outline.foot(place(0.17e-3, 5e-6)));

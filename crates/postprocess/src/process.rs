@@ -1,137 +1,17 @@
 //! From the record of a run to the numbers an engineer asks for.
 
-use crate::balances::{self, EnergyBalance, HeatBalance, MomentumBalances};
-use crate::geometry::{self, Geometry};
+use crate::balances::{self, HeatBalance};
+use crate::forces::{Force, Forces, SteadyWindow};
 use crate::known::KnownForce;
 use crate::missing::Missing;
+use crate::result::{Extremes, ParticleResolution, PassResult, ProcessResult};
 use crate::springback::{self, SpringbackError, StressBin};
 use crate::steady::{Series, SteadyOptions, SteadyState, detect, window_mean};
-use crate::temperature::{Temperatures, temperatures};
-use crate::warnings::{self, Warning};
-use sphcut_record::{Facts, Outcome, Performance, Run, RunError, Samples};
+use crate::temperature::temperatures;
+use crate::{checks, geometry};
+use sphcut_record::{Facts, Run, RunError, Samples};
 use sphcut_sph::ChannelId;
 use std::ops::Range;
-
-/// What a run says about the process.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ProcessResult {
-    /// The laws and effects that acted: kind, and name with its parameters where it is an effect.
-    pub laws: Vec<(String, String)>,
-    /// What counts as steady.
-    pub criterion: SteadyOptions,
-    /// Verdict on the cutting force.
-    pub steady: SteadyState,
-    /// Verdict on the feed force, by the criterion that the scenario has for it or by the same.
-    pub feed_steady: SteadyState,
-    /// What is known of the feed force over the window of the means.
-    pub feed_known: KnownForce,
-    /// Over which part of the run means are taken.
-    pub window: Window,
-    /// Mean forces of the tool on the workpiece.
-    pub forces: Forces,
-    /// Each pass of a run of several; verdict, window and forces above are those of the last of them.
-    pub passes: Vec<PassResult>,
-    /// Chip, contact and machined surface from the snapshots.
-    pub geometry: Geometry,
-    /// Residual stress below the machined surface against depth.
-    pub residual_stress: Result<Vec<StressBin>, Missing>,
-    /// Temperatures.
-    pub temperature: Temperatures,
-    /// Smallest and largest values over the run.
-    pub extremes: Extremes,
-    /// Energy at the end of the run; `None` for a run without samples.
-    pub energy: Option<EnergyBalance>,
-    /// Momentum over the window.
-    pub momentum: Option<MomentumBalances>,
-    /// Heat at the end of the run.
-    pub heat: Option<HeatBalance>,
-    /// How finely the cut is resolved.
-    pub resolution: Resolution,
-    /// What it took to compute.
-    pub performance: Performance,
-    /// What to keep in mind before the numbers are used, the most serious first.
-    pub warnings: Vec<Warning>,
-}
-
-/// The part of the run (of several passes: of one) over which means are taken: the steady window, or
-/// at most the later half where no steady state is found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
-    /// Index of the first sample.
-    pub first_sample: usize,
-    /// Index after the last sample.
-    pub last_sample: usize,
-    /// Travel in m at its start.
-    pub start: f64,
-    /// Travel in m at its end, which is that of the run or the pass.
-    pub end: f64,
-    /// Time in s at its start.
-    pub start_time: f64,
-    /// Drift of the cutting force over the steady window, from the slope of its batch means, per
-    /// metre of width of cut in N/m.
-    pub drift_per_width: f64,
-}
-
-/// One of several passes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PassResult {
-    /// Counted from 1.
-    pub number: usize,
-    /// Verdict on the cutting force within the pass.
-    pub steady: SteadyState,
-    /// Over which part of the pass means are taken.
-    pub window: Window,
-    /// Mean forces of the tool on the workpiece.
-    pub forces: Forces,
-}
-
-/// A force in N, with the half width of its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Force {
-    /// Mean over the window in N.
-    pub mean: f64,
-    /// Half width of the 95 % interval in N; infinite where too few samples were taken.
-    pub ci95: f64,
-    /// The mean per metre of width of cut in N/m.
-    pub mean_per_width: f64,
-    /// The half width per metre of width of cut in N/m.
-    pub ci95_per_width: f64,
-}
-
-/// Mean forces of the tool on the workpiece.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Forces {
-    /// F_c.
-    pub cutting: Force,
-    /// F_f.
-    pub feed: Force,
-    /// F_p; zero in a plane run.
-    pub passive: Force,
-}
-
-/// Smallest and largest values over the run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extremes {
-    /// Largest equivalent plastic strain.
-    pub max_plastic_strain: f64,
-    /// Smallest density over initial density.
-    pub min_density_ratio: f64,
-    /// Largest density over initial density.
-    pub max_density_ratio: f64,
-    /// Smallest number of neighbours of any particle over the run.
-    pub min_neighbours: f64,
-}
-
-/// How finely the cut is resolved.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Resolution {
-    /// dx in m.
-    pub particle_spacing: f64,
-    /// h / dx.
-    pub across_chip_thickness: Option<f64>,
-    /// r_n / dx.
-    pub across_edge_radius: Option<f64>,
-}
 
 /// Evaluates a run by the criterion of its scenario (`[stop.steady]`), or by
 /// [`SteadyOptions::for_chip_thickness`] where it has none.
@@ -202,7 +82,7 @@ fn evaluate_by(
         window,
     };
     result.residual_stress = residual_stress(run, &result)?;
-    result.warnings = warnings::collect(run, &result);
+    result.warnings = checks::warnings(run, &result);
     Ok(result)
 }
 
@@ -222,20 +102,6 @@ fn residual_stress(
         Err(SpringbackError::NoSnapshots) => Err(Missing::NoSnapshots),
         Err(reason) => Err(Missing::Surface(reason.to_string())),
     })
-}
-
-impl ProcessResult {
-    /// Whether the run is that of a cut: only then do forces, chip and steady state mean anything.
-    #[must_use]
-    pub fn is_cut(run: &Run) -> bool {
-        run.facts.uncut_chip_thickness.is_some() && run.facts.tool_velocity.is_some()
-    }
-
-    /// Whether the run ended as intended.
-    #[must_use]
-    pub fn is_complete(run: &Run) -> bool {
-        matches!(run.outcome, Outcome::Finished | Outcome::Steady)
-    }
 }
 
 /// The criterion the scenario states, or the default.
@@ -273,13 +139,18 @@ fn passes(run: &Run) -> Vec<Range<usize>> {
     ranges.filter(|range| !range.is_empty()).collect()
 }
 
-fn window(samples: &Samples, steady: &SteadyState, range: &Range<usize>, facts: &Facts) -> Window {
+fn window(
+    samples: &Samples,
+    steady: &SteadyState,
+    range: &Range<usize>,
+    facts: &Facts,
+) -> SteadyWindow {
     let first_sample = steady.first_sample.min(range.start + range.len() / 2);
     // A sample is the mean over the interval that begins with the sample before.
     let before = |id: ChannelId| {
         first_sample.checked_sub(1).and_then(|k| samples.channel(id).get(k)).copied().unwrap_or(0.0)
     };
-    Window {
+    SteadyWindow {
         first_sample,
         last_sample: range.end,
         start: before(ChannelId::Travel),
@@ -289,7 +160,7 @@ fn window(samples: &Samples, steady: &SteadyState, range: &Range<usize>, facts: 
     }
 }
 
-fn forces(samples: &Samples, window: &Window, range: &Range<usize>, facts: &Facts) -> Forces {
+fn forces(samples: &Samples, window: &SteadyWindow, range: &Range<usize>, facts: &Facts) -> Forces {
     let factor = facts.force_factor();
     let force = |id: ChannelId| {
         let interval =
@@ -317,9 +188,9 @@ fn extremes(samples: &Samples) -> Extremes {
     }
 }
 
-fn resolution(facts: &Facts) -> Resolution {
+fn resolution(facts: &Facts) -> ParticleResolution {
     let across = |length: Option<f64>| length.map(|length| length / facts.particle_spacing);
-    Resolution {
+    ParticleResolution {
         particle_spacing: facts.particle_spacing,
         across_chip_thickness: across(facts.uncut_chip_thickness),
         across_edge_radius: across(facts.edge_radius),

@@ -18,7 +18,7 @@
 //! shorter than four spacings before the cut cannot be told from it.
 
 use crate::chip::ChipContext;
-use crate::cloud::{Cloud, Point, distance};
+use crate::cloud::{CutParticles, PlanePoint, distance};
 use crate::missing::Missing;
 use crate::statistics::{mean, median};
 use sphcut_sph::Snapshot;
@@ -65,7 +65,7 @@ impl Segments {
 struct Place {
     /// Along the cutting direction before the cut.
     before: f64,
-    now: Point,
+    now: PlanePoint,
     thickness: f64,
 }
 
@@ -83,16 +83,20 @@ pub(crate) struct SegmentContext<'a> {
 pub(crate) type Along = (Vec<[f64; 2]>, Result<Segments, Missing>);
 
 /// Measures the teeth of the chip in `snapshot`.
-pub(crate) fn measure(snapshot: &Snapshot, cloud: &Cloud, context: &SegmentContext<'_>) -> Along {
+pub(crate) fn measure(
+    snapshot: &Snapshot,
+    cloud: &CutParticles,
+    context: &SegmentContext<'_>,
+) -> Along {
     let places = places(snapshot, cloud, context);
     let profile = places.iter().map(|place| [place.before, place.thickness]).collect();
     (profile, teeth(&places, cloud.spacing, context.cutting_speed))
 }
 
-fn places(snapshot: &Snapshot, cloud: &Cloud, context: &SegmentContext<'_>) -> Vec<Place> {
+fn places(snapshot: &Snapshot, cloud: &CutParticles, context: &SegmentContext<'_>) -> Vec<Place> {
     let plane = context.chip.plane;
     let floor = context.chip.floor(cloud.spacing);
-    let before: HashMap<u64, Point> = context
+    let before: HashMap<u64, PlanePoint> = context
         .first
         .id
         .iter()
@@ -100,19 +104,19 @@ fn places(snapshot: &Snapshot, cloud: &Cloud, context: &SegmentContext<'_>) -> V
         .map(|(id, position)| (*id, plane.project(position)))
         .collect();
     let origin = |i: usize| before.get(&snapshot.id[cloud.source[i]]).copied();
-    let chip: Vec<(usize, Point)> = (0..cloud.points.len())
+    let chip: Vec<(usize, PlanePoint)> = (0..cloud.points.len())
         .filter(|&i| cloud.points[i][1] > floor)
         .filter_map(|i| origin(i).map(|origin| (i, origin)))
         .collect();
     let middle = context.chip.surface - 0.5 * context.chip.uncut_chip_thickness;
-    let rake_side: Vec<Point> = chip
+    let rake_side: Vec<PlanePoint> = chip
         .iter()
         .filter(|(i, origin)| origin[1] < middle && cloud.outward_normal(*i).is_some())
         .map(|(i, _)| cloud.points[*i])
         .collect();
     let across =
-        |from: Point| rake_side.iter().map(|point| distance(*point, from)).min_by(f64::total_cmp);
-    let counts = |origin: &Point| {
+        |from: PlanePoint| rake_side.iter().map(|point| distance(*point, from)).min_by(f64::total_cmp);
+    let counts = |origin: &PlanePoint| {
         let was_surface = origin[1] > context.chip.surface - cloud.spacing;
         was_surface && origin[0] >= context.range[0] && origin[0] <= context.range[1]
     };
@@ -225,7 +229,7 @@ mod tests {
             range: [0.1e-3, travel],
             cutting_speed: cut.cutting_speed,
         };
-        measure(&snapshot, &Cloud::new(&snapshot, plane), &context)
+        measure(&snapshot, &CutParticles::new(&snapshot, plane), &context)
     }
 
     fn serrated() -> SyntheticCut {

@@ -16,7 +16,7 @@
 //! as much too small. The rates of the record are smoothed over about a hundred steps, in which
 //! material travels some tenths of a spacing.
 
-use crate::cloud::{Cloud, Point};
+use crate::cloud::{CutParticles, PlanePoint};
 use crate::missing::Missing;
 use crate::outline::Outline;
 use sphcut_sph::Snapshot;
@@ -63,12 +63,18 @@ impl ShearZone {
 
 /// Places relative to the tool's edge, in h, and rates, of the snapshots of the window.
 #[derive(Debug, Default)]
-pub(crate) struct Collector {
-    found: Vec<(Point, f64)>,
+pub(crate) struct ShearZoneCollector {
+    found: Vec<(PlanePoint, f64)>,
 }
 
-impl Collector {
-    pub fn visit(&mut self, snapshot: &Snapshot, cloud: &Cloud, outline: &Outline, depth: f64) {
+impl ShearZoneCollector {
+    pub fn visit(
+        &mut self,
+        snapshot: &Snapshot,
+        cloud: &CutParticles,
+        outline: &Outline,
+        depth: f64,
+    ) {
         for (&[x, y], &index) in cloud.points.iter().zip(&cloud.source) {
             let place = [(x - outline.front) / depth, (y - outline.lowest) / depth];
             let rate = snapshot.plastic_strain_rate[index];
@@ -103,7 +109,7 @@ impl Collector {
         let (origin, cotangent) = line(&places).ok_or(Missing::NoShearLine)?;
         let angle = 1.0_f64.atan2(cotangent);
         let (sine, cosine) = angle.sin_cos();
-        let away = |p: &Point| (p[0] - origin) * sine - p[1] * cosine;
+        let away = |p: &PlanePoint| (p[0] - origin) * sine - p[1] * cosine;
         let rates = binned(self.found.iter().map(|(p, rate)| (away(p), *rate)), bin);
         let (peak_rate, limits, strain_rate) = half_width(&rates).ok_or(Missing::OpenShearZone)?;
         let limits = limits.map(|away| away * depth);
@@ -142,13 +148,13 @@ fn centre(rates: &[[f64; 2]], least: f64) -> Option<f64> {
 
 /// x = x_0 + c y through points by least squares; `None` where they scatter too much or c is so
 /// steep or flat that no shear plane lies there (phi below 5 or above 85 degrees).
-fn line(points: &[Point]) -> Option<(f64, f64)> {
+fn line(points: &[PlanePoint]) -> Option<(f64, f64)> {
     let count = points.len() as f64;
     let mean = |k: usize| points.iter().map(|p| p[k]).sum::<f64>() / count;
     let (x, y) = (mean(0), mean(1));
     let square: f64 = points.iter().map(|p| (p[1] - y).powi(2)).sum();
     let slope = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>() / square;
-    let error = |p: &Point| (p[0] - x - slope * (p[1] - y)).powi(2);
+    let error = |p: &PlanePoint| (p[0] - x - slope * (p[1] - y)).powi(2);
     let scatter = (points.iter().map(error).sum::<f64>() / count).sqrt();
     let steepest = 85.0_f64.to_radians().tan();
     let is_plane = slope > 1.0 / steepest && slope < steepest && scatter < LARGEST_SCATTER;
@@ -181,11 +187,11 @@ mod tests {
 
     fn zone(cut: &SyntheticCut) -> Result<ShearZone, Missing> {
         let plane = CutPlane::new(CuttingFrame::default());
-        let mut collector = Collector::default();
+        let mut collector = ShearZoneCollector::default();
         for k in 0..10 {
             let snapshot = cut.snapshot(0.8e-3 + 13e-6 * f64::from(k));
             let outline = Outline::of(&snapshot, plane).unwrap();
-            let cloud = Cloud::new(&snapshot, plane);
+            let cloud = CutParticles::new(&snapshot, plane);
             collector.visit(&snapshot, &cloud, &outline, cut.uncut_chip_thickness);
         }
         collector.finish(cut.particle_spacing, cut.uncut_chip_thickness, cut.cutting_speed)

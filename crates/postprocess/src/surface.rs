@@ -6,7 +6,7 @@
 //! deep). A jump of about one spacing between the strips is the parting line moving to another
 //! row of particles: from there on the chip is thicker and every force with it.
 
-use crate::cloud::Cloud;
+use crate::cloud::CutParticles;
 use crate::statistics::median;
 
 /// Strips averaged to find a jump.
@@ -36,7 +36,7 @@ pub(crate) struct SurfaceContext {
 }
 
 /// Measures the machined surface; `None` while it is too short.
-pub(crate) fn measure(cloud: &Cloud, context: &SurfaceContext) -> Option<MachinedSurface> {
+pub(crate) fn measure(cloud: &CutParticles, context: &SurfaceContext) -> Option<MachinedSurface> {
     let width = 2.0 * cloud.spacing;
     let end = context.tip - context.edge_radius.max(3.0 * cloud.spacing);
     // The side of the workpiece where the tool entered is pushed out of shape.
@@ -77,7 +77,7 @@ mod tests {
         let cut = SyntheticCut { disorder: 0.1, ..SyntheticCut::default() };
         let mut snapshot = cut.snapshot(1.2e-3);
         snapshot.position.iter_mut().for_each(change);
-        let cloud = Cloud::new(&snapshot, CutPlane::new(CuttingFrame::default()));
+        let cloud = CutParticles::new(&snapshot, CutPlane::new(CuttingFrame::default()));
         let context =
             SurfaceContext { nominal: -0.1e-3, tip: 1.2e-3, edge_radius: 20e-6, from: 0.0 };
         measure(&cloud, &context).unwrap()

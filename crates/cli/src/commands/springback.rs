@@ -4,7 +4,8 @@ use crate::arguments::SpringbackArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{outcome, results, terminal, text};
 use sphcut_postprocess::springback::{
-    Entry, Measurement, Springback, SpringbackError, measure, springback_csv, springback_json,
+    Measurement, Springback, SpringbackEntry, SpringbackError, measure, springback_csv,
+    springback_json,
 };
 use sphcut_postprocess::{ProcessResult, evaluate};
 use sphcut_record::{Run, RunFiles};
@@ -38,9 +39,13 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
     }
     std::fs::create_dir_all(out)
         .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
-    let entries: Vec<Entry<'_>> = runs
+    let entries: Vec<SpringbackEntry<'_>> = runs
         .iter()
-        .map(|run| Entry { name: &run.name, result: &run.result, springback: &run.springback })
+        .map(|run| SpringbackEntry {
+            name: &run.name,
+            result: &run.result,
+            springback: &run.springback,
+        })
         .collect();
     let views: Vec<SpringbackRun<'_>> = runs
         .iter()

@@ -15,7 +15,8 @@ mod files;
 
 pub use files::{SCHEMA_VERSION, calibration_csv, calibration_json};
 
-use crate::process::{Force, ProcessResult};
+use crate::forces::Force;
+use crate::result::ProcessResult;
 
 /// Forces measured at one cutting speed. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]

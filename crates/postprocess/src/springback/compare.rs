@@ -1,6 +1,6 @@
 //! Simulated against measured springback.
 
-use super::Springback;
+use super::result::Springback;
 
 /// A measured springback. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ pub enum Agreement {
 
 /// A run beside the measurement at its cutting speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Comparison {
+pub struct SpringbackComparison {
     /// What was measured.
     pub measured: Measurement,
     /// Simulated minus measured springback in m.
@@ -46,7 +46,7 @@ impl Springback {
     /// The comparison with the first measurement at this cutting speed; `None` without one, or
     /// without a springback.
     #[must_use]
-    pub fn compare(&self, measurements: &[Measurement]) -> Option<Comparison> {
+    pub fn compare(&self, measurements: &[Measurement]) -> Option<SpringbackComparison> {
         let same = |m: &&Measurement| {
             (m.cutting_speed - self.cutting_speed).abs() <= SAME_SPEED * self.cutting_speed
         };
@@ -59,7 +59,7 @@ impl Springback {
         } else {
             Agreement::Outside
         };
-        Some(Comparison { measured, difference, agreement })
+        Some(SpringbackComparison { measured, difference, agreement })
     }
 
     /// Whether the springback is larger than its error bar.

@@ -2,7 +2,6 @@
 
 use crate::steady::MeanInterval;
 use sphcut_record::{Run, RunError};
-use std::fmt;
 
 /// Error of the recovered height of a surface in terms of the spacing: twice the largest error against
 /// known answers at three and four spacings (`validation/springback_resolution`,
@@ -58,15 +57,22 @@ impl ErrorBar {
 }
 
 /// Why a run has no springback.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum SpringbackError {
     /// A run of several passes.
+    #[error("springback of a plane run is measured after a single pass; this one has several")]
     SeveralPasses,
     /// A run without a tool and an uncut chip thickness.
+    #[error("the run is no cut: it has no tool that cuts")]
     NoCut,
     /// A run without snapshots.
+    #[error("the run has no snapshots")]
     NoSnapshots,
     /// A cut that leaves too little machined surface clear of the tool. Lengths in m.
+    #[error(
+        "the cut is too short: {:.3} mm of travel leave too little machined surface clear of the tool; {:.3} mm are needed",
+        .travel * 1e3, .needed * 1e3
+    )]
     TooShort {
         /// Travel of the tool.
         travel: f64,
@@ -74,40 +80,6 @@ pub enum SpringbackError {
         needed: f64,
     },
     /// The record cannot be read.
-    Record(RunError),
-}
-
-impl fmt::Display for SpringbackError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::SeveralPasses => f.write_str(
-                "springback of a plane run is measured after a single pass; this one has several",
-            ),
-            Self::NoCut => f.write_str("the run is no cut: it has no tool that cuts"),
-            Self::NoSnapshots => f.write_str("the run has no snapshots"),
-            Self::TooShort { travel, needed } => write!(
-                f,
-                "the cut is too short: {:.3} mm of travel leave too little machined surface clear \
-                 of the tool; {:.3} mm are needed",
-                travel * 1e3,
-                needed * 1e3
-            ),
-            Self::Record(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SpringbackError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Record(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<RunError> for SpringbackError {
-    fn from(error: RunError) -> Self {
-        Self::Record(error)
-    }
+    #[error("{0}")]
+    Record(#[from] RunError),
 }

@@ -1,7 +1,9 @@
 //! `springback.json` and `springback.csv`; `docs/springback.md` describes both.
 
-use super::{Agreement, Measurement, Springback};
-use crate::process::{Force, ProcessResult};
+use super::compare::{Agreement, Measurement};
+use super::result::Springback;
+use crate::forces::Force;
+use crate::result::ProcessResult;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -15,7 +17,7 @@ const M_PER_MIN: f64 = 60.0;
 
 /// One run of a springback report.
 #[derive(Debug, Clone, Copy)]
-pub struct Entry<'a> {
+pub struct SpringbackEntry<'a> {
     /// What the user calls the run.
     pub name: &'a str,
     /// Its evaluation.
@@ -26,7 +28,7 @@ pub struct Entry<'a> {
 
 /// The text of `springback.json`.
 #[must_use]
-pub fn springback_json(entries: &[Entry<'_>], measurements: &[Measurement]) -> String {
+pub fn springback_json(entries: &[SpringbackEntry<'_>], measurements: &[Measurement]) -> String {
     let runs: Vec<Value> = entries.iter().map(|entry| run(entry, measurements)).collect();
     let page = json!({ "schema_version": SCHEMA_VERSION, "runs": runs });
     let mut text =
@@ -35,7 +37,7 @@ pub fn springback_json(entries: &[Entry<'_>], measurements: &[Measurement]) -> S
     text
 }
 
-fn run(entry: &Entry<'_>, measurements: &[Measurement]) -> Value {
+fn run(entry: &SpringbackEntry<'_>, measurements: &[Measurement]) -> Value {
     let found = entry.springback;
     let force = |force: &Force| json!({ "mean_n": force.mean, "ci95_n": force.ci95 });
     let comparison = found.compare(measurements).map(|comparison| {
@@ -114,7 +116,7 @@ fn agreement(agreement: Agreement) -> &'static str {
 
 /// The text of `springback.csv`: one line per run; what is not known is empty.
 #[must_use]
-pub fn springback_csv(entries: &[Entry<'_>], measurements: &[Measurement]) -> String {
+pub fn springback_csv(entries: &[SpringbackEntry<'_>], measurements: &[Measurement]) -> String {
     let mut text = "run,v_c [m/min],springback [um],ci95 [um],error [um],F_c [N],F_c ci95 [N],\
                     F_f [N],F_f ci95 [N],measured springback [um],uncertainty [um],agreement\n"
         .to_owned();

@@ -11,7 +11,7 @@
 //! costs a stress that varies over a depth d only (dx / 2 d)^2 of itself. The layers themselves are
 //! [`StressBin::layer`].
 
-use super::{Context, View};
+use super::context::{Context, SnapshotView};
 use crate::statistics::mean;
 use crate::steady::mean_interval;
 use sphcut_record::Run;
@@ -75,7 +75,7 @@ impl StressProfile {
         }
     }
 
-    pub fn visit(&mut self, view: &View<'_>, context: &Context) {
+    pub fn visit(&mut self, view: &SnapshotView<'_>, context: &Context) {
         let end = view.lowest.rear - context.clear_distance;
         let start = context.origin + context.window[0];
         for (point, &index) in view.cloud.points.iter().zip(&view.cloud.source) {

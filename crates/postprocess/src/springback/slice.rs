@@ -9,10 +9,10 @@
 //! along the normal: with a nose of 0.8 mm and a slice of +-60 um the difference is 0.3 % of the height at its rim.
 //! Contact forces are divided by the spacing: in space a particle covers a spacing of width.
 
-use super::SpringbackError;
+use super::error::SpringbackError;
 use crate::cloud::CutPlane;
 use crate::geometry::uncut_surface;
-use crate::process::ProcessResult;
+use crate::result::ProcessResult;
 use sphcut_record::{Facts, Run, Samples, Snapshots};
 use sphcut_sph::setup::{CuttingFrame, Vector};
 use sphcut_sph::{ChannelId, Snapshot};

@@ -1,7 +1,7 @@
 //! The outermost particles of the machined surface, strip by strip.
 
-use super::{Context, View};
-use crate::cloud::{Cloud, CutPlane};
+use super::context::{Context, SnapshotView};
+use crate::cloud::{CutParticles, CutPlane};
 use crate::statistics::{mean, median};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::CuttingFrame;
@@ -37,14 +37,14 @@ pub fn outer_heights(
     level: f64,
     [from, to]: [f64; 2],
 ) -> Vec<f64> {
-    let cloud = Cloud::new(snapshot, CutPlane::new(frame));
+    let cloud = CutParticles::new(snapshot, CutPlane::new(frame));
     let mut heights = outermost(&cloud, level, from, to);
     heights.retain(|height| height.is_finite());
     heights
 }
 
 /// As [`outer_heights`], with minus infinity for strips without a particle.
-fn outermost(cloud: &Cloud, level: f64, from: f64, to: f64) -> Vec<f64> {
+fn outermost(cloud: &CutParticles, level: f64, from: f64, to: f64) -> Vec<f64> {
     let width = WIDTH * cloud.spacing;
     let count = ((to - from) / width + 1e-9).floor().max(0.0) as usize;
     let mut heights = vec![f64::NEG_INFINITY; count];
@@ -63,18 +63,18 @@ fn outermost(cloud: &Cloud, level: f64, from: f64, to: f64) -> Vec<f64> {
 }
 
 /// Means over the snapshots.
-pub(super) struct Collector {
+pub(super) struct StripCollector {
     sums: Vec<f64>,
     counts: Vec<usize>,
 }
 
-impl Collector {
+impl StripCollector {
     pub fn new(context: &Context) -> Self {
         let count = (context.window[1] / (WIDTH * context.spacing)).max(0.0) as usize;
         Self { sums: vec![0.0; count], counts: vec![0; count] }
     }
 
-    pub fn visit(&mut self, view: &View<'_>, context: &Context) {
+    pub fn visit(&mut self, view: &SnapshotView<'_>, context: &Context) {
         let end = view.lowest.rear - context.clear_distance;
         let heights = outermost(view.cloud, view.lowest.height, context.origin, end);
         for ((sum, count), height) in self.sums.iter_mut().zip(&mut self.counts).zip(heights) {

@@ -203,7 +203,7 @@ fn the_files_hold_the_figures_with_their_units() {
     .run(1.2e-3, 21);
     let result = evaluate(&run).unwrap();
     let springback = measure(&run, &result).unwrap();
-    let entry = Entry { name: "a, \"b\"", result: &result, springback: &springback };
+    let entry = SpringbackEntry { name: "a, \"b\"", result: &result, springback: &springback };
     let measurement = Measurement {
         cutting_speed: 2.5,
         springback: 1.5e-6,

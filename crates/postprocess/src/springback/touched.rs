@@ -1,6 +1,6 @@
 //! The particles that have touched the lowest part of the tool, followed by their identifiers.
 
-use super::{Context, View};
+use super::context::{Context, SnapshotView};
 use std::collections::BTreeMap;
 
 /// A particle that has touched the lowest part of the tool and lies clear behind it. In m.
@@ -81,7 +81,7 @@ pub(super) struct Followed {
 }
 
 /// What following gave.
-pub(super) struct Found {
+pub(super) struct FollowedParticles {
     pub touched: Vec<Touched>,
     pub recovery: Vec<RecoveryBin>,
     pub torn: usize,
@@ -90,7 +90,7 @@ pub(super) struct Found {
 }
 
 impl Followed {
-    pub fn visit(&mut self, view: &View<'_>, context: &Context) {
+    pub fn visit(&mut self, view: &SnapshotView<'_>, context: &Context) {
         let lowest = view.lowest;
         let cloud = view.cloud;
         for ((point, half), &index) in
@@ -123,7 +123,7 @@ impl Followed {
         }
     }
 
-    pub fn finish(self, context: &Context) -> Found {
+    pub fn finish(self, context: &Context) -> FollowedParticles {
         let (mut touched, mut torn) = (Vec::new(), 0);
         for path in self.paths.values().filter(|path| path.clear.count > 0) {
             let springback = path.clear.mean();
@@ -137,7 +137,7 @@ impl Followed {
         touched.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         let width = bin_width(context);
         let recovery = self.bins.iter().enumerate().filter(|(_, sums)| sums.count > 0);
-        Found {
+        FollowedParticles {
             touched,
             torn,
             recovery: recovery

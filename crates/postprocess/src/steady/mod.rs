@@ -42,7 +42,6 @@ pub use interval::{AutocorrelationTime, MeanInterval, autocorrelation_time, mean
 pub use interval::t_quantile;
 
 use interval::Batches;
-use std::fmt;
 
 /// Fewest correlation lengths in a steady window.
 pub const MINIMUM_CORRELATION_LENGTHS: f64 = 12.0;
@@ -111,21 +110,25 @@ pub struct SteadyState {
 }
 
 /// Why a record is or is not steady. Lengths in m, shares of the mean.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Reason {
     /// Every test passed.
+    #[error("steady: every test passed")]
     Steady,
     /// Fewer samples than any test needs.
+    #[error("only {samples} samples in the window; {MINIMUM_SAMPLES} are needed")]
     TooFewSamples {
         /// Samples in the window.
         samples: usize,
     },
     /// A force that is not a number.
+    #[error("sample {sample} is not a finite number")]
     NotFinite {
         /// Index of the sample.
         sample: usize,
     },
     /// Less travel than the minimum.
+    #[error("travel of {:.3} mm is below the minimum of {:.3} mm", .travel * 1e3, .minimum * 1e3)]
     TooShort {
         /// Travel so far.
         travel: f64,
@@ -133,18 +136,27 @@ pub enum Reason {
         minimum: f64,
     },
     /// The best window begins in the later half of the record.
+    #[error(
+        "the run-in is not over: the best window would begin at {:.3} mm, in the later half of the record",
+        .start * 1e3
+    )]
     RunIn {
         /// Travel at which it would begin.
         start: f64,
     },
     /// The mean is not above its own uncertainty, so no share of it means anything.
+    #[error("the mean does not differ from zero")]
     NoForce,
     /// The window holds too few correlation lengths.
+    #[error(
+        "the window holds {lengths:.1} correlation lengths; {MINIMUM_CORRELATION_LENGTHS} are needed"
+    )]
     Correlated {
         /// Their number.
         lengths: f64,
     },
     /// A drift is significant.
+    #[error("the force drifts by {:+.1} % ({test})", .share * 100.0)]
     Drift {
         /// The test that found it.
         test: DriftTest,
@@ -152,6 +164,10 @@ pub enum Reason {
         share: f64,
     },
     /// No drift is seen, but one that matters cannot be excluded.
+    #[error(
+        "a drift of up to {:.1} % over the window cannot be excluded; {:.1} % is allowed",
+        .share * 100.0, .allowed * 100.0
+    )]
     PossibleDrift {
         /// Largest possible drift as a share of the mean.
         share: f64,
@@ -159,6 +175,10 @@ pub enum Reason {
         allowed: f64,
     },
     /// The interval is too wide.
+    #[error(
+        "the 95 % interval is \u{b1} {:.1} % wide; \u{b1} {:.1} % is wanted",
+        .share * 100.0, .wanted * 100.0
+    )]
     Imprecise {
         /// Its half width as a share of the mean.
         share: f64,
@@ -166,6 +186,7 @@ pub enum Reason {
         wanted: f64,
     },
     /// All tests pass now but not on an earlier part of the record.
+    #[error("all tests pass now but not on the first {:.0} % of the record", .part * 100.0)]
     Unsettled {
         /// The part of the record.
         part: f64,
@@ -173,69 +194,17 @@ pub enum Reason {
 }
 
 /// A test for drift.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum DriftTest {
     /// Regression of the batch means over travel.
+    #[error("slope of the batch means")]
     Slope,
     /// First half against second half.
+    #[error("second half against first half")]
     Halves,
     /// Last quarter against the rest.
+    #[error("last quarter against the rest")]
     LastQuarter,
-}
-
-impl fmt::Display for Reason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Steady => write!(f, "steady: every test passed"),
-            Self::TooFewSamples { samples } => {
-                write!(f, "only {samples} samples in the window; {MINIMUM_SAMPLES} are needed")
-            }
-            Self::NotFinite { sample } => write!(f, "sample {sample} is not a finite number"),
-            Self::TooShort { travel, minimum } => write!(
-                f,
-                "travel of {:.3} mm is below the minimum of {:.3} mm",
-                travel * 1e3,
-                minimum * 1e3
-            ),
-            Self::RunIn { start } => write!(
-                f,
-                "the run-in is not over: the best window would begin at {:.3} mm, in the later \
-                 half of the record",
-                start * 1e3
-            ),
-            Self::NoForce => write!(f, "the mean does not differ from zero"),
-            Self::Correlated { lengths } => write!(
-                f,
-                "the window holds {lengths:.1} correlation lengths; {MINIMUM_CORRELATION_LENGTHS} \
-                 are needed"
-            ),
-            Self::Drift { test, share } => {
-                let test = match test {
-                    DriftTest::Slope => "slope of the batch means",
-                    DriftTest::Halves => "second half against first half",
-                    DriftTest::LastQuarter => "last quarter against the rest",
-                };
-                write!(f, "the force drifts by {:+.1} % ({test})", share * 100.0)
-            }
-            Self::PossibleDrift { share, allowed } => write!(
-                f,
-                "a drift of up to {:.1} % over the window cannot be excluded; {:.1} % is allowed",
-                share * 100.0,
-                allowed * 100.0
-            ),
-            Self::Imprecise { share, wanted } => write!(
-                f,
-                "the 95 % interval is \u{b1} {:.1} % wide; \u{b1} {:.1} % is wanted",
-                share * 100.0,
-                wanted * 100.0
-            ),
-            Self::Unsettled { part } => write!(
-                f,
-                "all tests pass now but not on the first {:.0} % of the record",
-                part * 100.0
-            ),
-        }
-    }
 }
 
 /// Judges a force record. See the [module](self) for the tests.

@@ -5,7 +5,7 @@ use super::MM_PER_M;
 use crate::geometry::Geometry;
 use crate::interface::InterfaceBin;
 use crate::missing::Missing;
-use crate::process::ProcessResult;
+use crate::result::ProcessResult;
 use crate::springback::StressBin;
 use serde::Serialize;
 

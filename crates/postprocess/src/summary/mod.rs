@@ -4,7 +4,8 @@
 mod measures;
 
 use crate::balances::{EnergyBalance, MomentumBalance, TermKind, ToolHeatBalance};
-use crate::process::{Force, Forces, PassResult, ProcessResult};
+use crate::forces::{Force, Forces};
+use crate::result::{PassResult, ProcessResult};
 use crate::warnings::Warning;
 use measures::{ChipEntry, ContactEntry, InterfaceEntry, ResidualStressEntry, ShearZoneEntry};
 use serde::Serialize;
