@@ -122,8 +122,8 @@ fn local_thickness(
     let (mut length, width) = (0.0, STRIP * cloud.spacing);
     let mut strip: Vec<usize> = Vec::new();
     loop {
-        cloud.near(at(length), 1.1 * width, |i| strip.push(i));
-        if !cloud.any_near(at(length + step), REACH * cloud.spacing) {
+        strip.extend(cloud.near(at(length), 1.1 * width));
+        if cloud.near(at(length + step), REACH * cloud.spacing).is_empty() {
             break;
         }
         length += step;

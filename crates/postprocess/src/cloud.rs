@@ -1,6 +1,7 @@
-//! The particles of a plane snapshot in the frame of the cut, with a grid that answers which
+//! The particles of a plane snapshot in the frame of the cut, with a tree that answers which
 //! lie near a point, and without the loose ones.
 
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::{CuttingFrame, Vector};
 
@@ -49,7 +50,7 @@ pub(crate) struct CutParticles {
     pub source: Vec<usize>,
     /// Number of particles left out as loose or without a finite position.
     pub loose: usize,
-    grid: Grid,
+    tree: PointTree,
 }
 
 impl CutParticles {
@@ -65,31 +66,18 @@ impl CutParticles {
             (0..points.len()).filter(|&i| sizes[i] >= SMALLEST_CLUSTER).collect();
         let source: Vec<usize> = kept.iter().map(|&i| finite[i]).collect();
         let points: Vec<PlanePoint> = kept.iter().map(|&i| points[i]).collect();
-        let grid = Grid::new(&points, LINK * spacing);
+        let tree = PointTree::new(&points, LINK * spacing);
         let half_thickness = source
             .iter()
             .map(|&i| snapshot.half_thickness.get(i).copied().unwrap_or(f64::NAN))
             .map(|half| if half.is_nan() { 0.5 * spacing } else { half })
             .collect();
-        Self { spacing, loose: all.len() - points.len(), points, half_thickness, source, grid }
+        Self { spacing, loose: all.len() - points.len(), points, half_thickness, source, tree }
     }
 
-    /// Calls `visit` for each particle within `radius` of `centre`; `radius` is at most 2.2
-    /// spacings.
-    pub fn near(&self, centre: PlanePoint, radius: f64, mut visit: impl FnMut(usize)) {
-        debug_assert!(radius <= LINK * self.spacing * (1.0 + 1e-12));
-        self.grid.around(centre, |i| {
-            if distance(self.points[i], centre) <= radius {
-                visit(i);
-            }
-        });
-    }
-
-    /// Whether a particle lies within `radius` of `centre`.
-    pub fn any_near(&self, centre: PlanePoint, radius: f64) -> bool {
-        let mut found = false;
-        self.near(centre, radius, |_| found = true);
-        found
+    /// The particles within `radius` of `centre`.
+    pub fn near(&self, centre: PlanePoint, radius: f64) -> Vec<usize> {
+        self.tree.within(&self.points, centre, radius)
     }
 
     /// Direction from the material outwards at a particle of the surface; `None` inside.
@@ -99,14 +87,14 @@ impl CutParticles {
     pub fn outward_normal(&self, particle: usize) -> Option<PlanePoint> {
         let here = self.points[particle];
         let (mut sum, mut count) = ([0.0, 0.0], 0.0);
-        self.near(here, LINK * self.spacing, |i| {
+        for i in self.near(here, LINK * self.spacing) {
             let length = distance(self.points[i], here);
             if i != particle && length > 0.0 {
                 let offset = difference(here, self.points[i]);
                 sum = [sum[0] + offset[0] / length, sum[1] + offset[1] / length];
                 count += 1.0;
             }
-        });
+        }
         let length = sum[0].hypot(sum[1]);
         (length > 0.25 * count && length > 0.0).then(|| [sum[0] / length, sum[1] / length])
     }
@@ -118,7 +106,7 @@ pub(crate) fn distance(a: PlanePoint, b: PlanePoint) -> f64 {
 
 /// For each point the number of points in its cluster.
 fn cluster_sizes(points: &[PlanePoint], spacing: f64) -> Vec<usize> {
-    let grid = Grid::new(points, LINK * spacing);
+    let tree = PointTree::new(points, LINK * spacing);
     let mut cluster = vec![usize::MAX; points.len()];
     let mut sizes = Vec::new();
     let mut queue = Vec::new();
@@ -131,81 +119,48 @@ fn cluster_sizes(points: &[PlanePoint], spacing: f64) -> Vec<usize> {
         queue.push(start);
         while let Some(member) = queue.pop() {
             size += 1;
-            grid.around(points[member], |i| {
-                let linked = distance(points[i], points[member]) <= LINK * spacing;
-                if cluster[i] == usize::MAX && linked {
+            for i in tree.within(points, points[member], LINK * spacing) {
+                if cluster[i] == usize::MAX {
                     cluster[i] = sizes.len();
                     queue.push(i);
                 }
-            });
+            }
         }
         sizes.push(size);
     }
     cluster.into_iter().map(|number| sizes[number]).collect()
 }
 
-/// Points sorted into square cells by a counting sort; cells outside the extent are empty.
-struct Grid {
-    low: PlanePoint,
-    cell: f64,
-    size: [usize; 2],
-    starts: Vec<usize>,
-    members: Vec<usize>,
+/// A tree of points that gives what lies near a place in a fixed order.
+struct PointTree {
+    tree: ImmutableKdTree<f64, 2>,
+    /// Row by row of square cells, then by index: sums over neighbours run in this order, so that their bits do not
+    /// depend on how the tree is built.
+    order: Vec<usize>,
 }
 
-/// Most cells per direction: stray particles far away must not exhaust the memory.
-const MOST_CELLS: f64 = 4096.0;
-
-impl Grid {
-    fn new(points: &[PlanePoint], wanted_cell: f64) -> Self {
-        let bound = |component: usize, start: f64, pick: fn(f64, f64) -> f64| {
-            points.iter().map(|p| p[component]).fold(start, pick)
-        };
-        let low = [0, 1].map(|c| bound(c, f64::INFINITY, f64::min));
-        let high = [0, 1].map(|c| bound(c, f64::NEG_INFINITY, f64::max));
-        let extent = (high[0] - low[0]).max(high[1] - low[1]).max(0.0);
-        let cell = wanted_cell.max(extent / MOST_CELLS).max(f64::MIN_POSITIVE);
-        let size = [0, 1].map(|c| ((high[c] - low[c]).max(0.0) / cell) as usize + 1);
-        let mut grid =
-            Self { low, cell, size, starts: vec![0; size[0] * size[1] + 1], members: Vec::new() };
-        let cells: Vec<usize> = points.iter().map(|&p| grid.cell_of(p)).collect();
-        cells.iter().for_each(|&cell| grid.starts[cell + 1] += 1);
-        for cell in 0..size[0] * size[1] {
-            grid.starts[cell + 1] += grid.starts[cell];
-        }
-        let mut next = grid.starts.clone();
-        grid.members = vec![0; points.len()];
-        for (point, cell) in cells.into_iter().enumerate() {
-            grid.members[next[cell]] = point;
-            next[cell] += 1;
-        }
-        grid
+impl PointTree {
+    /// All points have to be finite.
+    fn new(points: &[PlanePoint], cell: f64) -> Self {
+        let low = [0, 1].map(|c| points.iter().map(|p| p[c]).fold(f64::INFINITY, f64::min));
+        let place = |i: usize, c: usize| ((points[i][c] - low[c]) / cell) as usize;
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by_cached_key(|&i| (place(i, 1), place(i, 0)));
+        let sorted: Vec<PlanePoint> = order.iter().map(|&i| points[i]).collect();
+        let tree = ImmutableKdTree::new_from_slice(&sorted)
+            .expect("finite points, fewer than the tree can number");
+        Self { tree, order }
     }
 
-    fn cell_of(&self, point: PlanePoint) -> usize {
-        let index =
-            |c: usize| (((point[c] - self.low[c]) / self.cell) as usize).min(self.size[c] - 1);
-        index(1) * self.size[0] + index(0)
-    }
-
-    /// Visits the points in the cell of `centre` and its eight neighbours.
-    fn around(&self, centre: PlanePoint, mut visit: impl FnMut(usize)) {
-        let range = |c: usize| {
-            let position = (centre[c] - self.low[c]) / self.cell;
-            let first = (position - 1.0).floor().clamp(0.0, self.size[c] as f64);
-            let end = (position + 2.0).floor().clamp(0.0, self.size[c] as f64);
-            first as usize..end as usize
-        };
-        let columns = range(0);
-        if columns.is_empty() {
-            return;
-        }
-        for row in range(1) {
-            let row_start = row * self.size[0];
-            let cells =
-                self.starts[row_start + columns.start]..self.starts[row_start + columns.end];
-            self.members[cells].iter().for_each(|&member| visit(member));
-        }
+    /// Those of `points` within `radius` of `centre`.
+    fn within(&self, points: &[PlanePoint], centre: PlanePoint, radius: f64) -> Vec<usize> {
+        // The tree compares squares: a little more is asked for, and the distance itself decides.
+        let reach = radius * (1.0 + 1e-9);
+        let query = self.tree.query(&centre).within::<SquaredEuclidean<f64>>(reach * reach);
+        let mut ranks: Vec<u32> = query.unsorted().execute().iter().map(|near| near.item).collect();
+        ranks.sort_unstable();
+        let near = ranks.into_iter().map(|rank| self.order[rank as usize]);
+        near.filter(|&i| distance(points[i], centre) <= radius).collect()
     }
 }
 
@@ -215,23 +170,26 @@ mod tests {
     use crate::synthetic::{SyntheticCut, uniform};
 
     #[test]
-    fn the_grid_finds_what_a_search_over_all_finds() {
+    fn the_tree_finds_what_a_search_over_all_finds() {
         let points: Vec<PlanePoint> =
             (0..400).map(|k| [uniform(2 * k), uniform(2 * k + 1)]).collect();
-        let grid = Grid::new(&points, 0.08);
+        let tree = PointTree::new(&points, 0.08);
         for k in 0..50 {
             let centre = [1.4 * uniform(9000 + k) - 0.2, 1.4 * uniform(9500 + k) - 0.2];
-            let mut found = Vec::new();
-            grid.around(centre, |i| {
-                if distance(points[i], centre) <= 0.08 {
-                    found.push(i);
-                }
-            });
+            let mut found = tree.within(&points, centre, 0.08);
             found.sort_unstable();
             let expected: Vec<usize> =
                 (0..400).filter(|&i| distance(points[i], centre) <= 0.08).collect();
             assert_eq!(found, expected);
         }
+        assert!(PointTree::new(&[], 0.08).within(&[], [0.0; 2], 1.0).is_empty());
+        // A lattice: many points share a coordinate.
+        let lattice: Vec<PlanePoint> =
+            (0..2500).map(|k| [f64::from(k % 50), f64::from(k / 50)]).collect();
+        assert_eq!(PointTree::new(&lattice, 1.0).within(&lattice, [7.0, 9.0], 1.0).len(), 5);
+        let one_place = [[1.0, 2.0]; 100];
+        let found = PointTree::new(&one_place, 1.0).within(&one_place, [1.0, 2.0], 0.5);
+        assert_eq!(found, (0..100).collect::<Vec<usize>>());
     }
 
     #[test]

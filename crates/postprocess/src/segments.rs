@@ -114,8 +114,9 @@ fn places(snapshot: &Snapshot, cloud: &CutParticles, context: &SegmentContext<'_
         .filter(|(i, origin)| origin[1] < middle && cloud.outward_normal(*i).is_some())
         .map(|(i, _)| cloud.points[*i])
         .collect();
-    let across =
-        |from: PlanePoint| rake_side.iter().map(|point| distance(*point, from)).min_by(f64::total_cmp);
+    let across = |from: PlanePoint| {
+        rake_side.iter().map(|point| distance(*point, from)).min_by(f64::total_cmp)
+    };
     let counts = |origin: &PlanePoint| {
         let was_surface = origin[1] > context.chip.surface - cloud.spacing;
         was_surface && origin[0] >= context.range[0] && origin[0] <= context.range[1]
