@@ -70,15 +70,50 @@ struct Column {
     unit: String,
 }
 
-/// A line of a table: its number, and the SI value of each rule's column if the table has it.
-pub type Line = (usize, Vec<Option<f64>>);
+/// A line of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableLine {
+    /// Its number, from 1.
+    pub number: usize,
+    values: Vec<Option<f64>>,
+}
+
+impl TableLine {
+    /// The SI value in the column of the rule `index`, if there is one.
+    #[must_use]
+    pub fn get(&self, index: usize) -> Option<f64> {
+        self.values[index]
+    }
+
+    /// The SI value in the column of the rule `index`, which is required: [`read`] refuses a line without it.
+    #[must_use]
+    pub fn required(&self, index: usize) -> f64 {
+        self.values[index].expect("a line without a required value was refused")
+    }
+
+    /// The SI values of the first `N` rules, which are all required.
+    #[must_use]
+    pub fn all<const N: usize>(&self) -> [f64; N] {
+        std::array::from_fn(|index| self.required(index))
+    }
+
+    /// A mistake of this line as a whole.
+    #[must_use]
+    pub fn problem(&self, message: impl Into<String>) -> TableProblem {
+        whole(self.number, message)
+    }
+}
 
 /// Reads a table with the columns of `rules` in any order. Empty lines and lines that begin with `#`
 /// are skipped; cells of columns that are not required may be empty or say that there is no number ([`UNKNOWN`]). `nothing` says what is missing if no line follows the header.
 ///
 /// # Errors
 /// The first mistake with its line and column.
-pub fn read(text: &str, rules: &[ColumnRule], nothing: &str) -> Result<Vec<Line>, TableProblem> {
+pub fn read(
+    text: &str,
+    rules: &[ColumnRule],
+    nothing: &str,
+) -> Result<Vec<TableLine>, TableProblem> {
     let mut lines = text
         .trim_start_matches('\u{feff}')
         .lines()
@@ -89,8 +124,8 @@ pub fn read(text: &str, rules: &[ColumnRule], nothing: &str) -> Result<Vec<Line>
         return Err(whole(1, "the table is empty"));
     };
     let columns = header(number, line, rules)?;
-    let rows: Vec<Line> = lines
-        .map(|(number, line)| Ok((number, row(number, line, rules, &columns)?)))
+    let rows: Vec<TableLine> = lines
+        .map(|(number, line)| Ok(TableLine { number, values: row(number, line, rules, &columns)? }))
         .collect::<Result<_, _>>()?;
     if rows.is_empty() { Err(whole(number, nothing)) } else { Ok(rows) }
 }

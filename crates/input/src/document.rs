@@ -2,7 +2,7 @@
 
 use crate::files::{self, LARGEST_TEXT, OutsideFiles, Surroundings};
 use crate::findings::Findings;
-use crate::problem::{Mistake, Problem, Source};
+use crate::problem::{Mistake, Problem, SourceText};
 use crate::reader;
 use crate::record::Record;
 use crate::section::Section;
@@ -29,7 +29,7 @@ pub fn load<T>(
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
     let directory = parent.unwrap_or(Path::new(".")).to_path_buf();
     let surroundings = Surroundings { directory: Some(directory), outside };
-    let source = Arc::new(Source { name: shown, text });
+    let source = Arc::new(SourceText { name: shown, text });
     let mut findings = Findings::default();
     let (document, errors) = DeTable::parse_recoverable(&source.text);
     report_syntax(&mut findings, &source, &errors);
@@ -63,7 +63,11 @@ pub fn contradiction(
 }
 
 /// Syntax errors of the TOML parser as problems.
-pub fn report_syntax(findings: &mut Findings, source: &Arc<Source>, errors: &[toml::de::Error]) {
+pub fn report_syntax(
+    findings: &mut Findings,
+    source: &Arc<SourceText>,
+    errors: &[toml::de::Error],
+) {
     for error in errors.iter().take(MOST_SYNTAX_ERRORS) {
         let message = error.message().replace('\n', "; ");
         // The first half says it all; the parser's second guess would mislead.

@@ -1,7 +1,7 @@
 //! Reads the value of one key: its type, its unit, its range.
 
 use crate::findings::Findings;
-use crate::problem::{Mistake, Source};
+use crate::problem::{Mistake, SourceText};
 use crate::reader::shortened;
 use crate::record::Value;
 use crate::section::{Field, Kind, range_text};
@@ -21,7 +21,7 @@ const TABLE_TEMPERATURES: sphcut_physics::Range = sphcut_physics::Range::above(0
 
 /// A text as a quantity, an integer, ... of `field`.
 pub struct FieldReader<'r> {
-    pub source: &'r Arc<Source>,
+    pub source: &'r Arc<SourceText>,
     pub findings: &'r mut Findings,
     pub field: &'r Field,
     pub dimension: usize,

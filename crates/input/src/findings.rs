@@ -1,6 +1,6 @@
 //! What reading a scenario leaves behind besides the values: mistakes and the description.
 
-use crate::problem::{Mistake, Problem, Source};
+use crate::problem::{Mistake, Problem, SourceText};
 use crate::units;
 use sphcut_physics::Quantity;
 use std::ops::Range;
@@ -50,7 +50,7 @@ const MOST_PROBLEMS: usize = 200;
 
 impl Findings {
     /// Reports a mistake at `span` of `source`.
-    pub fn problem(&mut self, source: &Arc<Source>, span: Range<usize>, mistake: Mistake) {
+    pub fn problem(&mut self, source: &Arc<SourceText>, span: Range<usize>, mistake: Mistake) {
         match self.problems.len() {
             0..MOST_PROBLEMS => self.problems.push(Problem::new(source, span, mistake)),
             MOST_PROBLEMS => {

@@ -20,9 +20,9 @@ pub mod units;
 pub use columns::TableProblem;
 pub use files::OutsideFiles;
 pub use findings::{Origin, ResolvedEntry};
-pub use problem::{Colours, Mistake, Problem, Source};
+pub use problem::{Colours, Mistake, Problem, SourceText};
 pub use tables::{
-    CutTableRow, ForceTableRow, MeasuredForces, MeasuredSpringback, SeriesRow, read_cut_table,
+    CutTableRow, ForceTableRow, MeasuredForceRow, MeasuredSpringback, SeriesRow, read_cut_table,
     read_force_table, read_measured_forces, read_measured_springback, read_series_table,
 };
 pub use units::UnitError;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// A text with its name, for excerpts.
 #[derive(Debug, PartialEq)]
-pub struct Source {
+pub struct SourceText {
     /// Name of the file as the user knows it.
     pub name: String,
     /// Its content.
@@ -220,7 +220,7 @@ pub struct Problem {
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    source: Arc<Source>,
+    source: Arc<SourceText>,
     span: Range<usize>,
 }
 
@@ -235,7 +235,7 @@ pub enum Colours {
 
 impl Problem {
     /// A mistake at `span` of `source`.
-    pub fn new(source: &Arc<Source>, span: Range<usize>, mistake: Mistake) -> Self {
+    pub fn new(source: &Arc<SourceText>, span: Range<usize>, mistake: Mistake) -> Self {
         let span = inside(&source.text, span);
         let (line, column) = position(&source.text, span.start);
         Self { mistake, file: source.name.clone(), line, column, source: Arc::clone(source), span }
@@ -243,7 +243,7 @@ impl Problem {
 
     /// A problem with the file as a whole: it cannot be read.
     pub fn without_text(name: &str, mistake: Mistake) -> Self {
-        let source = Arc::new(Source { name: name.to_owned(), text: String::new() });
+        let source = Arc::new(SourceText { name: name.to_owned(), text: String::new() });
         Self::new(&source, 0..0, mistake)
     }
 
@@ -321,7 +321,7 @@ mod tests {
     #[test]
     fn a_problem_shows_line_column_and_the_text() {
         let text = "a = 1\nspeed = \"120 mm\"\n".to_owned();
-        let source = Arc::new(Source { name: "cut.toml".to_owned(), text });
+        let source = Arc::new(SourceText { name: "cut.toml".to_owned(), text });
         let problem = Problem::new(
             &source,
             14..22,

@@ -3,7 +3,7 @@
 
 use crate::field_reader::FieldReader;
 use crate::findings::{Findings, Origin, ResolvedEntry};
-use crate::problem::{Mistake, Source};
+use crate::problem::{Mistake, SourceText};
 use crate::record::{Record, Value};
 use crate::section::{Field, Kind, Presence, Section};
 use crate::{spelling, units};
@@ -23,7 +23,7 @@ pub enum Defaults {
 /// Reads `table` against `section`; mistakes and the description go to `findings`.
 pub fn read<'t>(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     (raw, heading): (&'t DeTable<'t>, Range<usize>),
     section: &Section,
     dimension: usize,
@@ -34,7 +34,7 @@ pub fn read<'t>(
 /// As [`read`], with a choice about what is not written.
 pub fn read_with<'t>(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     (raw, heading): (&'t DeTable<'t>, Range<usize>),
     section: &Section,
     dimension: usize,
@@ -62,7 +62,7 @@ pub fn read_with<'t>(
 /// Reports unknown keys; returns the keys that they probably were meant to be.
 fn refuse_unknown_keys(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     raw: &DeTable<'_>,
     section: &Section,
 ) -> Vec<&'static str> {
@@ -103,7 +103,7 @@ pub fn shortened(text: &str) -> String {
 /// The default of a key that is not written; a mistake if it is required.
 fn absent(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     heading: &Range<usize>,
     section: &Section,
     field: &Field,

@@ -1,6 +1,6 @@
 //! The values of one table, read and checked.
 
-use crate::problem::Source;
+use crate::problem::SourceText;
 use sphcut_physics::{ROOM_TEMPERATURE, TemperatureTable};
 use std::ops::Range;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ pub enum Value {
 #[derive(Debug)]
 pub struct Record<'t> {
     /// The file.
-    pub source: Arc<Source>,
+    pub source: Arc<SourceText>,
     /// Name of the table.
     pub section: String,
     /// Where the table begins.

@@ -51,7 +51,7 @@ const SAMPLES_BY_DEFAULT: f64 = 500.0;
 
 /// What a scenario is about.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum ScenarioKind {
     Cut,
     Bodies,
 }
@@ -65,12 +65,12 @@ pub(crate) struct ReadStop {
 pub(crate) fn read_stop(
     findings: &mut Findings,
     root: &Record<'_>,
-    kind: Kind,
+    kind: ScenarioKind,
 ) -> Option<ReadStop> {
     let record = reader::read(findings, &root.source, root.table("stop")?, &sections::stop(), 2);
     let (needed, refused): (&str, &[&str]) = match kind {
-        Kind::Cut => ("travel", &["time"]),
-        Kind::Bodies => ("time", &["travel", "steady"]),
+        ScenarioKind::Cut => ("travel", &["time"]),
+        ScenarioKind::Bodies => ("time", &["travel", "steady"]),
     };
     crate::tool::require(findings, &record, &[needed]);
     refuse(findings, &record, refused, needed, kind);
@@ -81,8 +81,14 @@ pub(crate) fn read_stop(
     Some(ReadStop { extent: record.number(needed)?, steady })
 }
 
-fn refuse(findings: &mut Findings, record: &Record<'_>, keys: &[&str], instead: &str, kind: Kind) {
-    let of = if kind == Kind::Cut { "a cut" } else { "a scenario of bodies" };
+fn refuse(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    keys: &[&str],
+    instead: &str,
+    kind: ScenarioKind,
+) {
+    let of = if kind == ScenarioKind::Cut { "a cut" } else { "a scenario of bodies" };
     for key in keys.iter().filter(|key| record.is_written(key)) {
         let mistake = Mistake::Contradiction {
             message: format!("`{key}` has no meaning in {of}"),
@@ -124,12 +130,12 @@ pub(crate) struct ReadOutput {
 pub(crate) fn read_output(
     findings: &mut Findings,
     root: &Record<'_>,
-    kind: Kind,
+    kind: ScenarioKind,
     stop: Option<&ReadStop>,
 ) -> Option<ReadOutput> {
     let (key, other, quantity) = match kind {
-        Kind::Cut => ("sampling_travel", "sampling_time", Quantity::Length),
-        Kind::Bodies => ("sampling_time", "sampling_travel", Quantity::Time),
+        ScenarioKind::Cut => ("sampling_travel", "sampling_time", Quantity::Length),
+        ScenarioKind::Bodies => ("sampling_time", "sampling_travel", Quantity::Time),
     };
     optional_section(findings, root, &sections::output(), 2, |findings, record| {
         refuse(findings, record, &[other], key, kind);

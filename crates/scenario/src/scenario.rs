@@ -1,7 +1,7 @@
 //! A scenario from its text.
 
-use crate::cut::{self, Cut, CutEnd, inertia, passes, window};
-use crate::ending::{Kind, Output, Stop, read_output, read_stop};
+use crate::cut::{self, CutEnd, CutScenario, inertia, passes, window};
+use crate::ending::{Output, ScenarioKind, Stop, read_output, read_stop};
 use crate::material::{Shelf, effects, equation_of_state};
 use crate::sections;
 use crate::shared::{self, Resolution};
@@ -10,7 +10,7 @@ use crate::tool::Space;
 use crate::{LoadOptions, bodies, friction_heat, heat_source, wall, warnings};
 use sphcut_input::files::{self, LARGEST_TEXT, Surroundings};
 use sphcut_input::findings::{Findings, ResolvedEntry};
-use sphcut_input::problem::{Mistake, Problem, Source};
+use sphcut_input::problem::{Mistake, Problem, SourceText};
 use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
@@ -80,7 +80,7 @@ pub fn parse(
         directory: directory.map(Path::to_path_buf),
         outside: options.outside_files,
     };
-    let source = Arc::new(Source { name: name.to_owned(), text: text.to_owned() });
+    let source = Arc::new(SourceText { name: name.to_owned(), text: text.to_owned() });
     let scenario = if text.len() as u64 > LARGEST_TEXT {
         let message = format!("the scenario is larger than {} KiB", LARGEST_TEXT >> 10);
         let help = "a scenario holds settings, not data".to_owned();
@@ -104,7 +104,7 @@ fn sorted(mut problems: Vec<Problem>, name: &str) -> Vec<Problem> {
 
 fn read_document(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     surroundings: &Surroundings,
 ) -> Option<Scenario> {
     let (document, errors) = DeTable::parse_recoverable(&source.text);
@@ -138,25 +138,25 @@ fn keep_certain(problems: &mut Vec<Problem>) {
 
 fn read_sections(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     table: (&DeTable<'_>, Range<usize>),
     surroundings: &Surroundings,
 ) -> Option<Scenario> {
     let root = reader::read(findings, source, table, &sections::root(), 2);
     match kind(findings, &root)? {
-        Kind::Cut => read_cut(findings, &root, surroundings),
-        Kind::Bodies => read_bodies(findings, &root, surroundings),
+        ScenarioKind::Cut => read_cut(findings, &root, surroundings),
+        ScenarioKind::Bodies => read_bodies(findings, &root, surroundings),
     }
 }
 
 const CUT_SECTIONS: [&str; 6] = ["workpiece", "tool", "process", "passes", "window", "boundaries"];
 const BODY_SECTIONS: [&str; 4] = ["body", "support", "heat_source", "wall"];
 
-fn kind(findings: &mut Findings, root: &Record<'_>) -> Option<Kind> {
+fn kind(findings: &mut Findings, root: &Record<'_>) -> Option<ScenarioKind> {
     let first = |keys: &[&'static str]| keys.iter().copied().find(|key| root.is_written(key));
     match (first(&CUT_SECTIONS), first(&BODY_SECTIONS)) {
-        (Some(_), None) => Some(Kind::Cut),
-        (None, Some(_)) => Some(Kind::Bodies),
+        (Some(_), None) => Some(ScenarioKind::Cut),
+        (None, Some(_)) => Some(ScenarioKind::Bodies),
         (None, None) => {
             let mistake = Mistake::Contradiction {
                 message: "there is nothing to simulate".to_owned(),
@@ -203,8 +203,8 @@ fn read_cut(
     let process = cut::process(findings, root, dimension);
     let depth = process.map(|process| process.depth);
     let resolution = shared::resolution(findings, root, depth, root.is_written("process"));
-    let stop = read_stop(findings, root, Kind::Cut);
-    let output = read_output(findings, root, Kind::Cut, stop.as_ref());
+    let stop = read_stop(findings, root, ScenarioKind::Cut);
+    let output = read_output(findings, root, ScenarioKind::Cut, stop.as_ref());
     let sizes = resolution.zip(stop.as_ref()).map(|(r, stop)| (r.particle_spacing, stop.extent));
     let space = match dimension {
         2 => Space::Plane {
@@ -221,7 +221,7 @@ fn read_cut(
     let (process, resolution, stop, output) = (process?, resolution?, stop?, output?);
     let end = CutEnd { travel: stop.extent, sampling_travel: output.sampling };
     let (passes, plan) = (passes?, plan?);
-    let cut = Cut::new(process, workpiece?, tool?, resolution, end, passes, boundaries?);
+    let cut = CutScenario::new(process, workpiece?, tool?, resolution, end, passes, boundaries?);
     cut.check(findings, root);
     if !findings.problems.is_empty() {
         return None;
@@ -277,8 +277,8 @@ fn read_bodies(
     let resolution = shared::resolution(findings, root, None, false);
     let spacing = resolution.map(|resolution| resolution.particle_spacing);
     let wall = wall::wall(findings, root, surroundings, dimension, spacing);
-    let stop = read_stop(findings, root, Kind::Bodies);
-    let output = read_output(findings, root, Kind::Bodies, stop.as_ref());
+    let stop = read_stop(findings, root, ScenarioKind::Bodies);
+    let output = read_output(findings, root, ScenarioKind::Bodies, stop.as_ref());
     let ((bodies, materials), resolution, stop, output) = (bodies?, resolution?, stop?, output?);
     let particles = bodies::particle_count(&bodies, resolution.particle_spacing, dimension);
     shared::check_particle_count(findings, root, particles)?;

@@ -48,11 +48,11 @@ pub(crate) fn wall(
         }
         _ => None,
     };
-    let around = heat::Surroundings {
+    let around = heat::HeatedTool {
         shape: match (&surface, &solid) {
-            (ToolSurface::Polygon(corners), _) => heat::Shape::Outline(corners),
-            (_, Some(solid)) => heat::Shape::Surface(solid),
-            _ => heat::Shape::HalfSpace,
+            (ToolSurface::Polygon(corners), _) => heat::HeatedShape::Outline(corners),
+            (_, Some(solid)) => heat::HeatedShape::Surface(solid),
+            _ => heat::HeatedShape::HalfSpace,
         },
         centre: point,
         outer_sides: None,

@@ -4,7 +4,7 @@ mod keys;
 pub use keys::reference_page;
 use sphcut_input::OutsideFiles;
 
-use sphcut_input::columns::{self, ColumnRule, Line, column};
+use sphcut_input::columns::{self, ColumnRule, column};
 use sphcut_input::document::{self, contradiction};
 use sphcut_input::files::{Surroundings, file_mistake};
 use sphcut_input::findings::Findings;
@@ -193,20 +193,19 @@ fn properties(material: &Record<'_>) -> Option<StatedMaterial> {
 }
 
 /// The lines of the file that `record` names, each with all its columns.
-fn lines(
+fn lines<const N: usize>(
     findings: &mut Findings,
     record: &Record<'_>,
     surroundings: &Surroundings,
-    rules: &[ColumnRule],
-) -> Option<Vec<Vec<f64>>> {
+    rules: &[ColumnRule; N],
+) -> Option<Vec<[f64; N]>> {
     let named = record.text("file")?;
-    let complete = |(_, values): Line| values.into_iter().collect::<Option<Vec<f64>>>();
     let read = surroundings.read(named, LARGEST).and_then(|text| {
         columns::read(&text, rules, "no line follows the header")
             .map_err(|problem| file_mistake(named, problem.to_string(), ""))
     });
     match read {
-        Ok(lines) => lines.into_iter().map(complete).collect(),
+        Ok(lines) => Some(lines.iter().map(|line| line.all()).collect()),
         Err(mistake) => {
             findings.problem(&record.source, record.span("file"), *mistake);
             None
@@ -221,8 +220,9 @@ fn flow_curves(
 ) -> Option<Vec<TestCurve>> {
     let file = record.text("file")?;
     let mut curves: Vec<TestCurve> = Vec::new();
-    for line in lines(findings, record, surroundings, &CURVES)? {
-        let &[strain, line_rate, line_temperature, stress] = line.as_slice() else { continue };
+    for [strain, line_rate, line_temperature, stress] in
+        lines(findings, record, surroundings, &CURVES)?
+    {
         if let Some(TestCurve::Flow { rate, temperature, points, .. }) = curves.last_mut()
             && *rate == line_rate
             && *temperature == line_temperature
@@ -260,8 +260,7 @@ fn compression(
 ) -> Option<Vec<TestCurve>> {
     let lines = lines(findings, record, surroundings, &LOADS)?;
     let specimen = specimen(record)?;
-    let points: Vec<[f64; 2]> = lines.iter().map(|line| [line[0], line[1]]).collect();
-    if points.iter().any(|point| point[1] >= specimen[0]) {
+    if lines.iter().any(|point| point[1] >= specimen[0]) {
         let message = "the displacement reaches the length of the specimen";
         contradiction(findings, record, "length", message, "check the units of the file");
         return None;
@@ -272,7 +271,7 @@ fn compression(
         rate: record.number("strain_rate")?,
         temperature: record.number("temperature")?,
         stiffness: record.number("machine_stiffness").unwrap_or(f64::INFINITY),
-        points,
+        points: lines,
     }])
 }
 

@@ -1,6 +1,6 @@
 //! What was measured of many cuts as a table: comma-separated, a header with units, a cut per line.
 
-use crate::columns::{self, ColumnRule, TableProblem, column};
+use crate::columns::{self, ColumnRule, TableLine, TableProblem, column};
 use sphcut_physics::{Channel, CuttingCondition, Quantity, ToolGeometry};
 
 /// How many channels a table may hold.
@@ -96,51 +96,43 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * CHANNELS + INTERVALS] = [
 /// The first mistake with its line and column.
 pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
     let lines = columns::read(text, &COLUMNS, "no line with measured values follows the header")?;
-    let part = |values: &[Option<f64>], from: usize| {
-        let mut part = [None; CHANNELS];
-        part.copy_from_slice(&values[from..from + CHANNELS]);
-        part
-    };
-    let mut rows = Vec::with_capacity(lines.len());
-    for (line, values) in lines {
-        let (Some(cutting_speed), Some(uncut_chip_thickness)) = (values[0], values[1]) else {
-            return Err(columns::whole(line, "a needed column is missing"));
+    let part = |line: &TableLine, from: usize| std::array::from_fn(|k| line.get(from + k));
+    let mut rows: Vec<CutTableRow> = Vec::with_capacity(lines.len());
+    for line in lines {
+        let row = CutTableRow {
+            cutting_speed: line.required(0),
+            uncut_chip_thickness: line.required(1),
+            cut_length: line.get(2),
+            order: line.get(3),
+            count: line.get(4),
+            width_of_cut: line.get(5),
+            rake_angle: line.get(7),
+            edge_radius: line.get(8),
+            values: part(&line, OTHERS),
+            deviations: part(&line, OTHERS + CHANNELS),
+            half_widths: std::array::from_fn(|k| {
+                (k < INTERVALS).then(|| line.get(OTHERS + 2 * CHANNELS + k)).flatten()
+            }),
         };
-        if values[2].is_some_and(|length| length < 0.0) {
-            return Err(columns::whole(line, "a cut length is never below 0"));
+        if row.cut_length.is_some_and(|length| length < 0.0) {
+            return Err(line.problem("a cut length is never below 0"));
         }
-        if values[7].is_some_and(|rake| rake.abs() > STEEPEST) {
-            return Err(columns::whole(line, "a rake lies between -60 and 60 deg"));
+        if row.rake_angle.is_some_and(|rake| rake.abs() > STEEPEST) {
+            return Err(line.problem("a rake lies between -60 and 60 deg"));
         }
-        if values[8].is_some_and(|radius| radius < 0.0) {
-            return Err(columns::whole(line, "an edge radius is never below 0"));
+        if row.edge_radius.is_some_and(|radius| radius < 0.0) {
+            return Err(line.problem("an edge radius is never below 0"));
         }
-        for (k, name) in [(7, "rake"), (8, "edge_radius")] {
+        for (k, name) in ["rake", "edge_radius"].into_iter().enumerate() {
             // An empty cell would be the scenario's, and a number that happens to be the same another tool.
-            if rows.first().is_some_and(|first: &CutTableRow| {
-                of_tool(first)[k - 7].is_some() != values[k].is_some()
-            }) {
-                let message = format!("`{name}` has to be known of every cut or of none");
-                return Err(columns::whole(line, message));
+            let first = rows.first().unwrap_or(&row);
+            if of_tool(first)[k].is_some() != of_tool(&row)[k].is_some() {
+                return Err(
+                    line.problem(format!("`{name}` has to be known of every cut or of none"))
+                );
             }
         }
-        rows.push(CutTableRow {
-            cutting_speed,
-            uncut_chip_thickness,
-            cut_length: values[2],
-            order: values[3],
-            count: values[4],
-            width_of_cut: values[5],
-            rake_angle: values[7],
-            edge_radius: values[8],
-            values: part(&values, OTHERS),
-            deviations: part(&values, OTHERS + CHANNELS),
-            half_widths: {
-                let mut part = [None; CHANNELS];
-                part[..INTERVALS].copy_from_slice(&values[OTHERS + 2 * CHANNELS..]);
-                part
-            },
-        });
+        rows.push(row);
     }
     if rows.iter().all(|row| row.values.iter().all(Option::is_none)) {
         let all = Channel::RECORDED.map(Channel::symbol).join(", ");

@@ -55,33 +55,21 @@ const COLUMNS: [ColumnRule; 19] = [
 pub fn read_force_table(text: &str) -> Result<Vec<ForceTableRow>, TableProblem> {
     columns::read(text, &COLUMNS, "no line with forces follows the header")?
         .into_iter()
-        .map(|(line, values)| {
-            let &[
-                Some(cutting_speed),
-                Some(uncut_chip_thickness),
-                Some(cutting_force),
-                Some(feed_force),
-                cutting_force_deviation,
-                feed_force_deviation,
-                count,
-                ..,
-            ] = values.as_slice()
-            else {
-                return Err(columns::whole(line, "a needed column is missing"));
+        .map(|line| {
+            let row = ForceTableRow {
+                cutting_speed: line.required(0),
+                uncut_chip_thickness: line.required(1),
+                cutting_force: line.required(2),
+                feed_force: line.required(3),
+                cutting_force_deviation: line.get(4),
+                feed_force_deviation: line.get(5),
+                count: line.get(6),
             };
-            let deviations = [cutting_force_deviation, feed_force_deviation];
+            let deviations = [row.cutting_force_deviation, row.feed_force_deviation];
             if deviations.into_iter().flatten().any(|deviation| deviation < 0.0) {
-                return Err(columns::whole(line, "a standard deviation is never below 0"));
+                return Err(line.problem("a standard deviation is never below 0"));
             }
-            Ok(ForceTableRow {
-                cutting_speed,
-                uncut_chip_thickness,
-                cutting_force,
-                feed_force,
-                cutting_force_deviation,
-                feed_force_deviation,
-                count,
-            })
+            Ok(row)
         })
         .collect()
 }

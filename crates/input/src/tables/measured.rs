@@ -1,6 +1,6 @@
 //! Measured springback as a table: comma-separated, a header with units, one cutting speed per line.
 
-use crate::columns::{self, ColumnRule, TableProblem, column};
+use crate::columns::{self, ColumnRule, TableLine, TableProblem, column};
 use sphcut_physics::Quantity;
 
 /// One line of the table in SI units.
@@ -33,30 +33,20 @@ const COLUMNS: [ColumnRule; 5] = [
 /// # Errors
 /// The first mistake with its line and column.
 pub fn read_measured_springback(text: &str) -> Result<Vec<MeasuredSpringback>, TableProblem> {
-    columns::read(text, &COLUMNS, "no measurement follows the header")?
-        .into_iter()
-        .map(|(line, values)| match values.as_slice() {
-            &[
-                Some(cutting_speed),
-                Some(springback),
-                Some(uncertainty),
-                cutting_force,
-                normal_force,
-            ] => Ok(MeasuredSpringback {
-                cutting_speed,
-                springback,
-                uncertainty,
-                cutting_force,
-                normal_force,
-            }),
-            _ => Err(columns::whole(line, "a needed column is missing")),
-        })
-        .collect()
+    let lines = columns::read(text, &COLUMNS, "no measurement follows the header")?;
+    let row = |line: TableLine| MeasuredSpringback {
+        cutting_speed: line.required(0),
+        springback: line.required(1),
+        uncertainty: line.required(2),
+        cutting_force: line.get(3),
+        normal_force: line.get(4),
+    };
+    Ok(lines.into_iter().map(row).collect())
 }
 
 /// Forces measured at one cutting speed. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeasuredForces {
+pub struct MeasuredForceRow {
     /// v_c in m/s.
     pub cutting_speed: f64,
     /// F_c in N.
@@ -82,23 +72,23 @@ const SAME_SPEED: f64 = 0.01;
 ///
 /// # Errors
 /// The first mistake with its line and column; a cutting speed that is there twice.
-pub fn read_measured_forces(text: &str) -> Result<Vec<MeasuredForces>, TableProblem> {
-    let mut rows: Vec<MeasuredForces> = Vec::new();
-    for (line, values) in columns::read(text, &FORCE_COLUMNS, "no measurement follows the header")?
-    {
-        let &[Some(cutting_speed), Some(cutting_force), Some(normal_force), ..] = values.as_slice()
-        else {
-            return Err(columns::whole(line, "a needed column is missing"));
+pub fn read_measured_forces(text: &str) -> Result<Vec<MeasuredForceRow>, TableProblem> {
+    let mut rows: Vec<MeasuredForceRow> = Vec::new();
+    for line in columns::read(text, &FORCE_COLUMNS, "no measurement follows the header")? {
+        let row = MeasuredForceRow {
+            cutting_speed: line.required(0),
+            cutting_force: line.required(1),
+            normal_force: line.required(2),
         };
-        let same = |row: &MeasuredForces| {
-            (row.cutting_speed - cutting_speed).abs() <= SAME_SPEED * cutting_speed
+        let same = |other: &MeasuredForceRow| {
+            (other.cutting_speed - row.cutting_speed).abs() <= SAME_SPEED * row.cutting_speed
         };
         if rows.iter().any(same) {
             let message = "this cutting speed is there twice (speeds within 1 % are the same): \
                            give the mean of its measurements";
-            return Err(columns::whole(line, message));
+            return Err(line.problem(message));
         }
-        rows.push(MeasuredForces { cutting_speed, cutting_force, normal_force });
+        rows.push(row);
     }
     Ok(rows)
 }
@@ -166,7 +156,7 @@ mod tests {
             "v_c [m/min],springback [um],uncertainty [um],F_c [N],F_n [kN]\n150,1.2,0.85,600,0.2\n";
         let rows = read_measured_forces(text).unwrap();
         let expected =
-            MeasuredForces { cutting_speed: 2.5, cutting_force: 600.0, normal_force: 200.0 };
+            MeasuredForceRow { cutting_speed: 2.5, cutting_force: 600.0, normal_force: 200.0 };
         assert_eq!(rows, [expected]);
         for (text, expected) in [
             ("v_c [m/min],F_c [N]\n150,600\n", "line 1: the column `F_n [N]` is missing"),

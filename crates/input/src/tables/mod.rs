@@ -8,6 +8,6 @@ mod series;
 pub use cut::{CutTableRow, read_cut_table};
 pub use force::{ForceTableRow, read_force_table};
 pub use measured::{
-    MeasuredForces, MeasuredSpringback, read_measured_forces, read_measured_springback,
+    MeasuredForceRow, MeasuredSpringback, read_measured_forces, read_measured_springback,
 };
 pub use series::{SeriesRow, read_series_table};

@@ -1,6 +1,6 @@
 //! Forces of tools over their time in cut as a table: comma-separated, a header with units, a segment per line.
 
-use crate::columns::{self, ColumnRule, TableProblem, column};
+use crate::columns::{self, ColumnRule, TableLine, TableProblem, column};
 use sphcut_physics::Quantity;
 
 /// One segment in SI units.
@@ -28,16 +28,11 @@ const COLUMNS: [ColumnRule; 5] = [
 /// The first mistake with its line and column.
 pub fn read_series_table(text: &str) -> Result<Vec<SeriesRow>, TableProblem> {
     let lines = columns::read(text, &COLUMNS, "no segment follows the header")?;
-    lines
-        .into_iter()
-        .map(|(line, values)| {
-            let known: Option<Vec<f64>> = values.into_iter().collect();
-            let Some([tool, time, cutting, feed, passive]) = known.as_deref() else {
-                return Err(columns::whole(line, "a cell is empty"));
-            };
-            Ok(SeriesRow { tool: *tool, time: *time, forces: [*cutting, *feed, *passive] })
-        })
-        .collect()
+    let row = |line: TableLine| {
+        let [tool, time, forces @ ..] = line.all::<5>();
+        SeriesRow { tool, time, forces }
+    };
+    Ok(lines.into_iter().map(row).collect())
 }
 
 #[cfg(test)]

@@ -1,11 +1,21 @@
 //! A measured frequency response: comma-separated, a header with units.
 
-use crate::response::Response;
 use sphcut_input::columns::{self, ColumnRule, column};
 use sphcut_input::files::{LARGEST_OUTLINE, Surroundings, file_mistake};
 use sphcut_input::findings::Findings;
 use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
+
+/// A line of a frequency response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResponseLine {
+    /// Hz.
+    pub frequency: f64,
+    /// |H|, in any unit.
+    pub gain: f64,
+    /// rad.
+    pub phase: f64,
+}
 
 const COLUMNS: [ColumnRule; 3] = [
     column("frequency", Quantity::Frequency, "Hz", (true, false)),
@@ -13,20 +23,20 @@ const COLUMNS: [ColumnRule; 3] = [
     column("phase", Quantity::Angle, "deg", (true, false)),
 ];
 
-/// The response of a channel, without its regularisation; `Some(None)` without one, `None` after a mistake.
+/// The response of a channel; empty without one, `None` after a mistake.
 pub(super) fn read_response(
     findings: &mut Findings,
     channel: &Record<'_>,
     surroundings: &Surroundings,
-) -> Option<Option<Response>> {
-    let Some(named) = channel.text("response") else { return Some(None) };
+) -> Option<Vec<ResponseLine>> {
+    let Some(named) = channel.text("response") else { return Some(Vec::new()) };
     let read = surroundings.read(named, LARGEST_OUTLINE).and_then(|text| {
-        response(&text).map_err(|reason| {
+        lines(&text).map_err(|reason| {
             file_mistake(named, reason, "its header is frequency [Hz],gain,phase [deg]")
         })
     });
     match read {
-        Ok(response) => Some(Some(response)),
+        Ok(lines) => Some(lines),
         Err(mistake) => {
             findings.problem(&channel.source, channel.span("response"), *mistake);
             None
@@ -34,20 +44,16 @@ pub(super) fn read_response(
     }
 }
 
-fn response(text: &str) -> Result<Response, String> {
+fn lines(text: &str) -> Result<Vec<ResponseLine>, String> {
     let rows = columns::read(text, &COLUMNS, "no line follows the header")
         .map_err(|problem| problem.to_string())?;
-    let mut found = Response::default();
-    for (line, values) in rows {
-        let &[Some(frequency), Some(gain), Some(phase)] = values.as_slice() else {
-            return Err(format!("line {line}: a needed column is missing"));
-        };
-        if frequency < 0.0 || found.frequency.last().is_some_and(|last| frequency <= *last) {
-            return Err(format!("line {line}: the frequencies do not rise"));
+    let mut lines: Vec<ResponseLine> = Vec::new();
+    for row in rows {
+        let [frequency, gain, phase] = row.all();
+        if frequency < 0.0 || lines.last().is_some_and(|last| frequency <= last.frequency) {
+            return Err(row.problem("the frequencies do not rise").to_string());
         }
-        found.frequency.push(frequency);
-        found.gain.push(gain);
-        found.phase.push(phase);
+        lines.push(ResponseLine { frequency, gain, phase });
     }
-    if found.gain.len() < 2 { Err("two lines at least are needed".to_owned()) } else { Ok(found) }
+    if lines.len() < 2 { Err("two lines at least are needed".to_owned()) } else { Ok(lines) }
 }

@@ -4,11 +4,11 @@ pub(crate) mod inertia;
 pub(crate) mod machine;
 pub(crate) mod passes;
 pub(crate) mod window;
-use crate::cut::passes::{Passes, Plan};
+use crate::cut::passes::{PassPlan, Passes};
 use crate::material::Shelf;
 use crate::shared::{self, Resolution};
 use crate::tool::placement::{Handedness, Placement};
-use crate::tool::{ToolBody, ToolShape, refuse_keys, require};
+use crate::tool::{ToolShape, ToolVolume, refuse_keys, require};
 use crate::{sections, warnings};
 use glam::DVec3;
 use sphcut_geometry::silhouette::Silhouette;
@@ -26,7 +26,7 @@ use sphcut_tool_heat::ToolHeat;
 
 /// `[process]`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Process {
+pub(crate) struct CuttingProcess {
     pub(crate) cutting_speed: f64,
     /// Of the tool's lowest point below the uncut surface: h in the plane, a_p in turning.
     pub(crate) depth: f64,
@@ -48,7 +48,7 @@ pub(crate) enum ProcessKind {
 
 /// `[workpiece]`.
 #[derive(Debug)]
-pub(crate) struct Workpiece {
+pub(crate) struct WorkpieceBlock {
     pub(crate) material: Material,
     pub(crate) length: f64,
     pub(crate) height: f64,
@@ -105,9 +105,9 @@ pub(crate) struct CutEnd {
 }
 
 /// Everything read, before it is put together.
-pub(crate) struct Cut {
-    pub(crate) process: Process,
-    pub(crate) workpiece: Workpiece,
+pub(crate) struct CutScenario {
+    pub(crate) process: CuttingProcess,
+    pub(crate) workpiece: WorkpieceBlock,
     pub(crate) tool: ToolShape,
     pub(crate) resolution: Resolution,
     pub(crate) end: CutEnd,
@@ -131,7 +131,7 @@ pub(crate) fn process(
     findings: &mut Findings,
     root: &Record<'_>,
     dimension: usize,
-) -> Option<Process> {
+) -> Option<CuttingProcess> {
     let record =
         reader::read(findings, &root.source, root.table("process")?, &sections::process(), 2);
     let mirrored = record.switch("mirrored");
@@ -164,7 +164,7 @@ pub(crate) fn process(
         feed.map(|feed| ProcessKind::Turning { feed })
     };
     let depth = if dimension == 2 { plane[0] } else { turning[0] };
-    Some(Process {
+    Some(CuttingProcess {
         cutting_speed: record.number("cutting_speed")?,
         depth: record.number(depth)?,
         kind: kind?,
@@ -181,7 +181,7 @@ pub(crate) fn workpiece(
     root: &Record<'_>,
     shelf: &mut Shelf<'_>,
     dimension: usize,
-) -> Option<Workpiece> {
+) -> Option<WorkpieceBlock> {
     let record =
         reader::read(findings, &root.source, root.table("workpiece")?, &sections::workpiece(), 2);
     let material = shelf.material(findings, &record);
@@ -193,7 +193,7 @@ pub(crate) fn workpiece(
         require(findings, &record, &["width"]);
         record.number("width")
     };
-    Some(Workpiece {
+    Some(WorkpieceBlock {
         material: material?,
         length: record.number("length")?,
         height: record.number("height")?,
@@ -248,14 +248,14 @@ pub(crate) fn boundaries(
     })
 }
 
-impl Process {
+impl CuttingProcess {
     /// What decides on the motion of the tool.
-    pub(crate) fn plan(&self, travel: f64) -> Plan {
+    pub(crate) fn plan(&self, travel: f64) -> PassPlan {
         let step = match self.kind {
             ProcessKind::Orthogonal { .. } => [0.0, -self.depth, 0.0],
             ProcessKind::Turning { feed } => [0.0, 0.0, feed],
         };
-        Plan { travel, cutting_speed: self.cutting_speed, depth: self.depth, step }
+        PassPlan { travel, cutting_speed: self.cutting_speed, depth: self.depth, step }
     }
 }
 
@@ -263,13 +263,13 @@ impl Section {
     /// Of an orthogonal cut what is written; in turning from the shadow of the tool: h is the largest
     /// distance of the groove of a later pass from what the one before has left (of the only pass from
     /// the uncut surface), and b makes b h the section of the cut, a_p f (that of the groove).
-    fn of(process: &Process, body: &ToolBody, several: bool) -> Self {
+    fn of(process: &CuttingProcess, body: &ToolVolume, several: bool) -> Self {
         let depth = process.depth;
         match (process.kind, body) {
             (ProcessKind::Orthogonal { width_of_cut }, _) => {
                 Self { uncut_chip_thickness: depth, width_of_cut, groove: [0.0; 2] }
             }
-            (ProcessKind::Turning { feed }, ToolBody::Solid(surface)) => {
+            (ProcessKind::Turning { feed }, ToolVolume::Solid(surface)) => {
                 let shadow =
                     Silhouette::of(surface).expect("its lowest point is below the surface");
                 let groove = shadow.extent();
@@ -281,17 +281,17 @@ impl Section {
                 let width_of_cut = area / thickness;
                 Self { uncut_chip_thickness: thickness, width_of_cut, groove }
             }
-            (ProcessKind::Turning { .. }, ToolBody::Section(_)) => {
+            (ProcessKind::Turning { .. }, ToolVolume::Section(_)) => {
                 unreachable!("the tool of turning is a solid")
             }
         }
     }
 }
 
-impl Cut {
+impl CutScenario {
     pub(crate) fn new(
-        process: Process,
-        workpiece: Workpiece,
+        process: CuttingProcess,
+        workpiece: WorkpieceBlock,
         tool: ToolShape,
         resolution: Resolution,
         end: CutEnd,
@@ -440,7 +440,7 @@ impl Cut {
 
     /// Of the workpiece.
     fn corners(&self) -> (Vector, Vector) {
-        let Workpiece { length, height, width, .. } = self.workpiece;
+        let WorkpieceBlock { length, height, width, .. } = self.workpiece;
         ([0.0, -height, 0.0], [length, 0.0, width])
     }
 
@@ -492,7 +492,7 @@ impl Cut {
         let gap = start_gap * self.resolution.particle_spacing;
         let placement = self.process.placement;
         let (surface, heat) = match &self.tool.body {
-            ToolBody::Section(polygon) => {
+            ToolVolume::Section(polygon) => {
                 let shift =
                     shift_to_gap(polygon, self.workpiece.length, self.workpiece.height, gap);
                 let local: Vec<[f64; 2]> =
@@ -502,7 +502,7 @@ impl Cut {
                 let heat = heat.map(|heat| self.placed_heat(heat, [shift, 0.0, 0.0], side));
                 (ToolSurface::Polygon(placement.polygon(&local)), heat)
             }
-            ToolBody::Solid((vertices, triangles)) => {
+            ToolVolume::Solid((vertices, triangles)) => {
                 let shift = -foremost((vertices, triangles), gap) - gap;
                 let tip = self.tip();
                 let way = DVec3::new(shift, 0.0, tip);

@@ -40,7 +40,7 @@ impl Passes {
 
 /// What of the cut decides on the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Plan {
+pub(crate) struct PassPlan {
     /// End of the first pass in m from the start.
     pub(crate) travel: f64,
     pub(crate) cutting_speed: f64,
@@ -52,7 +52,7 @@ pub(crate) struct Plan {
 
 /// The motion of the tool in the frame of the cut.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Motion {
+pub(crate) struct PassMotion {
     pub(crate) velocity_changes: Vec<VelocityChange>,
     /// Empty for one pass.
     pub(crate) passes: Vec<Pass>,
@@ -63,7 +63,7 @@ pub(crate) struct Motion {
 pub(crate) fn passes(
     findings: &mut Findings,
     root: &Record<'_>,
-    plan: Option<Plan>,
+    plan: Option<PassPlan>,
 ) -> Option<Passes> {
     let Some(table) = root.table("passes") else { return Some(Passes::ONE) };
     let record = reader::read(findings, &root.source, table, &sections::passes(), 2);
@@ -112,10 +112,10 @@ fn refuse_steady(findings: &mut Findings, root: &Record<'_>) {
 
 impl Passes {
     /// The whole motion.
-    pub(crate) fn motion(&self, plan: &Plan) -> Motion {
+    pub(crate) fn motion(&self, plan: &PassPlan) -> PassMotion {
         let mut time = plan.travel / plan.cutting_speed;
         let mut motion =
-            Motion { velocity_changes: Vec::new(), passes: Vec::new(), end_time: time };
+            PassMotion { velocity_changes: Vec::new(), passes: Vec::new(), end_time: time };
         if self.count == 1 {
             return motion;
         }
@@ -152,9 +152,10 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const PLAN: Plan = Plan { travel: 10.0, cutting_speed: 2.0, depth: 1.0, step: [0.0, 0.0, 0.5] };
+    const PLAN: PassPlan =
+        PassPlan { travel: 10.0, cutting_speed: 2.0, depth: 1.0, step: [0.0, 0.0, 0.5] };
 
-    fn place(motion: &Motion, time: f64) -> Vector {
+    fn place(motion: &PassMotion, time: f64) -> Vector {
         let mut place = [0.0; 3];
         let mut velocity = [2.0, 0.0, 0.0];
         let mut from = 0.0;
@@ -176,7 +177,7 @@ mod tests {
     #[test]
     fn one_pass_is_a_straight_line() {
         let motion = Passes::ONE.motion(&PLAN);
-        let straight = Motion { velocity_changes: vec![], passes: vec![], end_time: 5.0 };
+        let straight = PassMotion { velocity_changes: vec![], passes: vec![], end_time: 5.0 };
         assert_eq!(motion, straight);
     }
 
@@ -203,7 +204,7 @@ mod tests {
     #[test]
     fn passes_in_the_plane_go_deeper() {
         let passes = Passes { count: 3, shortening: 2.0, clearance: 3.0, return_speed: 20.0 };
-        let plan = Plan { step: [0.0, -1.0, 0.0], ..PLAN };
+        let plan = PassPlan { step: [0.0, -1.0, 0.0], ..PLAN };
         let motion = passes.motion(&plan);
         for (number, pass) in motion.passes.iter().enumerate() {
             let y = -(number as f64);

@@ -2,7 +2,7 @@
 
 use crate::{sections, shared};
 use sphcut_input::findings::Findings;
-use sphcut_input::problem::Source;
+use sphcut_input::problem::SourceText;
 use sphcut_input::reader;
 use sphcut_input::section::{Presence, Section};
 use sphcut_input::units::significant;
@@ -22,7 +22,7 @@ const SAME_TEMPERATURE: f64 = 0.5;
 /// Reads the table; `None` after a mistake.
 pub(crate) fn read(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     table: (&DeTable<'_>, Range<usize>),
     name: &str,
 ) -> Option<Chosen> {

@@ -1,6 +1,6 @@
 //! The file of a tabulated flow stress.
 
-use sphcut_input::columns::{self, ColumnRule, TableProblem};
+use sphcut_input::columns::{self, ColumnRule, TableProblem, column};
 use sphcut_input::files::{Surroundings, file_mistake};
 use sphcut_input::findings::Findings;
 use sphcut_input::record::Record;
@@ -14,16 +14,11 @@ const LARGEST_TABLE: u64 = 1 << 20;
 /// Most lines of a table.
 const MOST_LINES: usize = 10_000;
 
-const fn column(name: &'static str, quantity: Quantity, unit: &'static str) -> ColumnRule {
-    let positive = !unit.is_empty();
-    ColumnRule { name, quantity, unit, required: true, positive }
-}
-
 const COLUMNS: [ColumnRule; 4] = [
-    column("plastic_strain", Quantity::Dimensionless, ""),
-    column("strain_rate", Quantity::Rate, "1/s"),
-    column("temperature", Quantity::Temperature, "degC"),
-    column("flow_stress", Quantity::Stress, "MPa"),
+    column("plastic_strain", Quantity::Dimensionless, "", (true, false)),
+    column("strain_rate", Quantity::Rate, "1/s", (true, true)),
+    column("temperature", Quantity::Temperature, "degC", (true, true)),
+    column("flow_stress", Quantity::Stress, "MPa", (true, true)),
 ];
 
 /// The table that `table_file` of a law names, if it names one that can be used.
@@ -55,27 +50,17 @@ pub(crate) fn named(
 fn read(text: &str) -> Result<FlowStressTable, TableProblem> {
     let lines = columns::read(text, &COLUMNS, "no value follows the header")?;
     if lines.len() > MOST_LINES {
-        return Err(columns::whole(
-            lines[MOST_LINES].0,
-            format!("more than the {MOST_LINES} values that a table may have"),
-        ));
+        let message = format!("more than the {MOST_LINES} values that a table may have");
+        return Err(lines[MOST_LINES].problem(message));
     }
-    let points: Vec<[f64; 4]> = lines
-        .iter()
-        .map(|(line, values)| match values.as_slice() {
-            &[Some(strain), Some(rate), Some(temperature), Some(stress)] => {
-                Ok([strain, rate, temperature, stress])
-            }
-            _ => Err(columns::whole(*line, "a needed column is missing")),
-        })
-        .collect::<Result<_, _>>()?;
+    let points: Vec<[f64; 4]> = lines.iter().map(|line| line.all()).collect();
     FlowStressTable::new(&points).map_err(|error| {
         let line = match error {
             FlowStressTableError::NotPositive(index) | FlowStressTableError::Twice(index) => {
-                lines[index].0
+                lines[index].number
             }
             FlowStressTableError::Empty | FlowStressTableError::Gap(..) => {
-                lines.last().map_or(1, |line| line.0)
+                lines.last().map_or(1, |line| line.number)
             }
         };
         columns::whole(line, error.to_string())

@@ -8,7 +8,7 @@ pub(crate) mod library;
 use crate::sections;
 use sphcut_input::files::{LARGEST_TEXT, Surroundings};
 use sphcut_input::findings::Findings;
-use sphcut_input::problem::{Mistake, Source};
+use sphcut_input::problem::{Mistake, SourceText};
 use sphcut_input::reader::{self, Defaults};
 use sphcut_input::record::Record;
 use sphcut_input::section::Presence;
@@ -24,7 +24,7 @@ use toml::de::DeTable;
 
 /// Where the materials of a scenario come from.
 pub(crate) struct Shelf<'t> {
-    pub(crate) source: Arc<Source>,
+    pub(crate) source: Arc<SourceText>,
     pub(crate) surroundings: &'t Surroundings,
     /// Whether any heat mechanism acts, so that thermal properties are needed.
     pub(crate) heat_acts: bool,
@@ -363,7 +363,7 @@ fn read_file(
     surroundings: &Surroundings,
 ) -> Option<Draft> {
     let shown = if name.ends_with(".toml") { name.to_owned() } else { format!("{name}.toml") };
-    let source = Arc::new(Source { name: shown, text });
+    let source = Arc::new(SourceText { name: shown, text });
     let (document, errors) = DeTable::parse_recoverable(&source.text);
     if !errors.is_empty() {
         sphcut_input::document::report_syntax(findings, &source, &errors);
@@ -382,7 +382,7 @@ fn read_file(
 
 fn read_draft(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     table: (&DeTable<'_>, Range<usize>),
     (section, name): (&str, &str),
     sources: Sources,
@@ -421,7 +421,7 @@ fn read_draft(
 /// Without a known law only the law itself is a mistake: the other keys cannot be judged.
 fn read_unknown_law(
     findings: &mut Findings,
-    source: &Arc<Source>,
+    source: &Arc<SourceText>,
     flow: (&DeTable<'_>, Range<usize>),
     name: &str,
 ) {

@@ -4,7 +4,7 @@ pub(crate) mod heat;
 pub(crate) mod placement;
 pub(crate) mod shapes;
 pub(crate) mod turning;
-use crate::cut::{Process, machine};
+use crate::cut::{CuttingProcess, machine};
 use crate::{sections, shared};
 use glam::DVec3;
 use sphcut_geometry::mesh::{LARGEST_MESH, Mesh, MeshError, Surface};
@@ -25,7 +25,7 @@ use sphcut_tool_heat::ToolHeat;
 #[derive(Debug)]
 pub(crate) struct ToolShape {
     pub(crate) edge_radius: Option<f64>,
-    pub(crate) body: ToolBody,
+    pub(crate) body: ToolVolume,
     pub(crate) friction: (&'static FrictionEntry, Values),
     /// Its places as those of the polygon.
     pub(crate) heat: Option<ToolHeat>,
@@ -36,14 +36,14 @@ pub(crate) struct ToolShape {
 
 /// The space that a tool fills, in m, its lowest point at the depth of cut.
 #[derive(Debug)]
-pub(crate) enum ToolBody {
+pub(crate) enum ToolVolume {
     /// Counter-clockwise, in the plane.
     Section(Vec<[f64; 2]>),
     /// A closed surface, seen from outside counter-clockwise.
     Solid(Surface),
 }
 
-impl ToolBody {
+impl ToolVolume {
     /// Height of its highest point above the uncut surface.
     pub(crate) fn top(&self) -> f64 {
         match self {
@@ -70,7 +70,7 @@ pub(crate) fn tool(
     findings: &mut Findings,
     root: &Record<'_>,
     surroundings: &Surroundings,
-    process: Option<Process>,
+    process: Option<CuttingProcess>,
     sizes: Option<(f64, f64)>,
     space: Space,
 ) -> Option<ToolShape> {
@@ -88,9 +88,9 @@ pub(crate) fn tool(
             "remove it: machine and spindle are rigid",
         );
         let turned = turning::turned(findings, &record, surroundings, process, sizes, width)?;
-        let around = heat::Surroundings {
+        let around = heat::HeatedTool {
             centre: lowest_point(&turned.surface.0),
-            shape: heat::Shape::Surface(&turned.surface),
+            shape: heat::HeatedShape::Surface(&turned.surface),
             outer_sides: turned.cut_off,
             fine_reach: turned.reach,
             particle_spacing: sizes?.0,
@@ -99,7 +99,7 @@ pub(crate) fn tool(
         let heat = heat::tool_heat(findings, &record, &around)?;
         return Some(ToolShape {
             edge_radius,
-            body: ToolBody::Solid(turned.surface),
+            body: ToolVolume::Solid(turned.surface),
             friction: friction?,
             heat,
             machine: Machine::default(),
@@ -131,7 +131,7 @@ pub(crate) fn tool(
     // Where a tool of another shape is cut off is not known.
     around.by_default = whole.is_none() && space == Space::Plane { tool_takes_heat: true };
     let heat = heat::tool_heat(findings, &record, &around)?;
-    let body = ToolBody::Section(polygon);
+    let body = ToolVolume::Section(polygon);
     Some(ToolShape { edge_radius, body, friction: friction?, heat, machine: machine?, notes })
 }
 
@@ -143,16 +143,16 @@ fn heat_surroundings<'a>(
     record: &Record<'_>,
     polygon: &'a [[f64; 2]],
     whole: Option<&str>,
-    process: Process,
+    process: CuttingProcess,
     particle_spacing: f64,
-) -> heat::Surroundings<'a> {
+) -> heat::HeatedTool<'a> {
     let lowest = polygon.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
     let deepest = polygon.iter().filter(|point| point[1] == lowest);
     let foremost = deepest.map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
     let count = polygon.len();
     let reach = LONGEST_CONTACT * process.depth;
-    heat::Surroundings {
-        shape: heat::Shape::Outline(polygon),
+    heat::HeatedTool {
+        shape: heat::HeatedShape::Outline(polygon),
         centre: [foremost, lowest, 0.0],
         // The corners of a tool of angles end with those of rake face, back and flank.
         outer_sides: whole.is_none().then(|| vec![count - 3, count - 2]),
@@ -172,7 +172,7 @@ fn lowest_point(vertices: &[DVec3]) -> [f64; 3] {
 fn from_angles(
     findings: &mut Findings,
     record: &Record<'_>,
-    process: Option<Process>,
+    process: Option<CuttingProcess>,
     sizes: Option<(f64, f64)>,
     notes: &mut Vec<String>,
 ) -> Option<Vec<[f64; 2]>> {

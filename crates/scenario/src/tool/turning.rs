@@ -1,6 +1,6 @@
 //! `[tool]` of turning: an insert from its angles and radii, or a mesh.
 
-use crate::cut::Process;
+use crate::cut::CuttingProcess;
 use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, refuse_keys, require, shapes};
 use sphcut_geometry::insert::{BODY, InsertGeometry};
 use sphcut_geometry::mesh::{Mesh, Surface};
@@ -30,7 +30,7 @@ pub(crate) fn turned(
     findings: &mut Findings,
     record: &Record<'_>,
     surroundings: &Surroundings,
-    process: Option<Process>,
+    process: Option<CuttingProcess>,
     sizes: Option<(f64, f64)>,
     width: Option<f64>,
 ) -> Option<Turned> {
