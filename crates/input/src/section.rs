@@ -119,6 +119,40 @@ impl Field {
         Self { key, kind, presence, meaning: Cow::Borrowed(meaning), example: "" }
     }
 
+    /// A key that has to be there.
+    #[must_use]
+    pub fn required(key: &'static str, kind: Kind, meaning: &'static str) -> Self {
+        Self::new(key, kind, Presence::Required, meaning)
+    }
+
+    /// A key that may be left out.
+    #[must_use]
+    pub fn optional(key: &'static str, kind: Kind, meaning: &'static str) -> Self {
+        Self::new(key, kind, Presence::Optional, meaning)
+    }
+
+    /// A key with a value without it, as a user would write it.
+    #[must_use]
+    pub fn with_default(
+        key: &'static str,
+        kind: Kind,
+        value: &'static str,
+        meaning: &'static str,
+    ) -> Self {
+        Self::new(key, kind, default(value), meaning)
+    }
+
+    /// A key whose value without it follows from other keys, as `without` says.
+    #[must_use]
+    pub fn derived(
+        key: &'static str,
+        kind: Kind,
+        without: &'static str,
+        meaning: &'static str,
+    ) -> Self {
+        Self::new(key, kind, Presence::Derived(without), meaning)
+    }
+
     /// With an example, as it would be written.
     pub fn example(mut self, example: &'static str) -> Self {
         self.example = example;

@@ -1,6 +1,6 @@
 //! Sections of a file of a diagnosis.
 
-use sphcut_input::section::{Field, Kind, Presence, Section, default, positive};
+use sphcut_input::section::{Field, Kind, Presence, Section, positive};
 use sphcut_physics::{Quantity, Range};
 
 /// What the data without a missing effect are used for.
@@ -28,21 +28,11 @@ pub(crate) fn root() -> Section {
         "",
         "A diagnosis: what was measured, and the scenario that is to explain it.",
         vec![
-            Field::new("title", Kind::Text, Presence::Required, "one line that says what was measured")
+            Field::required("title", Kind::Text, "one line that says what was measured")
                 .example("\"Orthogonal cuts of AISI 1045\""),
-            Field::new(
-                "source",
-                Kind::Text,
-                Presence::Required,
-                "where the measurements come from; goes into the patch of the scenario",
-            )
+            Field::required("source", Kind::Text, "where the measurements come from; goes into the patch of the scenario")
             .example("\"own tests\""),
-            Field::new(
-                "scenario",
-                Kind::Path,
-                Presence::Derived("needed with [measured]"),
-                "the cut as it is simulated so far, relative to this file; its speed and thickness, rake and edge radius are replaced by those that the table has",
-            )
+            Field::derived("scenario", Kind::Path, "needed with [measured]", "the cut as it is simulated so far, relative to this file; its speed and thickness, rake and edge radius are replaced by those that the table has")
             .example("\"cut.toml\""),
             table("measured", Presence::Derived("[series] alone is diagnosed"), "the cuts that are to be explained")
                 .example("[measured] with file"),
@@ -57,14 +47,9 @@ pub(crate) fn root() -> Section {
 }
 
 fn file() -> Field {
-    Field::new(
-        "file",
-        Kind::Path,
-        Presence::Required,
-        "v_c [m/min],h [mm] and any of F_c [N],F_f [N],F_p [N],T_interface [degC],chip_thickness [mm],contact_length [mm],\
+    Field::required("file", Kind::Path, "v_c [m/min],h [mm] and any of F_c [N],F_f [N],F_p [N],T_interface [degC],chip_thickness [mm],contact_length [mm],\
          springback [um] in any order and units, a line per cut; beside them their standard deviations (F_c_sd [N]), n, order, \
-         cut_length [m], and rake [deg] and edge_radius [um] where the tools differ. Repeats or standard deviations are needed: they say what is noise",
-    )
+         cut_length [m], and rake [deg] and edge_radius [um] where the tools differ. Repeats or standard deviations are needed: they say what is noise")
     .example("\"cuts.csv\"")
 }
 
@@ -81,17 +66,17 @@ pub(crate) fn reference() -> Section {
          missing physics.",
         vec![
             file(),
-            Field::new(
+            Field::with_default(
                 "use",
                 Kind::Choice(USES.to_vec()),
-                default("bias_field"),
+                "bias_field",
                 "bias_field: a smooth bias over speed and thickness is learnt. difference: only what differs between the two \
                  tables at the same speed and thickness is diagnosed",
             ),
-            Field::new(
+            Field::with_default(
                 "same_batch",
                 Kind::Switch,
-                default("false"),
+                "false",
                 "whether both tables come from the same bar and the same calibration of the instruments",
             ),
         ],
@@ -107,15 +92,10 @@ pub(crate) fn series() -> Section {
         "series",
         "Recordings of the force over time: lines in their spectra and what these follow, and what changes within a cut.",
         vec![
-            Field::new(
-                "recordings",
-                Kind::Path,
-                Presence::Required,
-                "a file of recordings (recordings.md): layout of the files, channels, window, and one [[cut]] for each record with its \
-                 cutting speed, thickness and rotation",
-            )
+            Field::required("recordings", Kind::Path, "a file of recordings (recordings.md): layout of the files, channels, window, and one [[cut]] for each record with its \
+                 cutting speed, thickness and rotation")
             .example("\"recordings.toml\""),
-            Field::new("air", Kind::Table, Presence::Optional, "a record of the free-running machine, which cuts nothing"),
+            Field::optional("air", Kind::Table, "a record of the free-running machine, which cuts nothing"),
             frequency(
                 "resolution",
                 Presence::Derived("8 segments in the shortest cut"),
@@ -136,17 +116,16 @@ pub(crate) fn air() -> Section {
         "series.air",
         "A record of the free-running machine, laid out as those of the cuts: what shows in it is not made by the cut.",
         vec![
-            Field::new("file", Kind::Path, Presence::Required, "the record").example("\"air.csv\""),
-            Field::new(
+            Field::required("file", Kind::Path, "the record").example("\"air.csv\""),
+            Field::derived(
                 "group",
                 Kind::Text,
-                Presence::Derived("the top of the file"),
+                "the top of the file",
                 "hdf5: the group with the channels",
             ),
-            Field::new(
+            Field::optional(
                 "rotational_speed",
                 positive(Quantity::AngularSpeed, 1e5),
-                Presence::Optional,
                 "rotation of the free-running machine",
             ),
         ],
@@ -156,7 +135,7 @@ pub(crate) fn air() -> Section {
 /// `[priors]`.
 pub(crate) fn priors() -> Section {
     let share = |key, text, meaning| {
-        Field::new(key, positive(Quantity::Dimensionless, 1.0), default(text), meaning)
+        Field::with_default(key, positive(Quantity::Dimensionless, 1.0), text, meaning)
     };
     Section::new(
         "priors",
@@ -169,20 +148,10 @@ pub(crate) fn priors() -> Section {
             share(SCATTER[4], "12 %", "m from batch to batch"),
             share(SCATTER[5], "15 %", "mu"),
             share("gain", "1 %", "gain of each channel"),
-            Field::new(
-                "offset",
-                positive(Quantity::Force, 1e6),
-                default("3 N"),
-                "zero of each force",
-            ),
+            Field::with_default("offset", positive(Quantity::Force, 1e6), "3 N", "zero of each force"),
             share("drift", "2 %", "drift of each channel from the first cut to the last"),
-            Field::new(
-                "model_error",
-                positive(Quantity::Dimensionless, 1.0),
-                Presence::Optional,
-                "by how much the model of the cut is wrong by itself, as a share that changes smoothly over speed and thickness: \
-                 from comparisons of the model with other measurements. Only without [reference], which teaches it",
-            )
+            Field::optional("model_error", positive(Quantity::Dimensionless, 1.0), "by how much the model of the cut is wrong by itself, as a share that changes smoothly over speed and thickness: \
+                 from comparisons of the model with other measurements. Only without [reference], which teaches it")
             .example("\"10 %\""),
         ],
     )
@@ -191,7 +160,7 @@ pub(crate) fn priors() -> Section {
 /// `[checks]`.
 pub(crate) fn checks() -> Section {
     let count = |key, max, text, meaning| {
-        Field::new(key, Kind::Count { min: 0, max }, default(text), meaning)
+        Field::with_default(key, Kind::Count { min: 0, max }, text, meaning)
     };
     Section::new(
         "checks",
@@ -217,29 +186,19 @@ pub(crate) fn checks() -> Section {
 /// `[next]`.
 pub(crate) fn next() -> Section {
     let speed = |key, meaning| {
-        Field::new(
-            key,
-            positive(Quantity::Speed, 1e4),
-            Presence::Derived("half beyond the table"),
-            meaning,
-        )
+        Field::derived(key, positive(Quantity::Speed, 1e4), "half beyond the table", meaning)
     };
     let length = |key, meaning| {
-        Field::new(
-            key,
-            positive(Quantity::Length, 1.0),
-            Presence::Derived("half beyond the table"),
-            meaning,
-        )
+        Field::derived(key, positive(Quantity::Length, 1.0), "half beyond the table", meaning)
     };
     Section::new(
         "next",
         "What could be measured next.",
         vec![
-            Field::new(
+            Field::with_default(
                 "cuts",
                 Kind::Count { min: 1, max: 12 },
-                default("4"),
+                "4",
                 "how many cuts are proposed",
             ),
             speed("lowest_speed", "lowest v_c that can be cut"),
@@ -253,7 +212,7 @@ pub(crate) fn next() -> Section {
 /// `[runs]`.
 pub(crate) fn runs() -> Section {
     let end = |key, quantity, max, meaning| {
-        Field::new(key, positive(quantity, max), Presence::Derived("that of the table"), meaning)
+        Field::derived(key, positive(quantity, max), "that of the table", meaning)
     };
     Section::new(
         "runs",
@@ -264,22 +223,22 @@ pub(crate) fn runs() -> Section {
             end("highest_speed", Quantity::Speed, 1e4, "highest v_c that is run"),
             end("thinnest", Quantity::Length, 1.0, "lowest h that is run"),
             end("thickest", Quantity::Length, 1.0, "highest h that is run"),
-            Field::new(
+            Field::with_default(
                 "travel",
                 Kind::Quantity(Quantity::Dimensionless, Range::closed(5.0, 10_000.0)),
-                default("30"),
+                "30",
                 "travel of each run in uncut chip thicknesses; runs without an effect go four times as far",
             ),
-            Field::new(
+            Field::with_default(
                 "repaired",
                 Kind::Count { min: 0, max: 1000 },
-                default("6"),
+                "6",
                 "conditions of the table at which the corrected scenario is run, beside the one as it is and one with recalibrated nuisance parameters",
             ),
-            Field::new(
+            Field::with_default(
                 "most",
                 Kind::Count { min: 1, max: 100_000 },
-                default("600"),
+                "600",
                 "the budget: a diagnosis that needs more runs than this ends before the first one",
             ),
         ],

@@ -1,6 +1,6 @@
 //! Sections of a file of material tests.
 
-use sphcut_input::section::{Field, Kind, Presence, Section, between, default, positive};
+use sphcut_input::section::{Field, Kind, Presence, Section, between, positive};
 use sphcut_physics::Quantity;
 
 /// Every section, for the reference page.
@@ -9,40 +9,29 @@ pub(crate) fn sections() -> Vec<Section> {
 }
 
 fn hot(key: &'static str, meaning: &'static str) -> Field {
-    Field::new(key, positive(Quantity::Temperature, 10_000.0), Presence::Required, meaning)
-        .example("\"20 degC\"")
+    Field::required(key, positive(Quantity::Temperature, 10_000.0), meaning).example("\"20 degC\"")
 }
 
 fn length(key: &'static str, meaning: &'static str, example: &'static str) -> Field {
-    Field::new(key, positive(Quantity::Length, 100.0), Presence::Required, meaning).example(example)
+    Field::required(key, positive(Quantity::Length, 100.0), meaning).example(example)
 }
 
 fn file(meaning: &'static str, example: &'static str) -> Field {
-    Field::new("file", Kind::Path, Presence::Required, meaning).example(example)
+    Field::required("file", Kind::Path, meaning).example(example)
 }
 
 /// The top of the file.
 pub(crate) fn root() -> Section {
     let table = |key, presence, meaning| Field::new(key, Kind::Table, presence, meaning);
-    let tables = |key, meaning| Field::new(key, Kind::Tables, Presence::Optional, meaning);
+    let tables = |key, meaning| Field::optional(key, Kind::Tables, meaning);
     Section::new(
         "",
         "Material tests from which flow-stress laws are identified: flow curves, compression tests and tests on \
          a split Hopkinson bar, together.",
         vec![
-            Field::new(
-                "title",
-                Kind::Text,
-                Presence::Required,
-                "one line that says what was tested",
-            )
+            Field::required("title", Kind::Text, "one line that says what was tested")
             .example("\"AISI 1045, normalised\""),
-            Field::new(
-                "source",
-                Kind::Text,
-                Presence::Required,
-                "where the tests come from; goes into the material files",
-            )
+            Field::required("source", Kind::Text, "where the tests come from; goes into the material files")
             .example("\"own tests\""),
             table("references", Presence::Required, "reference rate, reference and melting temperature, which are stated and not fitted")
                 .example("[references] with strain_rate, temperature and melting_temperature"),
@@ -62,19 +51,18 @@ pub(crate) fn references() -> Section {
         "references",
         "What is stated, not fitted.",
         vec![
-            Field::new(
+            Field::required(
                 "strain_rate",
                 positive(Quantity::Rate, 1e9),
-                Presence::Required,
                 "reference rate, that of the slow tests: below it no rate dependence is known",
             )
             .example("\"4e-3 1/s\""),
             hot("temperature", "reference temperature, that of the cold tests"),
             hot("melting_temperature", "where no strength is left"),
-            Field::new(
+            Field::with_default(
                 "smallest_strain",
                 between(Quantity::Dimensionless, 1e-4, 0.5),
-                default("0.002"),
+                "0.002",
                 "plastic strain from which points count",
             ),
         ],
@@ -84,7 +72,7 @@ pub(crate) fn references() -> Section {
 /// `[material]`.
 pub(crate) fn material() -> Section {
     let need = |key, quantity, max, meaning, example| {
-        Field::new(key, positive(quantity, max), Presence::Required, meaning).example(example)
+        Field::required(key, positive(quantity, max), meaning).example(example)
     };
     Section::new(
         "material",
@@ -93,13 +81,8 @@ pub(crate) fn material() -> Section {
         vec![
             need("density", Quantity::Density, 1e5, "density", "\"7850 kg/m^3\""),
             need("young_modulus", Quantity::Stress, 1e13, "E", "\"205 GPa\""),
-            Field::new(
-                "poisson_ratio",
-                between(Quantity::Dimensionless, 0.0, 0.49),
-                Presence::Required,
-                "nu",
-            )
-            .example("0.3"),
+            Field::required("poisson_ratio", between(Quantity::Dimensionless, 0.0, 0.49), "nu")
+                .example("0.3"),
             need("specific_heat", Quantity::SpecificHeat, 1e5, "c_p", "\"486 J/(kg K)\""),
             need(
                 "thermal_conductivity",
@@ -134,18 +117,13 @@ pub(crate) fn compression() -> Section {
             file("load [kN],displacement [mm], both positive in compression", "\"test_1.csv\""),
             length("length", "L_0 of this specimen, as measured", "\"15 mm\""),
             length("diameter", "of this specimen, as measured", "\"10 mm\""),
-            Field::new(
-                "strain_rate",
-                positive(Quantity::Rate, 1e9),
-                Presence::Required,
-                "rate of the test",
-            )
-            .example("\"4e-3 1/s\""),
+            Field::required("strain_rate", positive(Quantity::Rate, 1e9), "rate of the test")
+                .example("\"4e-3 1/s\""),
             hot("temperature", "of the test"),
-            Field::new(
+            Field::derived(
                 "machine_stiffness",
                 positive(Quantity::Stiffness, 1e15),
-                Presence::Derived("none: the displacement is that of the specimen"),
+                "none: the displacement is that of the specimen",
                 "its share of the displacement is taken off",
             )
             .example("\"200 kN/mm\""),
@@ -160,17 +138,11 @@ pub(crate) fn bar() -> Section {
         "Input and output bar, of equal material and diameter.",
         vec![
             length("diameter", "of the bars", "\"20 mm\""),
-            Field::new(
-                "young_modulus",
-                positive(Quantity::Stress, 1e13),
-                Presence::Required,
-                "E of the bars",
-            )
-            .example("\"210 GPa\""),
-            Field::new(
+            Field::required("young_modulus", positive(Quantity::Stress, 1e13), "E of the bars")
+                .example("\"210 GPa\""),
+            Field::required(
                 "wave_speed",
                 positive(Quantity::Speed, 1e5),
-                Presence::Required,
                 "speed of the elastic wave in the bars",
             )
             .example("\"5231 m/s\""),
@@ -192,10 +164,10 @@ pub(crate) fn bar_test() -> Section {
             length("length", "of this specimen, as measured", "\"9 mm\""),
             length("diameter", "of this specimen, as measured", "\"6 mm\""),
             hot("temperature", "at the start of the test"),
-            Field::new(
+            Field::with_default(
                 "equilibrium_strain",
                 between(Quantity::Dimensionless, 0.0, 0.5),
-                default("0.02"),
+                "0.02",
                 "plastic strain from which the forces on both faces are taken as equal",
             ),
         ],

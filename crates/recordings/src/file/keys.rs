@@ -1,6 +1,6 @@
 //! Sections of a file of recordings.
 
-use sphcut_input::section::{Field, Kind, Presence, Section, between, default, positive};
+use sphcut_input::section::{Field, Kind, Presence, Section, between, positive};
 use sphcut_physics::{Channel, Quantity, Range};
 
 /// The forces, as keys of `[channels]`.
@@ -30,13 +30,8 @@ pub(crate) fn root() -> Section {
         "",
         "Recordings of cuts: how their files are read, what is done with them, and one [[cut]] for each.",
         vec![
-            Field::new(
-                "title",
-                Kind::Text,
-                Presence::Required,
-                "one line that says what was measured",
-            )
-            .example("\"Orthogonal cuts of AISI 1045\""),
+            Field::required("title", Kind::Text, "one line that says what was measured")
+                .example("\"Orthogonal cuts of AISI 1045\""),
             table("file", Presence::Required, "how the files are laid out")
                 .example("[file] with format and time_column or sampling_rate"),
             table(
@@ -53,7 +48,7 @@ pub(crate) fn root() -> Section {
                 Presence::Derived("known to 2 %, drift excluded above 5 %"),
                 "what is asked of the mean",
             ),
-            Field::new("cut", Kind::Tables, Presence::Required, "one record")
+            Field::required("cut", Kind::Tables, "one record")
                 .example("[[cut]] with file, cutting_speed and uncut_chip_thickness"),
         ],
     )
@@ -65,60 +60,50 @@ pub(crate) fn file() -> Section {
         "file",
         "How the files are laid out. All cuts of a file of recordings have the same layout.",
         vec![
-            Field::new(
-                "format",
-                Kind::Choice(FORMATS.to_vec()),
-                Presence::Required,
-                "kind of file",
-            ),
-            Field::new(
+            Field::required("format", Kind::Choice(FORMATS.to_vec()), "kind of file"),
+            Field::with_default(
                 "separator",
                 Kind::Choice(vec!["comma", "semicolon", "tab", "space"]),
-                default("comma"),
+                "comma",
                 "csv: what stands between two cells",
             ),
-            Field::new(
+            Field::with_default(
                 "decimal",
                 Kind::Choice(vec!["point", "comma"]),
-                default("point"),
+                "point",
                 "csv: what stands before the decimals",
             ),
-            Field::new(
+            Field::with_default(
                 "header_line",
                 Kind::Count { min: 1, max: 1000 },
-                default("1"),
+                "1",
                 "csv: line of the column names",
             ),
-            Field::new(
+            Field::with_default(
                 "skip_lines",
                 Kind::Count { min: 0, max: 1000 },
-                default("0"),
+                "0",
                 "csv: lines between the names and the numbers, such as one of units",
             ),
-            Field::new(
-                "time_column",
-                Kind::Text,
-                Presence::Derived("no time stamps"),
-                "column with the time",
-            )
-            .example("\"t\""),
-            Field::new(
+            Field::derived("time_column", Kind::Text, "no time stamps", "column with the time")
+                .example("\"t\""),
+            Field::with_default(
                 "time_scale",
                 positive(Quantity::Time, 3600.0),
-                default("1 s"),
+                "1 s",
                 "time that the number 1 of that column means",
             ),
-            Field::new(
+            Field::derived(
                 "sampling_rate",
                 positive(Quantity::Frequency, HIGHEST_RATE),
-                Presence::Derived("that of the time stamps or of the file"),
+                "that of the time stamps or of the file",
                 "samples per second; beside time stamps it is checked against them",
             )
             .example("\"10 kHz\""),
-            Field::new(
+            Field::with_default(
                 "longest_gap",
                 between(Quantity::Time, 0.0, 10.0),
-                default("0 s"),
+                "0 s",
                 "longest gap, samples missing or no numbers, that a straight line may bridge",
             ),
         ],
@@ -145,37 +130,17 @@ pub(crate) fn force(name: &str) -> Section {
         name,
         "One component of the force.",
         vec![
-            Field::new("column", Kind::Text, Presence::Required, "name of the channel in the files")
+            Field::required("column", Kind::Text, "name of the channel in the files")
                 .example("\"Fx\""),
-            Field::new(
-                "scale",
-                Kind::Quantity(Quantity::Force, Range::closed(-1e9, 1e9)),
-                Presence::Required,
-                "force that the number 1 of the file means; negative for a channel that is wired the \
-                 other way round",
-            )
+            Field::required("scale", Kind::Quantity(Quantity::Force, Range::closed(-1e9, 1e9)), "force that the number 1 of the file means; negative for a channel that is wired the \
+                 other way round")
             .example("\"1 N\""),
-            Field::new(
-                "full_scale",
-                positive(Quantity::Force, 1e9),
-                Presence::Derived("unknown: clipping shows in equal extreme values"),
-                "end of the range: values at or beyond it are clipped",
-            )
+            Field::derived("full_scale", positive(Quantity::Force, 1e9), "unknown: clipping shows in equal extreme values", "end of the range: values at or beyond it are clipped")
             .example("\"5 kN\""),
-            Field::new(
-                "response",
-                Kind::Path,
-                Presence::Derived("nothing is undone"),
-                "frequency response of the measuring chain from an impact test, to be undone: \
-                 frequency [Hz],gain,phase [deg]",
-            )
+            Field::derived("response", Kind::Path, "nothing is undone", "frequency response of the measuring chain from an impact test, to be undone: \
+                 frequency [Hz],gain,phase [deg]")
             .example("\"response_fx.csv\""),
-            Field::new(
-                "regularisation",
-                between(Quantity::Dimensionless, 1e-6, 1.0),
-                default("0.1"),
-                "lambda of the inverse: no frequency is amplified by more than 1 / (2 lambda)",
-            ),
+            Field::with_default("regularisation", between(Quantity::Dimensionless, 1e-6, 1.0), "0.1", "lambda of the inverse: no frequency is amplified by more than 1 / (2 lambda)"),
         ],
     )
 }
@@ -187,15 +152,9 @@ pub(crate) fn trigger() -> Section {
         "trigger",
         "A channel that lies above `level` while the tool cuts.",
         vec![
-            Field::new(
-                "column",
-                Kind::Text,
-                Presence::Required,
-                "name of the channel in the files",
-            )
-            .example("\"Trigger\""),
-            Field::new("level", number, Presence::Required, "level in the numbers of the file")
-                .example("2.5"),
+            Field::required("column", Kind::Text, "name of the channel in the files")
+                .example("\"Trigger\""),
+            Field::required("level", number, "level in the numbers of the file").example("2.5"),
         ],
     )
 }
@@ -206,28 +165,28 @@ pub(crate) fn detection() -> Section {
         "detection",
         "How the cut is found in a record, and what of it is air.",
         vec![
-            Field::new(
+            Field::with_default(
                 "method",
                 Kind::Choice(vec!["automatic", "trigger", "given"]),
-                default("automatic"),
+                "automatic",
                 "from the cutting force, from [trigger], or `entry` and `exit` of each cut",
             ),
-            Field::new(
+            Field::with_default(
                 "smoothing",
                 positive(Quantity::Time, 10.0),
-                default("20 ms"),
+                "20 ms",
                 "automatic: length of the moving mean in which the cut is looked for",
             ),
-            Field::new(
+            Field::with_default(
                 "guard",
                 between(Quantity::Time, 0.0, 10.0),
-                default("20 ms"),
+                "20 ms",
                 "time next to entry and exit that counts neither as air nor as cut",
             ),
-            Field::new(
+            Field::with_default(
                 "shortest_air",
                 positive(Quantity::Time, 100.0),
-                default("50 ms"),
+                "50 ms",
                 "shortest air cut from which a zero is taken",
             ),
         ],
@@ -240,14 +199,13 @@ pub(crate) fn low_pass() -> Section {
         "low_pass",
         "Butterworth filter run forwards and backwards: no shift in time, half the amplitude at the cut-off.",
         vec![
-            Field::new(
+            Field::required(
                 "cut_off",
                 positive(Quantity::Frequency, HIGHEST_RATE),
-                Presence::Required,
                 "frequency at which half the amplitude passes",
             )
             .example("\"1 kHz\""),
-            Field::new("order", Kind::Count { min: 1, max: 12 }, default("4"), "order of one run"),
+            Field::with_default("order", Kind::Count { min: 1, max: 12 }, "4", "order of one run"),
         ],
     )
 }
@@ -258,22 +216,22 @@ pub(crate) fn steady() -> Section {
         "steady",
         "What is asked of the mean of a cut.",
         vec![
-            Field::new(
+            Field::with_default(
                 "precision",
                 Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 1.0)),
-                default("0.02"),
+                "0.02",
                 "half width of the 95 % interval as a share of the cutting force",
             ),
-            Field::new(
+            Field::with_default(
                 "largest_drift",
                 Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 1.0)),
-                default("0.05"),
+                "0.05",
                 "largest drift over the window that may remain possible, as a share of the cutting force",
             ),
-            Field::new(
+            Field::with_default(
                 "otherwise",
                 Kind::Choice(vec!["refuse", "keep"]),
-                default("refuse"),
+                "refuse",
                 "what becomes of a cut whose tests do not pass: no force, or one with a warning",
             ),
         ],
@@ -283,64 +241,28 @@ pub(crate) fn steady() -> Section {
 /// `[[cut]]`.
 pub(crate) fn cut() -> Section {
     let time = |key, meaning| {
-        Field::new(key, between(Quantity::Time, 0.0, 1e6), Presence::Optional, meaning)
-            .example("\"0.5 s\"")
+        Field::optional(key, between(Quantity::Time, 0.0, 1e6), meaning).example("\"0.5 s\"")
     };
     Section::new(
         "cut",
         "One record and what was cut.",
         vec![
-            Field::new("file", Kind::Path, Presence::Required, "the record").example("\"cut_1.csv\""),
-            Field::new(
-                "name",
-                Kind::Text,
-                Presence::Derived("the name of the file"),
-                "name in tables and on the page",
-            )
+            Field::required("file", Kind::Path, "the record").example("\"cut_1.csv\""),
+            Field::derived("name", Kind::Text, "the name of the file", "name in tables and on the page")
             .example("\"cut 1\""),
-            Field::new(
-                "group",
-                Kind::Text,
-                Presence::Derived("the top of the file"),
-                "hdf5: the group with the channels",
-            )
+            Field::derived("group", Kind::Text, "the top of the file", "hdf5: the group with the channels")
             .example("\"/cut_1\""),
-            Field::new(
-                "cutting_speed",
-                positive(Quantity::Speed, 1e4),
-                Presence::Required,
-                "v_c",
-            )
+            Field::required("cutting_speed", positive(Quantity::Speed, 1e4), "v_c")
             .example("\"150 m/min\""),
-            Field::new(
-                "uncut_chip_thickness",
-                positive(Quantity::Length, 0.1),
-                Presence::Required,
-                "h; in an orthogonal cut the feed per revolution",
-            )
+            Field::required("uncut_chip_thickness", positive(Quantity::Length, 0.1), "h; in an orthogonal cut the feed per revolution")
             .example("\"0.1 mm\""),
-            Field::new("width_of_cut", positive(Quantity::Length, 1.0), Presence::Optional, "b")
+            Field::optional("width_of_cut", positive(Quantity::Length, 1.0), "b")
                 .example("\"3 mm\""),
-            Field::new(
-                "workpiece_diameter",
-                positive(Quantity::Length, 10.0),
-                Presence::Optional,
-                "diameter at the tool: v_c over the circumference is the frequency of the revolution",
-            )
+            Field::optional("workpiece_diameter", positive(Quantity::Length, 10.0), "diameter at the tool: v_c over the circumference is the frequency of the revolution")
             .example("\"118 mm\""),
-            Field::new(
-                "rotational_speed",
-                positive(Quantity::AngularSpeed, 1e5),
-                Presence::Optional,
-                "instead of `workpiece_diameter`",
-            )
+            Field::optional("rotational_speed", positive(Quantity::AngularSpeed, 1e5), "instead of `workpiece_diameter`")
             .example("\"400 rpm\""),
-            Field::new(
-                "order",
-                Kind::Count { min: 1, max: 1_000_000 },
-                Presence::Derived("place in this file"),
-                "place in the order of the experiments",
-            ),
+            Field::derived("order", Kind::Count { min: 1, max: 1_000_000 }, "place in this file", "place in the order of the experiments"),
             time("time", "when it was cut, from any zero: tool wear and drift go with it"),
             time("entry", "detection `given`: start of the cut in the record"),
             time("exit", "detection `given`: its end"),

@@ -1,7 +1,7 @@
 //! Sections of a cut.
 
 use super::{LONGEST, ROOM_TEMPERATURE, temperature};
-use sphcut_input::section::{Field, Kind, Presence, Section, between, default, positive};
+use sphcut_input::section::{Field, Kind, Presence, Section, between, positive};
 use sphcut_physics::{Quantity, Range, process};
 use std::f64::consts::PI;
 
@@ -11,37 +11,29 @@ pub(crate) fn workpiece() -> Section {
         "workpiece",
         "A rectangle, in turning (dimension = 3) a block; before the cut its upper side is y = 0 and its front side x = 0.",
         vec![
-            Field::new(
+            Field::required(
                 "material",
                 Kind::Material,
-                Presence::Required,
                 "name of a material, a file `name.toml` beside the scenario, or a table",
             )
             .example("\"aisi1045_table5\""),
-            Field::new(
+            Field::optional(
                 "override",
                 Kind::Table,
-                Presence::Optional,
                 "single values that replace those of the material",
             ),
-            Field::new(
-                "length",
-                positive(Quantity::Length, LONGEST),
-                Presence::Required,
-                "extent along the cut",
-            )
-            .example("\"2.5 mm\""),
-            Field::new(
+            Field::required("length", positive(Quantity::Length, LONGEST), "extent along the cut")
+                .example("\"2.5 mm\""),
+            Field::required(
                 "height",
                 positive(Quantity::Length, LONGEST),
-                Presence::Required,
                 "extent below the uncut surface",
             )
             .example("\"0.5 mm\""),
-            Field::new(
+            Field::derived(
                 "width",
                 positive(Quantity::Length, LONGEST),
-                Presence::Derived("required in turning"),
+                "required in turning",
                 "turning: extent along the feed; the grooves of all passes lie in the middle of it",
             )
             .example("\"1.6 mm\""),
@@ -54,15 +46,15 @@ pub(crate) fn workpiece() -> Section {
 pub(crate) fn tool() -> Section {
     let angle = |key, min: f64, max: f64, meaning| {
         let range = Range::closed(min * PI / 180.0, max * PI / 180.0);
-        Field::new(
+        Field::derived(
             key,
             Kind::Quantity(Quantity::Angle, range),
-            Presence::Derived("required unless `outline` or `mesh_file` is given"),
+            "required unless `outline` or `mesh_file` is given",
             meaning,
         )
     };
     let length = |key, without, meaning| {
-        Field::new(key, between(Quantity::Length, 0.0, 5e-3), Presence::Derived(without), meaning)
+        Field::derived(key, between(Quantity::Length, 0.0, 5e-3), without, meaning)
     };
     Section::new(
         "tool",
@@ -77,37 +69,17 @@ pub(crate) fn tool() -> Section {
             .example("\"5 deg\""),
             angle("clearance_angle", 0.0, 45.0, "alpha, between flank and machined surface")
                 .example("\"7 deg\""),
-            Field::new(
-                "edge_radius",
-                between(Quantity::Length, 0.0, 5e-3),
-                Presence::Derived("required unless `outline` or `mesh_file` is given"),
-                "r_n, radius of the rounded cutting edge",
-            )
+            Field::derived("edge_radius", between(Quantity::Length, 0.0, 5e-3), "required unless `outline` or `mesh_file` is given", "r_n, radius of the rounded cutting edge")
             .example("\"20 um\""),
             length("nose_radius", "required in turning unless `mesh_file` is given", "turning: R, radius of the nose seen along the cut")
                 .example("\"0.8 mm\""),
-            Field::new(
-                "side_cutting_edge_angle",
-                Kind::Quantity(Quantity::Angle, Range::closed(0.0, 45.0 * PI / 180.0)),
-                Presence::Derived("required in turning unless `mesh_file` is given"),
-                "turning: between the edge on the side of the feed and the direction of the depth",
-            )
+            Field::derived("side_cutting_edge_angle", Kind::Quantity(Quantity::Angle, Range::closed(0.0, 45.0 * PI / 180.0)), "required in turning unless `mesh_file` is given", "turning: between the edge on the side of the feed and the direction of the depth")
             .example("\"5 deg\""),
-            Field::new(
-                "front_cutting_edge_angle",
-                Kind::Quantity(Quantity::Angle, Range::closed(PI / 180.0, 45.0 * PI / 180.0)),
-                Presence::Derived("required in turning unless `mesh_file` is given"),
-                "turning: between the edge on the other side and the machined surface",
-            )
+            Field::derived("front_cutting_edge_angle", Kind::Quantity(Quantity::Angle, Range::closed(PI / 180.0, 45.0 * PI / 180.0)), "required in turning unless `mesh_file` is given", "turning: between the edge on the other side and the machined surface")
             .example("\"5 deg\""),
             length("chamfer_width", "no chamfer", "b_c, length of a chamfer between edge and rake face, from where it would meet the machined surface if the edge were sharp")
                 .example("\"0.1 mm\""),
-            Field::new(
-                "chamfer_angle",
-                Kind::Quantity(Quantity::Angle, Range::closed(0.0, 80.0 * PI / 180.0)),
-                Presence::Derived("no chamfer"),
-                "delta, between rake face and chamfer, whose own rake angle is rake_angle - chamfer_angle",
-            )
+            Field::derived("chamfer_angle", Kind::Quantity(Quantity::Angle, Range::closed(0.0, 80.0 * PI / 180.0)), "no chamfer", "delta, between rake face and chamfer, whose own rake angle is rake_angle - chamfer_angle")
             .example("\"20 deg\""),
             length("wear_land", "a new tool", "VB, length of the flank-wear land: parallel to the cut, behind the lowest point of the edge")
                 .example("\"0.1 mm\""),
@@ -115,45 +87,24 @@ pub(crate) fn tool() -> Section {
                 .example("\"30 um\""),
             length("built_up_edge_height", "no built-up edge", "height above the machined surface at which the built-up edge ends on the rake face")
                 .example("\"60 um\""),
-            Field::new(
-                "outline",
-                Kind::Path,
-                Presence::Optional,
-                "CSV file with the tool's cross-section: two columns x, y in mm, a header line; the tool cuts towards +x and is moved so that its lowest point runs at the depth of cut",
-            ),
+            Field::optional("outline", Kind::Path, "CSV file with the tool's cross-section: two columns x, y in mm, a header line; the tool cuts towards +x and is moved so that its lowest point runs at the depth of cut"),
             super::mesh_file(
                 "STL (binary or ASCII) or Gmsh MSH (2.2 or 4.1, ASCII) with the tool: a closed surface, of which the section with the plane z = 0 cuts, or a plane mesh or line loop in x and y; placed like an outline. In turning the whole closed surface cuts, the feed along +z; it is moved so that its lowest point runs at the depth of cut",
             ),
             super::mesh_unit(),
-            Field::new(
-                "friction",
-                Kind::Table,
-                Presence::Required,
-                "friction between tool and workpiece",
-            )
+            Field::required("friction", Kind::Table, "friction between tool and workpiece")
             .example("friction = { law = \"coulomb\", friction_coefficient = 0.3 }"),
             super::heat_table(),
-            Field::new(
-                "compliance",
-                Kind::Table,
-                Presence::Derived("a rigid machine"),
-                "machine and tool holder that give way",
-            ),
-            Field::new(
-                "run_out",
-                Kind::Table,
-                Presence::Derived("a spindle that runs true"),
-                "displacement of the tool with the spindle",
-            ),
+            Field::derived("compliance", Kind::Table, "a rigid machine", "machine and tool holder that give way"),
+            Field::derived("run_out", Kind::Table, "a spindle that runs true", "displacement of the tool with the spindle"),
         ],
     )
 }
 
 /// `[tool.compliance]`: a table for each direction.
 pub(crate) fn compliance() -> Section {
-    let side = |key, meaning| {
-        Field::new(key, Kind::Table, Presence::Derived("rigid along this direction"), meaning)
-    };
+    let side =
+        |key, meaning| Field::derived(key, Kind::Table, "rigid along this direction", meaning);
     Section::new(
         "tool.compliance",
         "Machine and tool holder as mass, spring and damper.",
@@ -186,53 +137,18 @@ pub(crate) fn process() -> Section {
         "process",
         "The tool moves through the resting workpiece.",
         vec![
-            Field::new(
-                "cutting_speed",
-                positive(Quantity::Speed, 1000.0),
-                Presence::Required,
-                "v_c, speed of the tool through the workpiece",
-            )
+            Field::required("cutting_speed", positive(Quantity::Speed, 1000.0), "v_c, speed of the tool through the workpiece")
             .example("\"150 m/min\""),
-            Field::new(
-                "uncut_chip_thickness",
-                positive(Quantity::Length, 0.01),
-                Presence::Derived("required in an orthogonal cut; in turning the largest distance of a pass's groove from the surface that it meets"),
-                "h, depth of the layer that the tool takes off",
-            )
+            Field::derived("uncut_chip_thickness", positive(Quantity::Length, 0.01), "required in an orthogonal cut; in turning the largest distance of a pass's groove from the surface that it meets", "h, depth of the layer that the tool takes off")
             .example("\"0.1 mm\""),
-            Field::new(
-                "width_of_cut",
-                positive(Quantity::Length, 1.0),
-                Presence::Derived("required in an orthogonal cut; in turning the section of the cut over h"),
-                "b, extent along the cutting edge",
-            )
+            Field::derived("width_of_cut", positive(Quantity::Length, 1.0), "required in an orthogonal cut; in turning the section of the cut over h", "b, extent along the cutting edge")
             .example("\"3 mm\""),
-            Field::new(
-                "depth_of_cut",
-                positive(Quantity::Length, 0.01),
-                Presence::Derived("required in turning"),
-                "turning: a_p, depth of the tool's lowest point below the uncut surface",
-            )
+            Field::derived("depth_of_cut", positive(Quantity::Length, 0.01), "required in turning", "turning: a_p, depth of the tool's lowest point below the uncut surface")
             .example("\"0.05 mm\""),
-            Field::new(
-                "feed",
-                positive(Quantity::Length, 0.01),
-                Presence::Derived("required in turning with [passes]"),
-                "turning: f, distance of neighbouring passes along z",
-            )
+            Field::derived("feed", positive(Quantity::Length, 0.01), "required in turning with [passes]", "turning: f, distance of neighbouring passes along z")
             .example("\"0.1 mm\""),
-            Field::new(
-                "orientation",
-                between(Quantity::Angle, -4.0 * PI, 4.0 * PI),
-                default("0 deg"),
-                "rotates the whole set-up about the origin, counter-clockwise; results do not depend on it",
-            ),
-            Field::new(
-                "mirrored",
-                Kind::Switch,
-                default("false"),
-                "mirrors the whole set-up (y to -y) before the rotation; results do not depend on it",
-            ),
+            Field::with_default("orientation", between(Quantity::Angle, -4.0 * PI, 4.0 * PI), "0 deg", "rotates the whole set-up about the origin, counter-clockwise; results do not depend on it"),
+            Field::with_default("mirrored", Kind::Switch, "false", "mirrors the whole set-up (y to -y) before the rotation; results do not depend on it"),
         ],
     )
 }
@@ -240,7 +156,7 @@ pub(crate) fn process() -> Section {
 /// `[boundaries]`.
 pub(crate) fn boundaries() -> Section {
     let side = |key, meaning| {
-        Field::new(key, Kind::Choice(vec!["fixed", "sliding", "free"]), default("fixed"), meaning)
+        Field::with_default(key, Kind::Choice(vec!["fixed", "sliding", "free"]), "fixed", meaning)
     };
     Section::new(
         "boundaries",
@@ -248,10 +164,10 @@ pub(crate) fn boundaries() -> Section {
         vec![
             side("bottom", "the side away from the tool"),
             side("back", "the side at the end of the cut"),
-            Field::new(
+            Field::derived(
                 "sides",
                 Kind::Choice(vec!["fixed", "sliding", "free"]),
-                Presence::Derived("sliding in turning; a plane cut has none"),
+                "sliding in turning; a plane cut has none",
                 "turning: both sides across the feed",
             ),
             temperature(
@@ -264,10 +180,10 @@ pub(crate) fn boundaries() -> Section {
                 Presence::Optional,
                 "temperature kept at the back; without it no heat passes",
             ),
-            Field::new(
+            Field::with_default(
                 "layers",
                 Kind::Count { min: 1, max: 20 },
-                default("3"),
+                "3",
                 "rows of particles that belong to a held side",
             ),
         ],
@@ -280,19 +196,9 @@ pub(crate) fn window() -> Section {
         "window",
         "A window that moves along a plane cut with the tool: only the material in it is followed. In front of it the workpiece is untouched; what is behind it, the far part of the chip and of the machined surface, leaves for good. For long cuts; `sphcut springback` sees only the surface that is still in the window.",
         vec![
-            Field::new(
-                "ahead",
-                positive(Quantity::Length, LONGEST),
-                Presence::Derived("the height of the workpiece, three uncut chip thicknesses at least"),
-                "how far in front of the edge material is followed; the end of the window is fixed like a back",
-            )
+            Field::derived("ahead", positive(Quantity::Length, LONGEST), "the height of the workpiece, three uncut chip thicknesses at least", "how far in front of the edge material is followed; the end of the window is fixed like a back")
             .example("\"1 mm\""),
-            Field::new(
-                "behind",
-                positive(Quantity::Length, LONGEST),
-                Presence::Derived("1.5 times the height of the workpiece, six uncut chip thicknesses at least"),
-                "material that passed the edge this far back, and is a third as far from it now, leaves",
-            )
+            Field::derived("behind", positive(Quantity::Length, LONGEST), "1.5 times the height of the workpiece, six uncut chip thicknesses at least", "material that passed the edge this far back, and is a third as far from it now, leaves")
             .example("\"1 mm\""),
         ],
     )
@@ -304,27 +210,12 @@ pub(crate) fn passes() -> Section {
         "passes",
         "Several passes, each on the surface that the ones before have left. After a pass the tool draws back and up, returns through the air to before the workpiece, moves on (in turning by the feed, in a plane cut down by the uncut chip thickness), and cuts again. `[stop] travel` is that of the first pass.",
         vec![
-            Field::new("count", Kind::Count { min: 2, max: 50 }, Presence::Required, "how often the tool cuts"),
-            Field::new(
-                "shortening",
-                between(Quantity::Length, 0.0, LONGEST),
-                Presence::Derived("five times the depth"),
-                "by how much each pass ends before the one before it, so that it does not run into the chip left there",
-            )
+            Field::required("count", Kind::Count { min: 2, max: 50 }, "how often the tool cuts"),
+            Field::derived("shortening", between(Quantity::Length, 0.0, LONGEST), "five times the depth", "by how much each pass ends before the one before it, so that it does not run into the chip left there")
             .example("\"0.1 mm\""),
-            Field::new(
-                "clearance",
-                positive(Quantity::Length, LONGEST),
-                Presence::Derived("twice the depth"),
-                "height above the uncut surface at which the tool returns, and distance before the workpiece at which it goes down",
-            )
+            Field::derived("clearance", positive(Quantity::Length, LONGEST), "twice the depth", "height above the uncut surface at which the tool returns, and distance before the workpiece at which it goes down")
             .example("\"0.2 mm\""),
-            Field::new(
-                "return_speed",
-                positive(Quantity::Speed, 1000.0),
-                Presence::Derived("ten times the cutting speed"),
-                "speed of the tool between passes",
-            )
+            Field::derived("return_speed", positive(Quantity::Speed, 1000.0), "ten times the cutting speed", "speed of the tool between passes")
             .example("\"50 m/s\""),
         ],
     )

@@ -1,7 +1,7 @@
 //! Sections of a material and of the laws.
 
 use super::choice;
-use sphcut_input::section::{Field, Kind, Presence, Section, positive};
+use sphcut_input::section::{Field, Kind, Section, positive};
 use sphcut_physics::effects::{self, EffectEntry};
 use sphcut_physics::equation_of_state::{self, EquationOfStateEntry};
 use sphcut_physics::flow_stress::{self, FlowStressEntry};
@@ -19,57 +19,50 @@ pub(crate) fn material(name: &str) -> Section {
         name,
         "A material.",
         vec![
-            Field::new("title", Kind::Text, Presence::Derived("the name"), "name for reports"),
-            Field::new(
-                "density",
-                positive(Quantity::Density, 1e5),
-                Presence::Required,
-                "rho, mass density",
-            )
-            .example("\"7850 kg/m^3\""),
-            Field::new(
+            Field::derived("title", Kind::Text, "the name", "name for reports"),
+            Field::required("density", positive(Quantity::Density, 1e5), "rho, mass density")
+                .example("\"7850 kg/m^3\""),
+            Field::required(
                 "young_modulus",
                 tabulated(Quantity::Stress, 1e13),
-                Presence::Required,
                 "E, Young's modulus",
             )
             .example("\"205 GPa\""),
-            Field::new(
+            Field::required(
                 "poisson_ratio",
                 Kind::Quantity(Quantity::Dimensionless, Range::closed(-0.9, 0.495)),
-                Presence::Required,
                 "nu, Poisson's ratio",
             )
             .example("0.3"),
-            Field::new(
+            Field::derived(
                 "specific_heat",
                 tabulated(Quantity::SpecificHeat, 1e5),
-                Presence::Derived("required where heat acts"),
+                "required where heat acts",
                 "cp, specific heat capacity",
             )
             .example("\"486 J/(kg K)\""),
-            Field::new(
+            Field::derived(
                 "thermal_conductivity",
                 tabulated(Quantity::ThermalConductivity, 1e4),
-                Presence::Derived("required where heat acts"),
+                "required where heat acts",
                 "k, thermal conductivity",
             )
             .example("\"50 W/(m K)\""),
-            Field::new("flow_stress", Kind::Table, Presence::Required, "when the material yields")
+            Field::required("flow_stress", Kind::Table, "when the material yields")
                 .example("flow_stress = { law = \"elastic\" }"),
-            Field::new(
+            Field::derived(
                 "equation_of_state",
                 Kind::Table,
-                Presence::Derived("linear"),
+                "linear",
                 "pressure over volume and temperature",
             ),
-            Field::new(
+            Field::derived(
                 "sources",
                 Kind::Table,
-                Presence::Derived("required in material files"),
+                "required in material files",
                 "where each value comes from: the keys of this table as text",
             ),
-            Field::new("notes", Kind::Text, Presence::Optional, "choices and their effect"),
+            Field::optional("notes", Kind::Text, "choices and their effect"),
         ],
     )
 }
@@ -77,14 +70,12 @@ pub(crate) fn material(name: &str) -> Section {
 /// `flow_stress` of a material.
 pub(crate) fn flow_stress(name: &str, law: Option<&'static FlowStressEntry>) -> Section {
     let names = choice(flow_stress::LAWS.iter().map(|law| law.key));
-    let fields = vec![
-        Field::new("law", names, Presence::Required, "the flow-stress law")
-            .example("\"johnson_cook\""),
-    ];
+    let fields =
+        vec![Field::required("law", names, "the flow-stress law").example("\"johnson_cook\"")];
     let mut section = Section::new(name, "When the material yields.", fields);
     let Some(law) = law else { return section };
     if let Some(table) = law.table {
-        let file = Field::new("table_file", Kind::Path, Presence::Required, table);
+        let file = Field::required("table_file", Kind::Path, table);
         section.fields.push(file.example("\"flow_stress.csv\""));
     }
     section.with_parameters(law.parameters)
@@ -93,19 +84,15 @@ pub(crate) fn flow_stress(name: &str, law: Option<&'static FlowStressEntry>) -> 
 /// `equation_of_state` of a material.
 pub(crate) fn equation_of_state(name: &str, law: Option<&'static EquationOfStateEntry>) -> Section {
     let names = choice(equation_of_state::LAWS.iter().map(|law| law.key));
-    let fields = vec![
-        Field::new("law", names, Presence::Required, "the equation of state")
-            .example("\"mie_gruneisen\""),
-    ];
+    let fields =
+        vec![Field::required("law", names, "the equation of state").example("\"mie_gruneisen\"")];
     let section = Section::new(name, "Pressure over volume and temperature.", fields);
     law.map_or(section.clone(), |law| section.with_parameters(law.parameters))
 }
 
 /// `[effects]`: a table for each effect that acts.
 pub(crate) fn effects() -> Section {
-    let table = |effect: &&EffectEntry| {
-        Field::new(effect.key, Kind::Table, Presence::Optional, effect.title)
-    };
+    let table = |effect: &&EffectEntry| Field::optional(effect.key, Kind::Table, effect.title);
     Section::new(
         "effects",
         "Optional effects of all materials: `[effects.NAME]` switches one on, without it it does not exist.",
@@ -122,9 +109,7 @@ pub(crate) fn effect(effect: &'static EffectEntry) -> Section {
 /// `friction` of a tool or a wall.
 pub(crate) fn friction(name: &str, law: Option<&'static FrictionEntry>) -> Section {
     let names = choice(friction::LAWS.iter().map(|law| law.key));
-    let fields = vec![
-        Field::new("law", names, Presence::Required, "the friction law").example("\"coulomb\""),
-    ];
+    let fields = vec![Field::required("law", names, "the friction law").example("\"coulomb\"")];
     let section = Section::new(name, "Friction between tool and workpiece.", fields);
     law.map_or(section.clone(), |law| section.with_parameters(law.parameters))
 }

@@ -16,7 +16,7 @@ pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
 pub(crate) use material::{effect, effects, equation_of_state, flow_stress, friction, material};
 pub(crate) use tool_heat::{SUBSTANCE, coating, tool_heat};
 
-use sphcut_input::section::{Field, Kind, Presence, Section, between, default, positive};
+use sphcut_input::section::{Field, Kind, Presence, Section, between, positive};
 use sphcut_input::units;
 use sphcut_physics::{Quantity, Range};
 use sphcut_sph::kernel::KernelChoice;
@@ -46,18 +46,18 @@ fn temperature(key: &'static str, presence: Presence, meaning: &'static str) -> 
 /// Heat of a tool or a wall.
 fn heat_table() -> Field {
     let meaning = "conduction of heat in it, in the plane";
-    Field::new("heat", Kind::Table, Presence::Derived("it takes no heat"), meaning)
+    Field::derived("heat", Kind::Table, "it takes no heat", meaning)
 }
 
 fn mesh_file(meaning: &'static str) -> Field {
-    Field::new("mesh_file", Kind::Path, Presence::Optional, meaning).example("\"tool.stl\"")
+    Field::optional("mesh_file", Kind::Path, meaning).example("\"tool.stl\"")
 }
 
 fn mesh_unit() -> Field {
-    Field::new(
+    Field::derived(
         "mesh_unit",
         Kind::Choice(units::accepted_units(Quantity::Length).to_vec()),
-        Presence::Derived("required with `mesh_file`"),
+        "required with `mesh_file`",
         "unit of the coordinates in `mesh_file`: the formats state none",
     )
     .example("\"mm\"")
@@ -74,17 +74,12 @@ pub(crate) fn root() -> Section {
         "",
         "A scenario is either a cut ([workpiece], [tool], [process]) or a set of [[body]] tables.",
         vec![
-            Field::new(
-                "title",
-                Kind::Text,
-                Presence::Required,
-                "one line that says what is simulated",
-            )
-            .example("\"Orthogonal cut of AISI 1045\""),
-            Field::new(
+            Field::required("title", Kind::Text, "one line that says what is simulated")
+                .example("\"Orthogonal cut of AISI 1045\""),
+            Field::with_default(
                 "dimension",
                 Kind::Count { min: 2, max: 3 },
-                default("2"),
+                "2",
                 "2 for plane strain, 3 for three dimensions: bodies in space, a cut as turning",
             ),
             table(
@@ -106,18 +101,12 @@ pub(crate) fn root() -> Section {
             table("passes", Presence::Optional, "several passes of a cut"),
             table("window", Presence::Optional, "what of a long cut is followed"),
             table("boundaries", Presence::Optional, "how the workpiece of a cut is held"),
-            Field::new("body", Kind::Tables, Presence::Optional, "a body made of particles")
+            Field::optional("body", Kind::Tables, "a body made of particles")
                 .example("[[body]] with name, material and shape"),
-            Field::new(
-                "support",
-                Kind::Tables,
-                Presence::Optional,
-                "a region of held or moved particles",
-            ),
-            Field::new(
+            Field::optional("support", Kind::Tables, "a region of held or moved particles"),
+            Field::optional(
                 "heat_source",
                 Kind::Tables,
-                Presence::Optional,
                 "heat released in the volume of the bodies",
             ),
             table("wall", Presence::Optional, "a rigid wall"),
@@ -144,65 +133,25 @@ pub(crate) fn resolution() -> Section {
         "resolution",
         "`particle_spacing`, or for a cut one of `preset` and `particles_across_chip`, or `particles_across_edge`, or one of those two and the edge: the finer spacing counts.",
         vec![
-            Field::new(
-                "particle_spacing",
-                Kind::Quantity(Quantity::Length, Range::closed(1e-9, 1.0)),
-                Presence::Derived("from one of the next three"),
-                "distance of neighbouring particles at the start",
-            )
+            Field::derived("particle_spacing", Kind::Quantity(Quantity::Length, Range::closed(1e-9, 1.0)), "from one of the next three", "distance of neighbouring particles at the start")
             .example("\"20 um\""),
-            Field::new(
-                "preset",
-                choice(PRESETS.iter().map(|preset| preset.0)),
-                Presence::Optional,
-                "spacing relative to the uncut chip thickness: draft h/7, standard h/10, fine h/14",
-            ),
-            Field::new(
-                "particles_across_chip",
-                Kind::Quantity(Quantity::Dimensionless, Range::closed(1.0, 1000.0)),
-                Presence::Optional,
-                "uncut chip thickness over spacing, as a preset but of your choice",
-            )
+            Field::optional("preset", choice(PRESETS.iter().map(|preset| preset.0)), "spacing relative to the uncut chip thickness: draft h/7, standard h/10, fine h/14"),
+            Field::optional("particles_across_chip", Kind::Quantity(Quantity::Dimensionless, Range::closed(1.0, 1000.0)), "uncut chip thickness over spacing, as a preset but of your choice")
             .example("12"),
-            Field::new(
-                "particles_across_edge",
-                Kind::Quantity(Quantity::Dimensionless, Range::closed(0.5, 1000.0)),
-                Presence::Optional,
-                "edge radius over spacing, alone or beside the two above, which look at the chip alone; ploughing is resolved from 5 on, and a sharp edge then makes many particles",
-            )
+            Field::optional("particles_across_edge", Kind::Quantity(Quantity::Dimensionless, Range::closed(0.5, 1000.0)), "edge radius over spacing, alone or beside the two above, which look at the chip alone; ploughing is resolved from 5 on, and a sharp edge then makes many particles")
             .example("5"),
-            Field::new(
-                "kernel",
-                choice(KernelChoice::ALL.iter().map(|kernel| kernel.0)),
-                default("wendland_c2"),
-                "smoothing kernel",
-            ),
-            Field::new(
-                "lattice",
-                choice(LATTICES.iter().map(|lattice| lattice.0)),
-                default("square"),
-                "initial arrangement of the particles",
-            ),
-            Field::new(
-                "lattice_aspect",
-                Kind::Quantity(Quantity::Dimensionless, Range::closed(0.25, 4.0)),
-                Presence::Derived("2 for a cut, 1 otherwise"),
-                "distance of particles along the first axis of a box (the cutting direction) over that \
-                 across it, at the same volume",
-            ),
-            Field::new(
-                "seed",
-                Kind::Count { min: 0, max: i64::MAX },
-                default("0"),
-                "seed of the disordered lattice",
-            ),
+            Field::with_default("kernel", choice(KernelChoice::ALL.iter().map(|kernel| kernel.0)), "wendland_c2", "smoothing kernel"),
+            Field::with_default("lattice", choice(LATTICES.iter().map(|lattice| lattice.0)), "square", "initial arrangement of the particles"),
+            Field::derived("lattice_aspect", Kind::Quantity(Quantity::Dimensionless, Range::closed(0.25, 4.0)), "2 for a cut, 1 otherwise", "distance of particles along the first axis of a box (the cutting direction) over that \
+                 across it, at the same volume"),
+            Field::with_default("seed", Kind::Count { min: 0, max: i64::MAX }, "0", "seed of the disordered lattice"),
         ],
     )
 }
 
 /// `[heat]`.
 pub(crate) fn heat() -> Section {
-    let switch = |key, meaning| Field::new(key, Kind::Switch, default("true"), meaning);
+    let switch = |key, meaning| Field::with_default(key, Kind::Switch, "true", meaning);
     let mut section = Section::new(
         "heat",
         "Heat sources, conduction and their shares.",
@@ -227,19 +176,9 @@ pub(crate) fn numerics() -> Section {
         "numerics",
         "Discretisation and time step.",
         vec![
-            Field::new(
-                "mechanics",
-                Kind::Switch,
-                default("true"),
-                "whether the particles move; false solves heat conduction alone",
-            ),
-            Field::new(
-                "inertia_number",
-                Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 1.0)),
-                Presence::Optional,
-                "for a cut, instead of `mass_scaling`: s rho v_c^2 over the flow stress at a strain of 1, the rate v_c/h and the \
-                 initial temperature; `mass_scaling` follows from it, within its range",
-            )
+            Field::with_default("mechanics", Kind::Switch, "true", "whether the particles move; false solves heat conduction alone"),
+            Field::optional("inertia_number", Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 1.0)), "for a cut, instead of `mass_scaling`: s rho v_c^2 over the flow stress at a strain of 1, the rate v_c/h and the \
+                 initial temperature; `mass_scaling` follows from it, within its range")
             .example("0.012"),
         ],
     )
@@ -255,10 +194,10 @@ pub(crate) fn contact() -> Section {
     Section::new(
         "contact",
         "Contact between particles and tool, and between bodies.",
-        vec![Field::new(
+        vec![Field::with_default(
             "bonded",
             Kind::Switch,
-            default("true"),
+            "true",
             "true: bodies that touch are one continuum; false: they meet in frictionless contact",
         )],
     )
@@ -271,36 +210,36 @@ pub(crate) fn output() -> Section {
         "output",
         "What is recorded.",
         vec![
-            Field::new(
+            Field::with_default(
                 "snapshots",
                 Kind::Count { min: 1, max: 10_000 },
-                default("40"),
+                "40",
                 "pictures of all particles over the run",
             ),
-            Field::new(
+            Field::derived(
                 "sampling_travel",
                 positive(Quantity::Length, LONGEST),
-                Presence::Derived("a five hundredth of the travel"),
+                "a five hundredth of the travel",
                 "travel over which a force is averaged (cut)",
             )
             .example("\"2 um\""),
-            Field::new(
+            Field::derived(
                 "sampling_time",
                 positive(Quantity::Time, 1e6),
-                Presence::Derived("a five hundredth of the time"),
+                "a five hundredth of the time",
                 "time over which a force is averaged (bodies)",
             ),
-            Field::new(
+            Field::with_default(
                 "checkpoint_interval",
                 between(Quantity::Time, 1.0, 1e6),
-                default("10 min"),
+                "10 min",
                 "wall-clock time between checkpoints",
             ),
-            Field::new("pictures", Kind::Switch, default("true"), "pictures in the report"),
-            Field::new(
+            Field::with_default("pictures", Kind::Switch, "true", "pictures in the report"),
+            Field::with_default(
                 "animation",
                 Kind::Switch,
-                default("true"),
+                "true",
                 "animation of the chip in the report",
             ),
         ],
@@ -313,24 +252,23 @@ pub(crate) fn stop() -> Section {
         "stop",
         "A cut ends after `travel`, or earlier when `steady` holds; bodies are followed for `time`.",
         vec![
-            Field::new(
+            Field::derived(
                 "travel",
                 positive(Quantity::Length, LONGEST),
-                Presence::Derived("required for a cut"),
+                "required for a cut",
                 "path of the tool from its start",
             )
             .example("\"1.5 mm\""),
-            Field::new(
+            Field::derived(
                 "time",
                 positive(Quantity::Time, 1e6),
-                Presence::Derived("required for bodies"),
+                "required for bodies",
                 "simulated time",
             )
             .example("\"1 ms\""),
-            Field::new(
+            Field::optional(
                 "steady",
                 Kind::Table,
-                Presence::Optional,
                 "ends the cut once the mean cutting force is known well enough",
             ),
         ],
@@ -343,26 +281,11 @@ pub(crate) fn steady() -> Section {
         "stop.steady",
         "All conditions must hold.",
         vec![
-            Field::new(
-                "relative_half_width",
-                Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 0.5)),
-                Presence::Required,
-                "half width of the 95 % interval of the mean cutting force over the mean",
-            )
+            Field::required("relative_half_width", Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 0.5)), "half width of the 95 % interval of the mean cutting force over the mean")
             .example("0.02"),
-            Field::new(
-                "feed_relative_half_width",
-                Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 0.5)),
-                Presence::Optional,
-                "the same of the mean feed force; without it the feed force does not decide on the end",
-            )
+            Field::optional("feed_relative_half_width", Kind::Quantity(Quantity::Dimensionless, Range::above(0.0, 0.5)), "the same of the mean feed force; without it the feed force does not decide on the end")
             .example("0.05"),
-            Field::new(
-                "minimum_travel",
-                positive(Quantity::Length, LONGEST),
-                Presence::Required,
-                "travel before which the run never ends",
-            )
+            Field::required("minimum_travel", positive(Quantity::Length, LONGEST), "travel before which the run never ends")
             .example("\"1 mm\""),
         ],
     )

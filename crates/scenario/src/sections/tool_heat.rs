@@ -52,59 +52,24 @@ pub(crate) fn tool_heat(name: &str) -> Section {
     }
     fields.extend([
         temperature("temperature", ROOM_TEMPERATURE, "initial temperature of the tool"),
-        Field::new(
-            "contact_conductance",
-            positive(Quantity::HeatTransfer, 1e12),
-            default(CONDUCTANCE),
-            "h_c between workpiece and tool: q = h_c (T_workpiece - T_tool) at the surfaces; the default is an estimate for rough \
-             metals pressed together with about their hardness (Cooper, Mikic and Yovanovich 1969)",
-        )
+        Field::with_default("contact_conductance", positive(Quantity::HeatTransfer, 1e12), CONDUCTANCE, "h_c between workpiece and tool: q = h_c (T_workpiece - T_tool) at the surfaces; the default is an estimate for rough \
+             metals pressed together with about their hardness (Cooper, Mikic and Yovanovich 1969)")
         .example("\"1e6 W/(m^2 K)\""),
-        Field::new(
-            "outer",
-            Kind::Choice(OUTER.to_vec()),
-            default("fixed"),
-            "what holds where the model of the tool is cut off; no heat passes the other sides outside the contact",
-        ),
+        Field::with_default("outer", Kind::Choice(OUTER.to_vec()), "fixed", "what holds where the model of the tool is cut off; no heat passes the other sides outside the contact"),
         temperature(
             "outer_temperature",
             Presence::Derived("the initial temperature of the tool"),
             "kept at the outer sides (`fixed`), or that of the surroundings (`convective`)",
         ),
-        Field::new(
-            "film_coefficient",
-            positive(Quantity::HeatTransfer, 1e9),
-            Presence::Derived("required for `convective`"),
-            "heat flow from the outer sides per area and difference of temperature",
-        )
+        Field::derived("film_coefficient", positive(Quantity::HeatTransfer, 1e9), "required for `convective`", "heat flow from the outer sides per area and difference of temperature")
         .example("\"1000 W/(m^2 K)\""),
-        Field::new(
-            "outer_distance",
-            positive(Quantity::Length, LONGEST),
-            Presence::Derived("where a tool of angles is cut off; otherwise required"),
-            "sides, in space facets, all of which lie farther from the cutting edge (of a wall: from `point`) are outer ones",
-        )
+        Field::derived("outer_distance", positive(Quantity::Length, LONGEST), "where a tool of angles is cut off; otherwise required", "sides, in space facets, all of which lie farther from the cutting edge (of a wall: from `point`) are outer ones")
         .example("\"1 mm\""),
-        Field::new(
-            "element_size",
-            positive(Quantity::Length, LONGEST),
-            Presence::Derived("half a particle spacing"),
-            "length of the smallest elements, along the sides that particles can touch",
-        )
+        Field::derived("element_size", positive(Quantity::Length, LONGEST), "half a particle spacing", "length of the smallest elements, along the sides that particles can touch")
         .example("\"5 um\""),
-        Field::new(
-            "fine_reach",
-            positive(Quantity::Length, LONGEST),
-            Presence::Derived("five uncut chip thicknesses (in turning depths of cut, or the groove) and the edge radius; of a wall: everywhere"),
-            "distance from the cutting edge up to which the elements are that small; farther they grow",
-        )
+        Field::derived("fine_reach", positive(Quantity::Length, LONGEST), "five uncut chip thicknesses (in turning depths of cut, or the groove) and the edge radius; of a wall: everywhere", "distance from the cutting edge up to which the elements are that small; farther they grow")
         .example("\"0.5 mm\""),
-        Field::new(
-            "coating",
-            Kind::Table,
-            Presence::Optional,
-            "a layer on all sides but the outer ones",
-        ),
+        Field::optional("coating", Kind::Table, "a layer on all sides but the outer ones"),
     ]);
     Section::new(
         name,
@@ -118,10 +83,9 @@ pub(crate) fn tool_heat(name: &str) -> Section {
 /// `coating` of a tool with heat.
 pub(crate) fn coating(name: &str) -> Section {
     let mut fields = vec![
-        Field::new(
+        Field::required(
             "thickness",
             positive(Quantity::Length, 1e-3),
-            Presence::Required,
             "thickness; the coating lies inside the outline of the tool",
         )
         .example("\"3 um\""),
