@@ -57,6 +57,12 @@ pub(crate) struct ChartLine<'a> {
     pub values: Vec<f64>,
 }
 
+impl<'a> ChartLine<'a> {
+    pub fn new(name: &'a str, colour: &'a str, width: f64, values: Vec<f64>) -> Self {
+        Self { name, colour, width, values }
+    }
+}
+
 #[derive(Debug, Clone)]
 pub(crate) struct Area<'a> {
     pub name: &'a str,

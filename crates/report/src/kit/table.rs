@@ -13,13 +13,13 @@ pub(crate) fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> St
 
 /// The head of a column; the letter after an underscore is an index.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Column<'a> {
+pub(crate) enum ColumnHead<'a> {
     Text(&'a str),
     /// Numbers stand at the right.
     Number(&'a str),
 }
 
-impl Render for Column<'_> {
+impl Render for ColumnHead<'_> {
     fn render(&self) -> Markup {
         match self {
             Self::Text(title) => html! { th scope="col" { (indexed(title)) } },
@@ -31,7 +31,7 @@ impl Render for Column<'_> {
 /// A table whose rows are `body`.
 pub(crate) fn table<'a>(
     caption: impl Render,
-    columns: impl IntoIterator<Item = Column<'a>>,
+    columns: impl IntoIterator<Item = ColumnHead<'a>>,
     body: &Markup,
 ) -> Markup {
     let caption = caption.render();

@@ -4,7 +4,7 @@ use crate::kit::chart::{Band, Chart, ChartLine};
 use crate::kit::colours::{BLUE, GREEN, RED};
 use crate::kit::numbers::{M_PER_MIN, signed_percent, three_digits, with_interval};
 use crate::kit::shell::{Shell, figure, note, plain, tab};
-use crate::kit::table::{Column, table};
+use crate::kit::table::{ColumnHead, table};
 use maud::{Markup, html};
 use sphcut_postprocess::Force;
 use sphcut_postprocess::calibration::{Calibration, Standing, Trial};
@@ -181,12 +181,12 @@ fn errors(calibration: &Calibration) -> Chart<'static> {
         x_title: "Friction coefficient",
         y_title: "Error in %",
         height: 320.0,
-        lines: vec![ChartLine {
-            name: "Error",
-            colour: BLUE,
-            width: 1.0,
-            values: trials.iter().map(|trial| value(trial).0).collect(),
-        }],
+        lines: vec![ChartLine::new(
+            "Error",
+            BLUE,
+            1.0,
+            trials.iter().map(|trial| value(trial).0).collect(),
+        )],
         window: Some((low - margin, high + margin, "not told apart")),
         y_includes: reach(&bars),
         bands: bars,
@@ -202,18 +202,10 @@ fn forces(calibration: &Calibration) -> Chart<'static> {
     let trials = calibration.scan.trials();
     let measured = calibration.scan.best().measured;
     let (cutting, feed): (Pick, Pick) = (|trial| &trial.cutting, |trial| &trial.feed);
-    let line = |name, colour, pick: Pick| ChartLine {
-        name,
-        colour,
-        width: 1.5,
-        values: trials.iter().map(|trial| pick(trial).mean).collect(),
+    let line = |name, colour, pick: Pick| {
+        ChartLine::new(name, colour, 1.5, trials.iter().map(|trial| pick(trial).mean).collect())
     };
-    let level = |name, force: f64| ChartLine {
-        name,
-        colour: RED,
-        width: 1.5,
-        values: vec![force; trials.len()],
-    };
+    let level = |name, force: f64| ChartLine::new(name, RED, 1.5, vec![force; trials.len()]);
     let value = |pick: Pick| move |trial: &Trial| (pick(trial).mean, pick(trial).ci95);
     let mut bars = bands(trials, BLUE, value(cutting));
     bars.extend(bands(trials, GREEN, value(feed)));
@@ -236,7 +228,7 @@ fn forces(calibration: &Calibration) -> Chart<'static> {
 }
 
 fn trial_table(caption: &str, trials: &[Trial], scanned: Option<&Calibration>) -> Markup {
-    use Column::{Number, Text};
+    use ColumnHead::{Number, Text};
     let columns = [
         Text("Coefficient"),
         Number("v_c in m/min"),

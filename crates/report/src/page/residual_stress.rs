@@ -25,7 +25,7 @@ pub(super) fn chart(bins: &[StressBin]) -> Chart<'static> {
                 let value = mean + shift;
                 if value.is_finite() { value * MPA } else { f64::NAN }
             };
-            lines.push(ChartLine { name, colour, width, values: bins.iter().map(value).collect() });
+            lines.push(ChartLine::new(name, colour, width, bins.iter().map(value).collect()));
         }
     }
     Chart {

@@ -5,7 +5,7 @@ use crate::kit::chart::{Band, Chart, ChartLine};
 use crate::kit::colours::{BLUE, BLUE_LIGHT, GREEN, RED};
 use crate::kit::numbers::{M_PER_MIN, MM, UM, three_digits, with_interval};
 use crate::kit::shell::{Shell, figure, note, tab};
-use crate::kit::table::{Column, or_dash, table};
+use crate::kit::table::{ColumnHead, or_dash, table};
 use maud::{Markup, html};
 use sphcut_postprocess::ProcessResult;
 use sphcut_postprocess::springback::{
@@ -119,7 +119,7 @@ fn sentence(run: &SpringbackRun<'_>, measurements: &[Measurement]) -> String {
 }
 
 fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup {
-    use Column::{Number, Text};
+    use ColumnHead::{Number, Text};
     let columns = [
         Text("Run"),
         Number("v_c in m/min"),
@@ -193,13 +193,13 @@ fn against_speed(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Ma
         height: 340.0,
         x: vec![0.0, 1.15 * highest],
         lines: vec![
-            ChartLine { name: "Simulated", colour: BLUE, width: 1.0, values: Vec::new() },
-            ChartLine {
-                name: if measurements.is_empty() { "" } else { "Measured" },
-                colour: RED,
-                width: 1.0,
-                values: Vec::new(),
-            },
+            ChartLine::new("Simulated", BLUE, 1.0, Vec::new()),
+            ChartLine::new(
+                if measurements.is_empty() { "" } else { "Measured" },
+                RED,
+                1.0,
+                Vec::new(),
+            ),
         ],
         bands: points
             .iter()
@@ -299,18 +299,8 @@ fn profile(found: &Springback) -> Chart<'static> {
         y_title: "Springback in \u{b5}m",
         height: 360.0,
         lines: vec![
-            ChartLine {
-                name: "Outermost particles",
-                colour: BLUE_LIGHT,
-                width: 1.0,
-                values: values(&strips),
-            },
-            ChartLine {
-                name: "Touched particles",
-                colour: BLUE,
-                width: 2.0,
-                values: values(&touched),
-            },
+            ChartLine::new("Outermost particles", BLUE_LIGHT, 1.0, values(&strips)),
+            ChartLine::new("Touched particles", BLUE, 2.0, values(&touched)),
         ],
         window: Some((from, to, "window")),
         bands: bands.into_iter().collect(),
@@ -333,9 +323,9 @@ fn recovery(found: &Springback) -> Chart<'static> {
         height: 300.0,
         x: found.recovery.iter().map(|bin| bin.behind * UM).collect(),
         lines: vec![
-            ChartLine { name: "", colour: BLUE_LIGHT, width: 1.0, values: of(1.0) },
-            ChartLine { name: "", colour: BLUE_LIGHT, width: 1.0, values: of(-1.0) },
-            ChartLine { name: "Touched particles", colour: BLUE, width: 2.0, values: of(0.0) },
+            ChartLine::new("", BLUE_LIGHT, 1.0, of(1.0)),
+            ChartLine::new("", BLUE_LIGHT, 1.0, of(-1.0)),
+            ChartLine::new("Touched particles", BLUE, 2.0, of(0.0)),
         ],
         window: Some((clear, last.max(clear), "clear of the tool")),
         y_includes: vec![0.0],

@@ -4,7 +4,7 @@ use crate::kit::chart::{Chart, ChartLine};
 use crate::kit::colours::{BLUE, BLUE_LIGHT, INK, RED};
 use crate::kit::numbers::{minus, percent, three_digits};
 use crate::kit::shell::{Shell, figure, tab, verdict};
-use crate::kit::table::{Column, table};
+use crate::kit::table::{ColumnHead, table};
 use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_diagnose::{Amount, Cause, LeftOutTool, WearGrowth, growth_words};
@@ -44,12 +44,12 @@ fn causes(found: &WearGrowth) -> Markup {
         th scope="row" { (cause.title()) } td.n { (percent(*probability)) }
     } } };
     let columns = [
-        Column::Text("Tool left out"),
-        Column::Number("Wear, by the others"),
-        Column::Number("Mean change of F_c in N"),
-        Column::Number("Mean error in N"),
-        Column::Number("Error / change"),
-        Column::Number("Fall against the noise"),
+        ColumnHead::Text("Tool left out"),
+        ColumnHead::Number("Wear, by the others"),
+        ColumnHead::Number("Mean change of F_c in N"),
+        ColumnHead::Number("Mean error in N"),
+        ColumnHead::Number("Error / change"),
+        ColumnHead::Number("Fall against the noise"),
     ];
     let tools = html! { @for tool in &found.left_out { tr.over[tool.is_unsteady()] {
         th scope="row" { (tool.tool) } td.n { (percent(tool.wear)) }
@@ -60,7 +60,7 @@ fn causes(found: &WearGrowth) -> Markup {
         section {
             h2 { "What grows" }
             (table("All explanations. They differ in the direction in which the three forces change together, and in whether a new tool takes the \
-                change back. A name needs more than 90 %.", [Column::Text("Explanation"), Column::Number("Probability")], &causes))
+                change back. A name needs more than 90 %.", [ColumnHead::Text("Explanation"), ColumnHead::Number("Probability")], &causes))
             (table("Each tool left out in turn: what the others say of the cause, and the change of the cutting force on the tool left out as it follows \
                 from those of feed and passive force in the direction that the others taught.", columns, &tools))
             p { "Fall against the noise: how far the force of wear departs from its isotonic fit, root mean square over the standard \
@@ -93,7 +93,7 @@ fn line<'a>(
     (name, colour, width): (&'a str, &'a str, f64),
     of: impl Fn(&Amount) -> f64,
 ) -> ChartLine<'a> {
-    ChartLine { name, colour, width, values: tool.amounts.iter().map(of).collect() }
+    ChartLine::new(name, colour, width, tool.amounts.iter().map(of).collect())
 }
 
 fn force(tool: &LeftOutTool) -> Chart<'static> {

@@ -12,7 +12,7 @@ use crate::kit::numbers::{
     M_PER_MIN, MM, UM, minus, percent, signed, signed_percent, three_digits, with_ends,
 };
 use crate::kit::shell::{Shell, plain, plotted, tab, verdict};
-use crate::kit::table::Column::{Number, Text};
+use crate::kit::table::ColumnHead::{Number, Text};
 use crate::kit::table::{NONE, table};
 use crate::kit::text::listed;
 use maud::{Markup, html};

@@ -5,7 +5,7 @@ use crate::kit::chart::{Chart, ChartLine, Mark};
 use crate::kit::colours::{BLUE, GREEN, RED, SLATE};
 use crate::kit::numbers::{M_PER_MIN, MM, percent, plain, three_digits, with_ends, with_interval};
 use crate::kit::shell::{Shell, figure, tab, verdict};
-use crate::kit::table::{Column, or_dash, table};
+use crate::kit::table::{ColumnHead, or_dash, table};
 use crate::kit::text::with_symbols;
 use maud::{Markup, html};
 use sphcut_diagnose::series::{
@@ -89,9 +89,9 @@ pub(super) fn sections(found: &SeriesDiagnosis) -> Markup {
 fn one_track(found: &SeriesDiagnosis, number: usize, track: &Track) -> Markup {
     let words = track_words(found, track);
     let columns = [
-        Column::Text("It follows"),
-        Column::Number("Probability"),
-        Column::Text("Constant (95 % interval)"),
+        ColumnHead::Text("It follows"),
+        ColumnHead::Number("Probability"),
+        ColumnHead::Text("Constant (95 % interval)"),
     ];
     let laws = html! { @for explanation in &track.explanations { tr {
         th scope="row" { (law_title(explanation.law)) }
@@ -143,13 +143,13 @@ fn lines_table(found: &SeriesDiagnosis, track: &Track) -> Markup {
     let forces: Vec<String> =
         found.cuts[0].channels.iter().map(|c| format!("{} in N", c.component.symbol())).collect();
     let columns = [
-        Column::Text("Cut"),
-        Column::Number("v_c in m/min"),
-        Column::Number("h in mm"),
-        Column::Number("Frequency in Hz"),
+        ColumnHead::Text("Cut"),
+        ColumnHead::Number("v_c in m/min"),
+        ColumnHead::Number("h in mm"),
+        ColumnHead::Number("Frequency in Hz"),
     ];
-    let columns = columns.into_iter().chain(forces.iter().map(|force| Column::Number(force)));
-    let columns = columns.chain(air.then_some(Column::Text("In the air")));
+    let columns = columns.into_iter().chain(forces.iter().map(|force| ColumnHead::Number(force)));
+    let columns = columns.chain(air.then_some(ColumnHead::Text("In the air")));
     let rows = html! { @for line in track.lines.iter().map(|&k| &found.lines[k]) { (row(found, line, air)) } };
     table("Its lines. Amplitude: of the sine with the same power.", columns, &rows)
 }
@@ -169,8 +169,11 @@ fn row(found: &SeriesDiagnosis, line: &CutLine, air: bool) -> Markup {
 /// Lines that belong to no track.
 fn others(found: &SeriesDiagnosis) -> Markup {
     let few: Vec<&Track> = found.tracks.iter().filter(|t| t.named == Named::TooFewCuts).collect();
-    let columns =
-        [Column::Text("Cut"), Column::Number("Frequency in Hz"), Column::Number("Amplitude in N")];
+    let columns = [
+        ColumnHead::Text("Cut"),
+        ColumnHead::Number("Frequency in Hz"),
+        ColumnHead::Number("Amplitude in N"),
+    ];
     let rows = html! { @for line in few.iter().flat_map(|t| &t.lines).map(|&k| &found.lines[k]) { tr {
         th scope="row" { (found.cuts[line.cut].name) }
         td.n { (with_interval(line.frequency, 1.96 * line.error)) }
@@ -207,18 +210,8 @@ fn spectrum(found: &SeriesDiagnosis, cut: usize) -> Chart<'static> {
     for ((channel, own), colour) in found.cuts[cut].channels.iter().zip(spectra).zip(colours) {
         let range = first..own.density.len() - first;
         let values = |of: &[f64]| of[range.clone()].iter().map(decibels).collect();
-        lines.push(ChartLine {
-            name: channel.component.symbol(),
-            colour,
-            width: 1.0,
-            values: values(&own.density),
-        });
-        lines.push(ChartLine {
-            name: "",
-            colour: SLATE,
-            width: 1.6,
-            values: values(&own.background),
-        });
+        lines.push(ChartLine::new(channel.component.symbol(), colour, 1.0, values(&own.density)));
+        lines.push(ChartLine::new("", SLATE, 1.6, values(&own.background)));
     }
     let width = spectra[0].resolution;
     let bins = spectra[0].density.len();

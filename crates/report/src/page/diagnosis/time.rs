@@ -4,7 +4,7 @@ use crate::kit::chart::{Chart, ChartLine};
 use crate::kit::colours::DISTINCT;
 use crate::kit::numbers::{percent, signed, signed_percent, three_digits, with_interval};
 use crate::kit::shell::figure;
-use crate::kit::table::{Column, table};
+use crate::kit::table::{ColumnHead, table};
 use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_diagnose::series::{OverTime, RunInLaw, SeriesDiagnosis};
@@ -29,14 +29,14 @@ pub(super) fn section(found: &SeriesDiagnosis) -> Markup {
 fn one_force(found: &SeriesDiagnosis, of: &OverTime) -> Markup {
     let name = of.component.symbol();
     let columns = [
-        Column::Text("Cut"),
-        Column::Number("Mean in N"),
-        Column::Number("Independent samples"),
-        Column::Number("Change over the cut"),
-        Column::Text("Trend"),
-        Column::Number("Last third less first, N"),
-        Column::Number("Zero moves, N"),
-        Column::Text("Run-in (time to 1/e)"),
+        ColumnHead::Text("Cut"),
+        ColumnHead::Number("Mean in N"),
+        ColumnHead::Number("Independent samples"),
+        ColumnHead::Number("Change over the cut"),
+        ColumnHead::Text("Trend"),
+        ColumnHead::Number("Last third less first, N"),
+        ColumnHead::Number("Zero moves, N"),
+        ColumnHead::Text("Run-in (time to 1/e)"),
     ];
     let rows = html! { @for k in 0..of.trends.len() { (row(found, of, k)) } };
     let laws = html! { @for (law, probability) in &of.laws { tr {
@@ -47,7 +47,7 @@ fn one_force(found: &SeriesDiagnosis, of: &OverTime) -> Markup {
         (figure(chart(found, of).svg(), "Moving mean of the force over its mean, from entry to exit."))
         (table("Change over the cut as a share of the force, run-in apart, with its 95 % interval. Discoveries survive Benjamini and Hochberg at 5 % over all cuts and forces.", columns, &rows))
         @if !of.laws.is_empty() {
-            (table("What the time of the run-in goes with.", [Column::Text("It is"), Column::Number("Probability")], &laws))
+            (table("What the time of the run-in goes with.", [ColumnHead::Text("It is"), ColumnHead::Number("Probability")], &laws))
         }
     }
 }
@@ -92,7 +92,7 @@ fn chart<'a>(found: &'a SeriesDiagnosis, of: &OverTime) -> Chart<'a> {
     };
     let lines = drawn.zip(DISTINCT).filter_map(|(trend, colour)| {
         let values = smooth(force(trend.cut, of.component)?, trend.mean);
-        Some(ChartLine { name: &found.cuts[trend.cut].name, colour, width: 1.2, values })
+        Some(ChartLine::new(&found.cuts[trend.cut].name, colour, 1.2, values))
     });
     Chart {
         description: format!("{} over the cut as a share of its mean.", of.component.symbol()),

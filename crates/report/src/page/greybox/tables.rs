@@ -1,7 +1,8 @@
 //! Tables of the grey box: errors, importance, and where they come from.
 
 use crate::kit::numbers::{minus, percent_tenths, three_digits};
-use crate::kit::table::{NONE, or_dash};
+use crate::kit::table::ColumnHead::{Number, Text};
+use crate::kit::table::{NONE, or_dash, table};
 use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_greybox::{BootstrapEstimate, ForceFit, MethodFit, Scores};
@@ -46,28 +47,28 @@ fn white_cells(scores: &Scores) -> Markup {
 /// Errors in interpolation, as in Table 6 of the paper.
 pub(super) fn errors(force: &ForceFit) -> Markup {
     let symbol = force.force.symbol();
-    html! {
-        div.scroll { table {
-            caption { "Errors of " (indexed(symbol)) " on conditions left out, with 95 % intervals (compare Table 6 of the published method)." }
-            thead { tr {
-                th { "Regressor" }
-                th.n { "MAE in N" } th.n { "MSE in N\u{b2}" } th.n { "R\u{b2} of the error" }
-                th.n { "MAPE of the error" } th.n { "MAPE of the force" }
-            } }
-            tbody {
-                tr { th { "Simulation alone" } (white_cells(&force.white_box)) }
-                @for fit in &force.methods {
-                    tr { th { (fit.method.name()) (mark(force, fit)) } (cells(&fit.interpolation.scores)) }
-                }
-                tr.sum { th { "Chosen anew in every fold" } (cells(&force.procedure)) }
-                tr { th { (force.choice.method.name()) ", without the simulation" } (cells(&force.alone.interpolation)) }
-                @if let Some(floor) = force.floor {
-                    tr { th { "Noise floor" } td.n { (three_digits(floor.mae)) } td.n { (three_digits(floor.mse)) }
-                        td.n { (NONE) } td.n { (NONE) } td.n { (NONE) } }
-                }
-            }
-        } }
-    }
+    let columns = [
+        Text("Regressor"),
+        Number("MAE in N"),
+        Number("MSE in N\u{b2}"),
+        Number("R\u{b2} of the error"),
+        Number("MAPE of the error"),
+        Number("MAPE of the force"),
+    ];
+    let rows = html! {
+        tr { th { "Simulation alone" } (white_cells(&force.white_box)) }
+        @for fit in &force.methods {
+            tr { th { (fit.method.name()) (mark(force, fit)) } (cells(&fit.interpolation.scores)) }
+        }
+        tr.sum { th { "Chosen anew in every fold" } (cells(&force.procedure)) }
+        tr { th { (force.choice.method.name()) ", without the simulation" } (cells(&force.alone.interpolation)) }
+        @if let Some(floor) = force.floor {
+            tr { th { "Noise floor" } td.n { (three_digits(floor.mae)) } td.n { (three_digits(floor.mse)) }
+                @for _ in 0..3 { td.n { (NONE) } } }
+        }
+    };
+    let caption = html! { "Errors of " (indexed(symbol)) " on conditions left out, with 95 % intervals (compare Table 6 of the published method)." };
+    table(caption, columns, &rows)
 }
 
 fn mark(force: &ForceFit, fit: &MethodFit) -> Markup {
@@ -90,51 +91,50 @@ pub(super) fn extrapolation(force: &ForceFit) -> Markup {
         let found = force.alone.extrapolation[axis].as_ref();
         html! { (cell(found.map(|scores| &scores.mae), three_digits)) (cell(None, three_digits)) }
     };
-    html! {
-        div.scroll { table {
-            caption { "MAE of " (indexed(force.force.symbol())) " in N where all conditions of one cutting speed or one thickness were left out; at the \
-                ends of the range that is extrapolation." }
-            thead { tr {
-                th { "Regressor" }
-                th.n { "speed left out" } th.n { "lowest and highest speed" }
-                th.n { "thickness left out" } th.n { "least and largest thickness" }
-                th.n { "interpolation" }
-            } }
-            tbody {
-                @for fit in &force.methods {
-                    tr { th { (fit.method.name()) (mark(force, fit)) } (both(0, fit)) (both(1, fit))
-                        td.n { (three_digits(fit.interpolation.scores.mae.value)) } }
-                }
-                tr { th { (force.choice.method.name()) ", without the simulation" }
-                    (alone(0)) (alone(1))
-                    td.n { (three_digits(force.alone.interpolation.mae.value)) } }
-            }
-        } }
-    }
+    let columns = [
+        Text("Regressor"),
+        Number("speed left out"),
+        Number("lowest and highest speed"),
+        Number("thickness left out"),
+        Number("least and largest thickness"),
+        Number("interpolation"),
+    ];
+    let rows = html! {
+        @for fit in &force.methods {
+            tr { th { (fit.method.name()) (mark(force, fit)) } (both(0, fit)) (both(1, fit))
+                td.n { (three_digits(fit.interpolation.scores.mae.value)) } }
+        }
+        tr { th { (force.choice.method.name()) ", without the simulation" } (alone(0)) (alone(1))
+            td.n { (three_digits(force.alone.interpolation.mae.value)) } }
+    };
+    let caption = html! { "MAE of " (indexed(force.force.symbol())) " in N where all conditions of one cutting speed or one thickness were left out; at the \
+    ends of the range that is extrapolation." };
+    table(caption, columns, &rows)
 }
 
 /// Importance of v_c and h, as in Tables 7 and 8 of the paper.
 pub(super) fn importance(force: &ForceFit) -> Markup {
     let with =
         |value: f64, spread: f64| format!("{} \u{b1} {}", thousandths(value), thousandths(spread));
-    html! {
-        div.scroll { table {
-            caption { "What the error of " (indexed(force.force.symbol())) " depends on (compare Tables 7 and 8 of the published method). Permutation: loss of R\u{b2} when the values of one input are shuffled. Gain: \
-                share of the gain of all splits. Sobol: share of the variance over the box of the plan, \u{b1} standard deviation between folds." }
-            thead { tr {
-                th { "Regressor" }
-                th.n { "Permutation v" sub { "c" } } th.n { "h" } th.n { "Gain v" sub { "c" } } th.n { "h" }
-                th.n { "Sobol first v" sub { "c" } } th.n { "h" } th.n { "total v" sub { "c" } } th.n { "h" }
-            } }
-            tbody {
-                @for fit in &force.methods { tr {
-                    th { (fit.method.name()) }
-                    @for axis in 0..2 { td.n { (or_dash(fit.permutation, |p| thousandths(p[axis].mean))) } }
-                    @for axis in 0..2 { td.n { (or_dash(fit.gain, |gain| thousandths(gain[axis]))) } }
-                    @for axis in 0..2 { td.n { (or_dash(fit.sobol, |s| with(s.first[axis], s.first_spread[axis]))) } }
-                    @for axis in 0..2 { td.n { (or_dash(fit.sobol, |s| with(s.total[axis], s.total_spread[axis]))) } }
-                } }
-            }
-        } }
-    }
+    let columns = [
+        Text("Regressor"),
+        Number("Permutation v_c"),
+        Number("h"),
+        Number("Gain v_c"),
+        Number("h"),
+        Number("Sobol first v_c"),
+        Number("h"),
+        Number("total v_c"),
+        Number("h"),
+    ];
+    let rows = html! { @for fit in &force.methods { tr {
+        th { (fit.method.name()) }
+        @for axis in 0..2 { td.n { (or_dash(fit.permutation, |p| thousandths(p[axis].mean))) } }
+        @for axis in 0..2 { td.n { (or_dash(fit.gain, |gain| thousandths(gain[axis]))) } }
+        @for axis in 0..2 { td.n { (or_dash(fit.sobol, |s| with(s.first[axis], s.first_spread[axis]))) } }
+        @for axis in 0..2 { td.n { (or_dash(fit.sobol, |s| with(s.total[axis], s.total_spread[axis]))) } }
+    } } };
+    let caption = html! { "What the error of " (indexed(force.force.symbol())) " depends on (compare Tables 7 and 8 of the published method). Permutation: loss of R\u{b2} when the values of one input are shuffled. Gain: \
+    share of the gain of all splits. Sobol: share of the variance over the box of the plan, \u{b1} standard deviation between folds." };
+    table(caption, columns, &rows)
 }

@@ -5,7 +5,7 @@ use crate::kit::chart::{Chart, ChartLine};
 use crate::kit::colours::DISTINCT;
 use crate::kit::numbers::{MPA, plain, signed};
 use crate::kit::shell::figure;
-use crate::kit::table::{Column, table};
+use crate::kit::table::{ColumnHead, table};
 use maud::{Markup, html};
 use sphcut_identify::{Bin, Curve, LawFit, residual_map};
 
@@ -53,8 +53,11 @@ pub(super) fn residuals(page: &IdentificationPage<'_>) -> Markup {
         map.iter().find(|b| b.strain == strain && b.rate == rate && b.temperature == temperature)
     };
     let rate_names: Vec<String> = rates.iter().map(|rate| range(*rate)).collect();
-    let columns =
-        || [Column::Text("")].into_iter().chain(rate_names.iter().map(|name| Column::Number(name)));
+    let columns = || {
+        [ColumnHead::Text("")]
+            .into_iter()
+            .chain(rate_names.iter().map(|name| ColumnHead::Number(name)))
+    };
     let caption = |strain| {
         let strain = range(strain);
         format!("Plastic strain {strain}; down: temperature in K, across: strain rate in 1/s")
@@ -104,19 +107,9 @@ pub(super) fn curves(page: &IdentificationPage<'_>) -> Markup {
     let mut lines = Vec::new();
     for (k, curve) in chosen.iter().enumerate() {
         let measured = x.iter().map(|strain| measured(curve, *strain) * MPA).collect();
-        lines.push(ChartLine {
-            name: &names[k],
-            colour: DISTINCT[k],
-            width: 3.0,
-            values: measured,
-        });
+        lines.push(ChartLine::new(&names[k], DISTINCT[k], 3.0, measured));
         let model = x.iter().map(|strain| modelled(page.johnson_cook, curve, *strain) * MPA);
-        lines.push(ChartLine {
-            name: "",
-            colour: DISTINCT[k],
-            width: 1.0,
-            values: model.collect(),
-        });
+        lines.push(ChartLine::new("", DISTINCT[k], 1.0, model.collect()));
     }
     let chart = Chart {
         description: "Flow curves beside the law.".to_owned(),

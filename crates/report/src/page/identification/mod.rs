@@ -4,10 +4,10 @@ mod figures;
 
 use crate::kit::numbers::{minus, percent, plain, three_digits, with_interval};
 use crate::kit::shell::{Shell, note, plain as as_it_is};
-use crate::kit::table::{Column, NONE, or_dash, table};
+use crate::kit::table::{ColumnHead, NONE, or_dash, table};
 use figures::{curves, residuals};
 use maud::{Markup, html};
-use sphcut_identify::{Curve, CurvePoint, Fitted, LawComparison, LawFit, Sequence, SequenceError};
+use sphcut_identify::{LawComparison, Curve, LawFit, Fitted, CurvePoint, Sequence, SequenceError};
 
 /// A correlation above which two parameters are not told apart.
 const STRONG: f64 = 0.95;
@@ -163,10 +163,10 @@ fn parameters(page: &IdentificationPage<'_>) -> Markup {
         _ => NONE.to_owned(),
     };
     let columns = [
-        Column::Text("Parameter"),
-        Column::Number("Johnson-Cook, by sequence"),
-        Column::Number("Johnson-Cook, jointly"),
-        Column::Number("with tanh softening"),
+        ColumnHead::Text("Parameter"),
+        ColumnHead::Number("Johnson-Cook, by sequence"),
+        ColumnHead::Number("Johnson-Cook, jointly"),
+        ColumnHead::Number("with tanh softening"),
     ];
     let rows = html! { @for (k, p) in page.tanh.parameters.iter().enumerate() { tr {
         th scope="row" { (symbol(p.key)) (unit(p.key).1) " " code { (p.key) } }
@@ -211,10 +211,10 @@ fn why_they_differ(found: &Sequence, fit: &LawFit) -> String {
 
 fn laws(comparison: &LawComparison) -> Markup {
     let columns = [
-        Column::Text("Law"),
-        Column::Number("fitted"),
-        Column::Number("held out"),
-        Column::Number("better than Johnson-Cook by standard errors"),
+        ColumnHead::Text("Law"),
+        ColumnHead::Number("fitted"),
+        ColumnHead::Number("held out"),
+        ColumnHead::Number("better than Johnson-Cook by standard errors"),
     ];
     let rows = html! { @for law in &comparison.laws { tr {
         th scope="row" { (title(law.law)) }
@@ -227,7 +227,7 @@ fn laws(comparison: &LawComparison) -> Markup {
 }
 
 fn correlations(fit: &LawFit) -> Markup {
-    let parameters = fit.parameters.iter().map(|p| Column::Number(symbol(p.key)));
+    let parameters = fit.parameters.iter().map(|p| ColumnHead::Number(symbol(p.key)));
     let number = |value: &f64| {
         or_dash(value.is_finite().then_some(value), |value| minus(&format!("{value:.2}")))
     };
@@ -239,7 +239,7 @@ fn correlations(fit: &LawFit) -> Markup {
     html! {
         section {
             h2 { "Correlations of the joint fit" }
-            (table(caption, [Column::Text("")].into_iter().chain(parameters), &rows))
+            (table(caption, [ColumnHead::Text("")].into_iter().chain(parameters), &rows))
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::kit::chart::{Band, Chart, ChartLine, Mark};
 use crate::kit::colours::{BLUE, GREEN, INK, RED, SLATE};
 use crate::kit::numbers::{M_PER_MIN, MM, percent, plain, three_digits, with_interval};
 use crate::kit::shell::figure;
-use crate::kit::table::{Column, NONE, or_dash, table};
+use crate::kit::table::{ColumnHead, NONE, or_dash, table};
 use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_physics::Channel;
@@ -76,11 +76,13 @@ fn forces(cut: &CutResult) -> Chart<'static> {
         lines: cut
             .components
             .iter()
-            .map(|c| ChartLine {
-                name: c.component.symbol(),
-                colour: colour(c.component),
-                width: 1.0,
-                values: outline(&c.force, column),
+            .map(|c| {
+                ChartLine::new(
+                    c.component.symbol(),
+                    colour(c.component),
+                    1.0,
+                    outline(&c.force, column),
+                )
             })
             .collect(),
         window,
@@ -158,7 +160,7 @@ fn marks(cut: &CutResult) -> Vec<Mark<'static>> {
 }
 
 fn figures(cut: &CutResult) -> Markup {
-    use Column::{Number, Text};
+    use ColumnHead::{Number, Text};
     let columns = [
         Text("Force"),
         Number("Mean in N"),

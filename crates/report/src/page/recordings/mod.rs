@@ -5,7 +5,7 @@ mod details;
 use crate::kit::chart::{Band, Chart, ChartLine};
 use crate::kit::numbers::{M_PER_MIN, MM, percent, plain, with_interval};
 use crate::kit::shell::{Shell, figure, note};
-use crate::kit::table::{Column, or_dash, table};
+use crate::kit::table::{ColumnHead, or_dash, table};
 use crate::kit::text::with_symbols;
 use details::{colour, details};
 use maud::{Markup, html};
@@ -120,11 +120,14 @@ fn force(condition: &PooledCuts, component: Channel) -> Option<&PooledForce> {
 
 fn conditions(page: &RecordingsPage<'_>) -> Markup {
     let found = components(page);
-    let columns =
-        [Column::Number("v_c in m/min"), Column::Number("h in mm"), Column::Number("b in mm")];
+    let columns = [
+        ColumnHead::Number("v_c in m/min"),
+        ColumnHead::Number("h in mm"),
+        ColumnHead::Number("b in mm"),
+    ];
     let forces: Vec<String> = found.iter().map(in_newtons).collect();
-    let forces = forces.iter().map(|force| Column::Number(force));
-    let columns = columns.into_iter().chain(forces).chain([Column::Number("cuts")]);
+    let forces = forces.iter().map(|force| ColumnHead::Number(force));
+    let columns = columns.into_iter().chain(forces).chain([ColumnHead::Number("cuts")]);
     let rows = html! { @for condition in &page.pooled.conditions { tr {
         td.n { (plain(condition.cutting_speed * M_PER_MIN)) }
         td.n { (plain(condition.uncut_chip_thickness * MM)) }
@@ -198,12 +201,7 @@ fn overview(page: &RecordingsPage<'_>) -> Markup {
         lines: found
             .iter()
             .zip(&names)
-            .map(|(component, name)| ChartLine {
-                name,
-                colour: colour(*component),
-                width: 1.0,
-                values: Vec::new(),
-            })
+            .map(|(component, name)| ChartLine::new(name, colour(*component), 1.0, Vec::new()))
             .collect(),
         bands: bands.collect(),
         y_includes: points()
@@ -240,9 +238,9 @@ fn cuts(page: &RecordingsPage<'_>) -> Markup {
         .filter(|c| page.cuts.iter().any(|cut| cut.component(*c).is_some()))
         .collect();
     let forces: Vec<String> = found.iter().map(in_newtons).collect();
-    let forces = forces.iter().map(|force| Column::Number(force));
-    let columns = [Column::Number("No."), Column::Text("Record")].into_iter().chain(forces);
-    let columns = columns.chain([Column::Text("Force given"), Column::Text("Noticed")]);
+    let forces = forces.iter().map(|force| ColumnHead::Number(force));
+    let columns = [ColumnHead::Number("No."), ColumnHead::Text("Record")].into_iter().chain(forces);
+    let columns = columns.chain([ColumnHead::Text("Force given"), ColumnHead::Text("Noticed")]);
     let rows = html! { @for cut in page.cuts { tr.over[!cut.accepted] {
         td.n { (cut.conditions.order) }
         th scope="row" { (cut.conditions.name) }

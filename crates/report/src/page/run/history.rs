@@ -130,7 +130,7 @@ fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
     let factor = scale.factor;
     let cutting = scaled(run.samples.channel(ChannelId::CuttingForce), factor);
     let feed = scaled(run.samples.channel(ChannelId::FeedForce), factor);
-    let line = |name, colour, width, values| ChartLine { name, colour, width, values };
+    let line = ChartLine::new;
     let mut chart = Chart {
         x_title: axis.title,
         y_title: scale.force_title,
@@ -182,12 +182,12 @@ fn temperature<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
         height: 300.0,
         x: axis.values.clone(),
         lines: vec![
-            ChartLine {
-                name: "Highest",
-                colour: RED,
-                width: 1.5,
-                values: run.samples.channel(ChannelId::MaxTemperature).to_vec(),
-            },
+            ChartLine::new(
+                "Highest",
+                RED,
+                1.5,
+                run.samples.channel(ChannelId::MaxTemperature).to_vec(),
+            ),
             ChartLine {
                 name: "In contact",
                 colour: BLUE,
@@ -227,12 +227,12 @@ fn energy<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
         height: 420.0,
         x: axis.values.clone(),
         areas,
-        lines: vec![ChartLine {
-            name: "Work",
-            colour: INK,
-            width: 2.0,
-            values: work.map(|(tool, support)| (tool + support) * factor).collect(),
-        }],
+        lines: vec![ChartLine::new(
+            "Work",
+            INK,
+            2.0,
+            work.map(|(tool, support)| (tool + support) * factor).collect(),
+        )],
         y_includes: vec![0.0],
         ..Chart::default()
     }
@@ -252,12 +252,8 @@ fn momentum<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
     let equal: Vec<f64> = (0..time.len()).map(|k| (rate(k) - reaction[k]) * factor).collect();
     let force = scaled(channel(ChannelId::CuttingForce), factor);
     let difference: Vec<f64> = force.iter().zip(&equal).map(|(a, b)| a - b).collect();
-    let line = |name, colour, width, values: &[f64]| ChartLine {
-        name,
-        colour,
-        width,
-        values: smooth(values),
-    };
+    let line =
+        |name, colour, width, values: &[f64]| ChartLine::new(name, colour, width, smooth(values));
     Chart {
         description: "Contact force and the force from supports and momentum over the travel: the \
                       two lines should lie on each other."

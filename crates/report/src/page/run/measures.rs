@@ -218,18 +218,18 @@ fn stresses(interface: &Interface) -> Chart<'static> {
         height: 320.0,
         x: bins.iter().map(|bin| bin.distance * UM).collect(),
         lines: vec![
-            ChartLine {
-                name: "Normal",
-                colour: BLUE,
-                width: 2.0,
-                values: bins.iter().map(|bin| bin.normal_stress * MPA).collect(),
-            },
-            ChartLine {
-                name: "Shear",
-                colour: RED,
-                width: 2.0,
-                values: bins.iter().map(|bin| bin.shear_stress * MPA).collect(),
-            },
+            ChartLine::new(
+                "Normal",
+                BLUE,
+                2.0,
+                bins.iter().map(|bin| bin.normal_stress * MPA).collect(),
+            ),
+            ChartLine::new(
+                "Shear",
+                RED,
+                2.0,
+                bins.iter().map(|bin| bin.shear_stress * MPA).collect(),
+            ),
         ],
         y_includes: vec![0.0],
         ..Chart::default()
@@ -244,12 +244,12 @@ fn temperature(interface: &Interface) -> Chart<'static> {
         y_title: "Temperature in K",
         height: 260.0,
         x: bins.iter().map(|bin| bin.distance * UM).collect(),
-        lines: vec![ChartLine {
-            name: "In contact",
-            colour: BLUE,
-            width: 2.0,
-            values: bins.iter().map(|bin| bin.temperature).collect(),
-        }],
+        lines: vec![ChartLine::new(
+            "In contact",
+            BLUE,
+            2.0,
+            bins.iter().map(|bin| bin.temperature).collect(),
+        )],
         ..Chart::default()
     }
 }
@@ -264,12 +264,12 @@ fn across(zone: &ShearZone) -> Chart<'static> {
         y_title: "Strain rate in 1000/s",
         height: 300.0,
         x: shown.iter().map(|point| point[0] * UM).collect(),
-        lines: vec![ChartLine {
-            name: "",
-            colour: GREEN,
-            width: 2.0,
-            values: shown.iter().map(|point| point[1] * 1e-3).collect(),
-        }],
+        lines: vec![ChartLine::new(
+            "",
+            GREEN,
+            2.0,
+            shown.iter().map(|point| point[1] * 1e-3).collect(),
+        )],
         window: Some((from * UM, to * UM, "")),
         y_includes: vec![0.0],
         ..Chart::default()
@@ -285,12 +285,12 @@ fn along(geometry: &Geometry) -> Chart<'static> {
         y_title: "Chip thickness in \u{b5}m",
         height: 280.0,
         x: places.iter().map(|place| (place[0] - start) * 1e3).collect(),
-        lines: vec![ChartLine {
-            name: "",
-            colour: BLUE,
-            width: 2.0,
-            values: places.iter().map(|place| place[1] * UM).collect(),
-        }],
+        lines: vec![ChartLine::new(
+            "",
+            BLUE,
+            2.0,
+            places.iter().map(|place| place[1] * UM).collect(),
+        )],
         y_includes: vec![0.0],
         ..Chart::default()
     }
