@@ -1,6 +1,7 @@
 //! What reading a scenario leaves behind besides the values: mistakes and the description.
 
 use crate::problem::{Mistake, Problem, SourceText};
+use crate::record::Record;
 use crate::units;
 use sphcut_physics::Quantity;
 use std::ops::Range;
@@ -49,6 +50,16 @@ pub struct Findings {
 const MOST_PROBLEMS: usize = 200;
 
 impl Findings {
+    /// What was read, or nothing and its mistake reported at `key` of `record`.
+    pub fn accept<T>(
+        &mut self,
+        record: &Record<'_>,
+        key: &str,
+        read: Result<T, Box<Mistake>>,
+    ) -> Option<T> {
+        read.map_err(|mistake| self.problem(&record.source, record.span(key), *mistake)).ok()
+    }
+
     /// Reports a mistake at `span` of `source`.
     pub fn problem(&mut self, source: &Arc<SourceText>, span: Range<usize>, mistake: Mistake) {
         match self.problems.len() {

@@ -3,7 +3,6 @@
 use crate::key::KeyPath;
 use sphcut_input::files::{self, LARGEST_TEXT};
 use sphcut_input::problem::{Mistake, Problem};
-use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -11,24 +10,15 @@ use toml::de::{DeTable, DeValue};
 use toml_edit::{DocumentMut, Item, TableLike};
 
 /// Why a value could not be changed.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PatchError {
     /// The text is not TOML.
+    #[error("not TOML: {0}")]
     Syntax(String),
     /// The key, as a path with dots, is not written.
+    #[error("the scenario has no `{0}`")]
     Missing(String),
 }
-
-impl fmt::Display for PatchError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Syntax(reason) => write!(f, "not TOML: {reason}"),
-            Self::Missing(path) => write!(f, "the scenario has no `{path}`"),
-        }
-    }
-}
-
-impl std::error::Error for PatchError {}
 
 /// `text` with the value of the key at `path` (`["process", "cutting_speed"]`) replaced by `value`, which is
 /// written as it is: `0.3`, or `"450 m/min"` with its quotes.

@@ -17,7 +17,7 @@ enum Completeness {
 /// The schema of a scenario file, for completion and checks in editors.
 #[must_use]
 pub fn schema() -> Value {
-    let mut schema = table(&sections::root(), Completeness::Whole, root_child);
+    let mut schema = whole(&sections::root(), root_child);
     let object = schema.as_object_mut().expect("a table is an object");
     object.insert("$schema".to_owned(), json!("http://json-schema.org/draft-07/schema#"));
     object.insert("title".to_owned(), json!("sphcut scenario"));
@@ -40,47 +40,41 @@ pub fn taplo(schema_path: &str) -> String {
 }
 
 fn root_child(field: &Field) -> Option<Value> {
-    let whole = |section: &Section, child: fn(&Field) -> Option<Value>| {
-        table(section, Completeness::Whole, child)
-    };
-    let none: fn(&Field) -> Option<Value> = |_| None;
     Some(match field.key {
         "sources" => free_texts(),
         "materials" => json!({ "type": "object", "additionalProperties": material() }),
         "workpiece" => whole(&sections::workpiece(), owner_child),
         "tool" => whole(&sections::tool(), tool_child),
-        "process" => whole(&sections::process(), none),
-        "passes" => whole(&sections::passes(), none),
-        "window" => whole(&sections::window(), none),
-        "boundaries" => whole(&sections::boundaries(), none),
+        "process" => leaf(&sections::process()),
+        "passes" => leaf(&sections::passes()),
+        "window" => leaf(&sections::window()),
+        "boundaries" => leaf(&sections::boundaries()),
         "body" => list(whole(&sections::body(), owner_child)),
-        "support" => list(whole(&sections::support(), none)),
+        "support" => list(leaf(&sections::support())),
         "heat_source" => {
             let forms = sections::HEAT_SOURCE_FORMS.iter().map(|form| {
-                let mut one = whole(&sections::heat_source(form), none);
+                let mut one = leaf(&sections::heat_source(form));
                 one["properties"]["form"] = json!({ "const": form });
                 one
             });
             list(json!({ "oneOf": forms.collect::<Vec<_>>() }))
         }
         "wall" => whole(&sections::wall(), |field| match field.key {
-            "velocity_change" => {
-                Some(list(table(&sections::velocity_change(), Completeness::Whole, |_| None)))
-            }
+            "velocity_change" => Some(list(leaf(&sections::velocity_change()))),
             _ => tool_child(field),
         }),
-        "resolution" => whole(&sections::resolution(), none),
-        "heat" => whole(&sections::heat(), none),
+        "resolution" => leaf(&sections::resolution()),
+        "heat" => leaf(&sections::heat()),
         "effects" => whole(&sections::effects(), |field| {
             let effect = effects::find(field.key)?;
-            Some(table(&sections::effect(effect), Completeness::Whole, |_| None))
+            Some(leaf(&sections::effect(effect)))
         }),
-        "numerics" => whole(&sections::numerics(), none),
-        "contact" => whole(&sections::contact(), none),
-        "output" => whole(&sections::output(), none),
+        "numerics" => leaf(&sections::numerics()),
+        "contact" => leaf(&sections::contact()),
+        "output" => leaf(&sections::output()),
         "stop" => whole(&sections::stop(), |field| {
             let steady = field.key == "steady";
-            steady.then(|| table(&sections::steady(), Completeness::Whole, |_| None))
+            steady.then(|| leaf(&sections::steady()))
         }),
         _ => return None,
     })
@@ -102,7 +96,7 @@ fn owner_child(field: &Field) -> Option<Value> {
         }
         "velocity" => {
             let forms = sections::VELOCITY_FIELDS.iter().map(|form| {
-                let mut one = table(&sections::velocity(form), Completeness::Whole, |_| None);
+                let mut one = leaf(&sections::velocity(form));
                 one["properties"]["field"] = json!({ "const": form });
                 one
             });
@@ -113,9 +107,7 @@ fn owner_child(field: &Field) -> Option<Value> {
 }
 
 fn material() -> Value {
-    table(&sections::material("material"), Completeness::Whole, |field| {
-        material_child(field, Completeness::Whole)
-    })
+    whole(&sections::material("material"), |field| material_child(field, Completeness::Whole))
 }
 
 fn material_child(field: &Field, completeness: Completeness) -> Option<Value> {
@@ -142,19 +134,19 @@ fn material_child(field: &Field, completeness: Completeness) -> Option<Value> {
 
 fn tool_child(field: &Field) -> Option<Value> {
     if field.key == "compliance" {
-        return Some(table(&sections::compliance(), Completeness::Whole, |field| {
-            Some(table(&sections::compliance_of(field.key), Completeness::Whole, |_| None))
+        return Some(whole(&sections::compliance(), |field| {
+            Some(leaf(&sections::compliance_of(field.key)))
         }));
     }
     if field.key == "run_out" {
-        return Some(table(&sections::run_out(), Completeness::Whole, |_| None));
+        return Some(leaf(&sections::run_out()));
     }
     if field.key != "heat" {
         return friction_child(field);
     }
-    Some(table(&sections::tool_heat("tool.heat"), Completeness::Whole, |field| {
+    Some(whole(&sections::tool_heat("tool.heat"), |field| {
         let coating = sections::coating("tool.heat.coating");
-        (field.key == "coating").then(|| table(&coating, Completeness::Whole, |_| None))
+        (field.key == "coating").then(|| leaf(&coating))
     }))
 }
 
@@ -181,6 +173,16 @@ fn free_texts() -> Value {
 
 fn list(of: Value) -> Value {
     json!({ "type": "array", "items": of })
+}
+
+/// The schema of a section without tables inside it.
+fn leaf(section: &Section) -> Value {
+    whole(section, |_| None)
+}
+
+/// The schema of a section whose required keys have to be there.
+fn whole(section: &Section, child: impl Fn(&Field) -> Option<Value>) -> Value {
+    table(section, Completeness::Whole, child)
 }
 
 /// The schema of a section; `child` knows the tables inside it.

@@ -298,13 +298,7 @@ fn base(
     surroundings: &Surroundings,
     (options, of_base): (&LoadOptions, &mut Vec<Problem>),
 ) -> Option<(Scenario, PathBuf)> {
-    let path = match surroundings.path(root.text("scenario")?) {
-        Ok(path) => path,
-        Err(mistake) => {
-            findings.problem(&root.source, root.span("scenario"), *mistake);
-            return None;
-        }
-    };
+    let path = findings.accept(root, "scenario", surroundings.path(root.text("scenario")?))?;
     match sphcut_scenario::load(&path, options) {
         Ok(base) if base.setup.uncut_chip_thickness.is_none() => {
             let help = "name a scenario with [workpiece], [tool] and [process]";
@@ -328,11 +322,5 @@ fn table(
     let read = surroundings.read(named, LARGEST).and_then(|text| {
         read_cut_table(&text).map_err(|problem| file_mistake(named, problem.to_string(), ""))
     });
-    match read {
-        Ok(rows) => Some(rows),
-        Err(mistake) => {
-            findings.problem(&record.source, record.span("file"), *mistake);
-            None
-        }
-    }
+    findings.accept(record, "file", read)
 }

@@ -78,11 +78,5 @@ fn path(
     surroundings: &Surroundings,
     key: &str,
 ) -> Option<PathBuf> {
-    match surroundings.path(record.text(key)?) {
-        Ok(path) => Some(path),
-        Err(mistake) => {
-            findings.problem(&record.source, record.span(key), *mistake);
-            None
-        }
-    }
+    findings.accept(record, key, surroundings.path(record.text(key)?))
 }

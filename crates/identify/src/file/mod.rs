@@ -204,13 +204,8 @@ fn lines<const N: usize>(
         columns::read(&text, rules, "no line follows the header")
             .map_err(|problem| file_mistake(named, problem.to_string(), ""))
     });
-    match read {
-        Ok(lines) => Some(lines.iter().map(|line| line.all()).collect()),
-        Err(mistake) => {
-            findings.problem(&record.source, record.span("file"), *mistake);
-            None
-        }
-    }
+    let lines = findings.accept(record, "file", read)?;
+    Some(lines.iter().map(|line| line.all()).collect())
 }
 
 fn flow_curves(

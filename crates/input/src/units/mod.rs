@@ -10,7 +10,6 @@
 use sphcut_physics::Quantity;
 pub use sphcut_physics::quantity::significant;
 use std::f64::consts::PI;
-use std::fmt;
 
 /// Longest text that is read as a quantity; real ones have about ten characters.
 const LONGEST_QUANTITY: usize = 100;
@@ -94,17 +93,22 @@ pub struct Measured {
 }
 
 /// Why a text is not the quantity asked for.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnitError {
     /// The text does not begin with a number.
+    #[error("does not begin with a number")]
     NoNumber,
     /// A decimal comma: `"1,5 mm"`.
+    #[error("a decimal comma: write a point")]
     DecimalComma,
     /// The number is infinite, not a number, or leaves the range of doubles.
+    #[error("not a finite number")]
     NotFinite,
     /// A number alone where a unit is needed.
+    #[error("the unit is missing")]
     MissingUnit,
     /// A unit symbol that is not known.
+    #[error("unknown unit `{symbol}`")]
     UnknownUnit {
         /// The symbol.
         symbol: String,
@@ -112,13 +116,16 @@ pub enum UnitError {
         nearest: Option<&'static str>,
     },
     /// A unit of another dimension.
+    #[error("{}", .found.map_or("a unit of another kind".to_owned(), |found| format!("this is a {found}")))]
     WrongDimension {
         /// What the unit measures, if it has a name.
         found: Option<&'static str>,
     },
     /// The unit cannot be read as a product of symbols.
+    #[error("the unit cannot be read")]
     Malformed,
     /// Longer than any quantity.
+    #[error("too long for a quantity")]
     TooLong,
 }
 
@@ -495,22 +502,6 @@ pub fn readable(quantity: Quantity, si: f64) -> String {
         .filter_map(|unit| parse_unit(unit).ok())
         .min_by(|first, second| distance(first).total_cmp(&distance(second)))
         .map_or_else(|| significant(si), |unit| unit.express(si))
-}
-
-impl fmt::Display for UnitError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoNumber => write!(f, "does not begin with a number"),
-            Self::DecimalComma => write!(f, "a decimal comma: write a point"),
-            Self::NotFinite => write!(f, "not a finite number"),
-            Self::MissingUnit => write!(f, "the unit is missing"),
-            Self::UnknownUnit { symbol, .. } => write!(f, "unknown unit `{symbol}`"),
-            Self::WrongDimension { found: Some(found) } => write!(f, "this is a {found}"),
-            Self::WrongDimension { found: None } => write!(f, "a unit of another kind"),
-            Self::Malformed => write!(f, "the unit cannot be read"),
-            Self::TooLong => write!(f, "too long for a quantity"),
-        }
-    }
 }
 
 #[cfg(test)]

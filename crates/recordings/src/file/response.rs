@@ -35,13 +35,7 @@ pub(super) fn read_response(
             file_mistake(named, reason, "its header is frequency [Hz],gain,phase [deg]")
         })
     });
-    match read {
-        Ok(lines) => Some(lines),
-        Err(mistake) => {
-            findings.problem(&channel.source, channel.span("response"), *mistake);
-            None
-        }
-    }
+    findings.accept(channel, "response", read)
 }
 
 fn lines(text: &str) -> Result<Vec<ResponseLine>, String> {

@@ -31,16 +31,9 @@ pub(crate) fn named(
     let table = surroundings.read(path, LARGEST_TABLE).and_then(|text| {
         read(&text).map_err(|problem| file_mistake(path, problem.to_string(), ""))
     });
-    match table {
-        Ok(table) => {
-            findings.resolved(&record.section, "table_file", told(&table));
-            Some(Arc::new(table))
-        }
-        Err(mistake) => {
-            findings.problem(&record.source, record.span("table_file"), *mistake);
-            None
-        }
-    }
+    let table = findings.accept(record, "table_file", table)?;
+    findings.resolved(&record.section, "table_file", told(&table));
+    Some(Arc::new(table))
 }
 
 /// Reads a table of flow stress over strain, rate and temperature.

@@ -300,7 +300,7 @@ fn read_outline(
         let help = "a header line, then the corners as x, y in mm, the rake face towards +x";
         outline::parse(&text).map_err(|reason| files::file_mistake(path, reason, help))
     });
-    read.map_err(|mistake| findings.problem(&record.source, record.span("outline"), *mistake)).ok()
+    findings.accept(record, "outline", read)
 }
 
 /// The cross-section of the mesh.
@@ -339,6 +339,5 @@ pub(crate) fn read_mesh<T>(
             .and_then(|mesh| take(&mesh))
             .map_err(|error| files::file_mistake(path, error.to_string(), error.help()))
     });
-    read.map_err(|mistake| findings.problem(&record.source, record.span("mesh_file"), *mistake))
-        .ok()
+    findings.accept(record, "mesh_file", read)
 }

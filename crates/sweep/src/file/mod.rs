@@ -183,13 +183,7 @@ fn read_document(
         let field = section_field("vary");
         findings.problem(&root.source, root.span("vary"), field);
     }
-    let base_path = match surroundings.path(root.text("base")?) {
-        Ok(path) => path,
-        Err(mistake) => {
-            findings.problem(&root.source, root.span("base"), *mistake);
-            return None;
-        }
-    };
+    let base_path = findings.accept(root, "base", surroundings.path(root.text("base")?))?;
     let base = match load(&base_path, options) {
         Ok(base) => base,
         Err(problems) => {
