@@ -1,21 +1,11 @@
 //! A measured frequency response: comma-separated, a header with units.
 
+use crate::response::Response;
 use sphcut_input::columns::{self, ColumnRule, column};
 use sphcut_input::files::{LARGEST_OUTLINE, Surroundings, file_mistake};
 use sphcut_input::findings::Findings;
 use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
-
-/// A line of a frequency response.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ResponseLine {
-    /// Hz.
-    pub frequency: f64,
-    /// |H|, in any unit.
-    pub gain: f64,
-    /// rad.
-    pub phase: f64,
-}
 
 const COLUMNS: [ColumnRule; 3] = [
     column("frequency", Quantity::Frequency, "Hz", (true, false)),
@@ -23,31 +13,33 @@ const COLUMNS: [ColumnRule; 3] = [
     column("phase", Quantity::Angle, "deg", (true, false)),
 ];
 
-/// The response of a channel; empty without one, `None` after a mistake.
+/// The response of a channel, without its regularisation; `Some(None)` without one, `None` after a mistake.
 pub(super) fn read_response(
     findings: &mut Findings,
     channel: &Record<'_>,
     surroundings: &Surroundings,
-) -> Option<Vec<ResponseLine>> {
-    let Some(named) = channel.text("response") else { return Some(Vec::new()) };
+) -> Option<Option<Response>> {
+    let Some(named) = channel.text("response") else { return Some(None) };
     let read = surroundings.read(named, LARGEST_OUTLINE).and_then(|text| {
-        lines(&text).map_err(|reason| {
+        response(&text).map_err(|reason| {
             file_mistake(named, reason, "its header is frequency [Hz],gain,phase [deg]")
         })
     });
-    findings.accept(channel, "response", read)
+    findings.accept(channel, "response", read).map(Some)
 }
 
-fn lines(text: &str) -> Result<Vec<ResponseLine>, String> {
+fn response(text: &str) -> Result<Response, String> {
     let rows = columns::read(text, &COLUMNS, "no line follows the header")
         .map_err(|problem| problem.to_string())?;
-    let mut lines: Vec<ResponseLine> = Vec::new();
+    let mut found = Response::default();
     for row in rows {
         let [frequency, gain, phase] = row.all();
-        if frequency < 0.0 || lines.last().is_some_and(|last| frequency <= last.frequency) {
+        if frequency < 0.0 || found.frequency.last().is_some_and(|last| frequency <= *last) {
             return Err(row.problem("the frequencies do not rise").to_string());
         }
-        lines.push(ResponseLine { frequency, gain, phase });
+        found.frequency.push(frequency);
+        found.gain.push(gain);
+        found.phase.push(phase);
     }
-    if lines.len() < 2 { Err("two lines at least are needed".to_owned()) } else { Ok(lines) }
+    if found.gain.len() < 2 { Err("two lines at least are needed".to_owned()) } else { Ok(found) }
 }

@@ -7,7 +7,7 @@ use crate::kit::shell::{Shell, note, plain as as_it_is};
 use crate::kit::table::{ColumnHead, NONE, or_dash, table};
 use figures::{curves, residuals};
 use maud::{Markup, html};
-use sphcut_identify::{LawComparison, Curve, LawFit, Fitted, CurvePoint, Sequence, SequenceError};
+use sphcut_identify::{Curve, CurvePoint, Fitted, LawComparison, LawFit, Sequence, SequenceError};
 
 /// A correlation above which two parameters are not told apart.
 const STRONG: f64 = 0.95;
