@@ -48,11 +48,11 @@ pub(crate) fn wall(
         }
         _ => None,
     };
-    let around = heat::HeatedTool {
+    let around = heat::ToolHeatSite {
         shape: match (&surface, &solid) {
-            (ToolSurface::Polygon(corners), _) => heat::HeatedShape::Outline(corners),
-            (_, Some(solid)) => heat::HeatedShape::Surface(solid),
-            _ => heat::HeatedShape::HalfSpace,
+            (ToolSurface::Polygon(corners), _) => heat::ToolHeatShape::Outline(corners),
+            (_, Some(solid)) => heat::ToolHeatShape::Surface(solid),
+            _ => heat::ToolHeatShape::HalfSpace,
         },
         centre: point,
         outer_sides: None,

@@ -14,7 +14,7 @@ use toml::de::DeTable;
 
 /// The surface of a tool.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum HeatedShape<'a> {
+pub(crate) enum ToolHeatShape<'a> {
     /// In the plane, counter-clockwise.
     Outline(&'a [[f64; 2]]),
     /// In space, closed.
@@ -23,8 +23,8 @@ pub(crate) enum HeatedShape<'a> {
 }
 
 /// What of the tool is known where its heat is read.
-pub(crate) struct HeatedTool<'a> {
-    pub(crate) shape: HeatedShape<'a>,
+pub(crate) struct ToolHeatSite<'a> {
+    pub(crate) shape: ToolHeatShape<'a>,
     /// The cutting edge, or the point of a wall.
     pub(crate) centre: [f64; 3],
     /// Sides at which the tool is cut off, where its shape says so.
@@ -40,7 +40,7 @@ pub(crate) struct HeatedTool<'a> {
 pub(crate) fn tool_heat(
     findings: &mut Findings,
     owner: &Record<'_>,
-    around: &HeatedTool<'_>,
+    around: &ToolHeatSite<'_>,
 ) -> Option<Option<ToolHeat>> {
     let empty = DeTable::new();
     let table = match owner.table("heat") {
@@ -53,7 +53,7 @@ pub(crate) fn tool_heat(
     refuse_parts_of_a_material(findings, &record);
     let coating = coating(findings, &record);
     let outer = outer(findings, &record);
-    if matches!(around.shape, HeatedShape::HalfSpace) {
+    if matches!(around.shape, ToolHeatShape::HalfSpace) {
         let mistake = Mistake::Contradiction {
             message: "a half space has no mesh to conduct heat in".to_owned(),
             help: "give the wall a `mesh_file`: in the plane for example a rectangle as a Gmsh line loop, in space \
@@ -178,7 +178,7 @@ fn outer(findings: &mut Findings, record: &Record<'_>) -> Option<OuterBoundary> 
 fn outer_sides(
     findings: &mut Findings,
     record: &Record<'_>,
-    around: &HeatedTool<'_>,
+    around: &ToolHeatSite<'_>,
     outer: OuterBoundary,
 ) -> Option<Vec<usize>> {
     if !record.is_written("outer_distance") {
@@ -221,17 +221,17 @@ fn outer_sides(
 }
 
 /// How far each side of the tool is from its cutting edge.
-fn distances(around: &HeatedTool<'_>) -> Vec<f64> {
+fn distances(around: &ToolHeatSite<'_>) -> Vec<f64> {
     match around.shape {
-        HeatedShape::Outline(polygon) => {
+        ToolHeatShape::Outline(polygon) => {
             let [x, y, _] = around.centre;
             let side = |k: usize| (polygon[k], polygon[(k + 1) % polygon.len()]);
             (0..polygon.len()).map(|k| point_distance([x, y], side(k))).collect()
         }
-        HeatedShape::Surface((vertices, triangles)) => triangles
+        ToolHeatShape::Surface((vertices, triangles)) => triangles
             .iter()
             .map(|triangle| triangle_distance(around.centre.into(), &triangle.map(|v| vertices[v])))
             .collect(),
-        HeatedShape::HalfSpace => Vec::new(),
+        ToolHeatShape::HalfSpace => Vec::new(),
     }
 }

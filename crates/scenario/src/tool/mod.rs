@@ -88,9 +88,9 @@ pub(crate) fn tool(
             "remove it: machine and spindle are rigid",
         );
         let turned = turning::turned(findings, &record, surroundings, process, sizes, width)?;
-        let around = heat::HeatedTool {
+        let around = heat::ToolHeatSite {
             centre: lowest_point(&turned.surface.0),
-            shape: heat::HeatedShape::Surface(&turned.surface),
+            shape: heat::ToolHeatShape::Surface(&turned.surface),
             outer_sides: turned.cut_off,
             fine_reach: turned.reach,
             particle_spacing: sizes?.0,
@@ -145,14 +145,14 @@ fn heat_surroundings<'a>(
     whole: Option<&str>,
     process: CuttingProcess,
     particle_spacing: f64,
-) -> heat::HeatedTool<'a> {
+) -> heat::ToolHeatSite<'a> {
     let lowest = polygon.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
     let deepest = polygon.iter().filter(|point| point[1] == lowest);
     let foremost = deepest.map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
     let count = polygon.len();
     let reach = LONGEST_CONTACT * process.depth;
-    heat::HeatedTool {
-        shape: heat::HeatedShape::Outline(polygon),
+    heat::ToolHeatSite {
+        shape: heat::ToolHeatShape::Outline(polygon),
         centre: [foremost, lowest, 0.0],
         // The corners of a tool of angles end with those of rake face, back and flank.
         outer_sides: whole.is_none().then(|| vec![count - 3, count - 2]),
