@@ -1,8 +1,7 @@
 //! The surface of a rigid tool with its spatial index: which of its points is nearest.
 
+use glam::DVec3;
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
-
-type Vector3 = [f64; 3];
 
 /// The surface of a rigid tool. Normals point out of the tool.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,9 +36,9 @@ pub struct ToolSurfaceError {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Facet {
     /// Corners; a segment repeats its second one.
-    corners: [Vector3; 3],
+    corners: [DVec3; 3],
     /// Unit normal out of the tool.
-    normal: Vector3,
+    normal: DVec3,
     kind: FacetKind,
 }
 
@@ -59,57 +58,43 @@ impl RTreeObject for Facet {
         if self.kind == FacetKind::Plane {
             return AABB::from_corners([-FAR; 3], [FAR; 3]);
         }
-        AABB::from_points(&self.corners)
+        AABB::from_points(&self.corners.map(|corner| corner.to_array()))
     }
 }
 
-fn sub(a: &Vector3, b: &Vector3) -> Vector3 {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot3(a: &Vector3, b: &Vector3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: &Vector3, b: &Vector3) -> Vector3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn along(a: &Vector3, factor: f64, direction: &Vector3) -> Vector3 {
-    [a[0] + factor * direction[0], a[1] + factor * direction[1], a[2] + factor * direction[2]]
-}
-
 /// Point of the segment `a b` closest to `x`.
-fn closest_on_segment(x: &Vector3, a: &Vector3, b: &Vector3) -> Vector3 {
-    let edge = sub(b, a);
-    let length_square = dot3(&edge, &edge);
-    let t = if length_square > 0.0 { dot3(&sub(x, a), &edge) / length_square } else { 0.0 };
-    along(a, t.clamp(0.0, 1.0), &edge)
+fn closest_on_segment(x: DVec3, a: DVec3, b: DVec3) -> DVec3 {
+    let edge = b - a;
+    let square = edge.length_squared();
+    let share = if square > 0.0 { (x - a).dot(edge) / square } else { 0.0 };
+    a + share.clamp(0.0, 1.0) * edge
 }
 
 impl Facet {
-    fn closest(&self, x: &Vector3) -> Vector3 {
-        let [a, b, c] = &self.corners;
-        let height = dot3(&sub(x, a), &self.normal);
-        let foot = along(x, -height, &self.normal);
+    fn closest(&self, x: DVec3) -> DVec3 {
+        let [a, b, c] = self.corners;
+        let height = (x - a).dot(self.normal);
+        let foot = x - height * self.normal;
         match self.kind {
             FacetKind::Plane => foot,
             FacetKind::Segment => closest_on_segment(x, a, b),
             FacetKind::Triangle => {
-                let inside = |p: &Vector3, q: &Vector3| {
-                    dot3(&cross(&sub(q, p), &sub(&foot, p)), &self.normal) >= 0.0
-                };
+                let inside = |p: DVec3, q: DVec3| (q - p).cross(foot - p).dot(self.normal) >= 0.0;
                 if inside(a, b) && inside(b, c) && inside(c, a) {
                     return foot;
                 }
                 let candidates = [(a, b), (b, c), (c, a)].map(|(p, q)| {
                     let point = closest_on_segment(x, p, q);
-                    let d = sub(x, &point);
-                    (dot3(&d, &d), point)
+                    ((x - point).length_squared(), point)
                 });
                 candidates.into_iter().min_by(|p, q| p.0.total_cmp(&q.0)).expect("three edges").1
             }
         }
+    }
+
+    /// Length of its first side in m.
+    fn length(&self) -> f64 {
+        (self.corners[1] - self.corners[0]).length()
     }
 }
 
@@ -119,7 +104,7 @@ pub struct NearestPoint {
     /// Distance in m, negative inside the tool.
     pub distance: f64,
     /// Unit normal out of the tool.
-    pub normal: Vector3,
+    pub normal: DVec3,
 }
 
 /// The surface of a rigid tool with its spatial index.
@@ -127,8 +112,8 @@ pub struct NearestPoint {
 pub struct IndexedSurface {
     facets: Vec<Facet>,
     tree: RTree<IndexedFacet>,
-    low: Vector3,
-    high: Vector3,
+    low: DVec3,
+    high: DVec3,
     /// In the plane: length of the outline up to each facet in m.
     start: Vec<f64>,
 }
@@ -147,9 +132,9 @@ impl RTreeObject for IndexedFacet {
 }
 
 impl PointDistance for IndexedFacet {
-    fn distance_2(&self, point: &Vector3) -> f64 {
-        let d = sub(point, &self.facet.closest(point));
-        dot3(&d, &d)
+    fn distance_2(&self, point: &[f64; 3]) -> f64 {
+        let point = DVec3::from(*point);
+        (point - self.facet.closest(point)).length_squared()
     }
 }
 
@@ -157,7 +142,7 @@ impl PointDistance for IndexedFacet {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceFoot {
     /// Where it is.
-    pub place: Vector3,
+    pub place: DVec3,
     /// Distance in m, negative inside the tool, and the normal there.
     pub nearest: NearestPoint,
     /// Its number.
@@ -174,7 +159,11 @@ impl IndexedSurface {
             ToolSurface::Polygon(corners) => polygon_facets(corners)?,
             ToolSurface::Triangles { vertices, triangles } => triangle_facets(vertices, triangles)?,
             ToolSurface::HalfSpace { point, normal } => {
-                vec![Facet { corners: [*point; 3], normal: *normal, kind: FacetKind::Plane }]
+                vec![Facet {
+                    corners: [(*point).into(); 3],
+                    normal: (*normal).into(),
+                    kind: FacetKind::Plane,
+                }]
             }
         };
         Ok(Self::of_facets(facets))
@@ -187,13 +176,11 @@ impl IndexedSurface {
     }
 
     fn of_facets(facets: Vec<Facet>) -> Self {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for facet in &facets {
             let envelope = facet.envelope();
-            for k in 0..3 {
-                low[k] = low[k].min(envelope.lower()[k]);
-                high[k] = high[k].max(envelope.upper()[k]);
-            }
+            low = low.min(envelope.lower().into());
+            high = high.max(envelope.upper().into());
         }
         let indexed = facets
             .iter()
@@ -204,8 +191,7 @@ impl IndexedSurface {
             .iter()
             .scan(0.0, |length, facet| {
                 let here = *length;
-                let side = sub(&facet.corners[1], &facet.corners[0]);
-                *length += dot3(&side, &side).sqrt();
+                *length += facet.length();
                 Some(here)
             })
             .collect();
@@ -219,49 +205,44 @@ impl IndexedSurface {
         if facet.kind == FacetKind::Plane {
             return f64::INFINITY;
         }
-        let side = sub(&facet.corners[1], &facet.corners[0]);
-        self.start[last] + dot3(&side, &side).sqrt()
+        self.start[last] + facet.length()
     }
 
     /// Length along the outline at `foot` of `x` in m, of a half space from its point; and at a corner of the
     /// outline, where many have their foot, the angle about it that orders them the same way, otherwise 0.
     /// Without meaning in space.
-    pub fn station(&self, x: &Vector3, foot: &SurfaceFoot) -> (f64, f64) {
+    pub fn station(&self, x: DVec3, foot: &SurfaceFoot) -> (f64, f64) {
         let number = foot.facet as usize;
         let facet = &self.facets[number];
-        let along = |normal: &Vector3, way: &Vector3| way[1] * normal[0] - way[0] * normal[1];
+        let along = |normal: DVec3, way: DVec3| way.y * normal.x - way.x * normal.y;
         if facet.kind == FacetKind::Plane {
-            return (along(&facet.normal, &sub(&foot.place, &facet.corners[0])), 0.0);
+            return (along(facet.normal, foot.place - facet.corners[0]), 0.0);
         }
-        let [from, to, _] = &facet.corners;
-        let length = along(&facet.normal, &sub(to, from));
-        let way = along(&facet.normal, &sub(x, from));
+        let [from, to, _] = facet.corners;
+        let length = along(facet.normal, to - from);
+        let way = along(facet.normal, x - from);
         let corner = match way {
             way if way <= 0.0 => number,
             way if way >= length => (number + 1) % self.facets.len(),
             _ => return (self.start[number] + way, 0.0),
         };
-        let normal = &self.facets[corner].normal;
-        let turn = along(normal, &foot.nearest.normal).atan2(dot3(normal, &foot.nearest.normal));
+        let normal = self.facets[corner].normal;
+        let turn = along(normal, foot.nearest.normal).atan2(normal.dot(foot.nearest.normal));
         (self.start[corner], turn)
     }
 
     /// Whether `x` (tool frame) lies within `reach` of the surface's bounding box.
-    pub fn is_near(&self, x: &Vector3, reach: f64) -> bool {
+    pub fn is_near(&self, x: DVec3, reach: f64) -> bool {
         (0..3).all(|k| x[k] >= self.low[k] - reach && x[k] <= self.high[k] + reach)
     }
 
     /// Facets within `reach` of `x`, in the order of their index.
-    pub fn facets_near(&self, x: &Vector3, reach: f64, found: &mut Vec<u32>) {
-        let range = AABB::from_corners(
-            [x[0] - reach, x[1] - reach, x[2] - reach],
-            [x[0] + reach, x[1] + reach, x[2] + reach],
-        );
+    pub fn facets_near(&self, x: DVec3, reach: f64, found: &mut Vec<u32>) {
+        let range = AABB::from_corners((x - reach).to_array(), (x + reach).to_array());
         let first = found.len();
         // Boxes of large slanted facets reach far beyond them: one that is far away must not decide on which side x lies.
         let near = |f: &&IndexedFacet| {
-            let d = sub(x, &self.facets[f.index as usize].closest(x));
-            dot3(&d, &d) <= reach * reach
+            (x - self.facets[f.index as usize].closest(x)).length_squared() <= reach * reach
         };
         let in_box = self.tree.locate_in_envelope_intersecting(&range);
         found.extend(in_box.filter(near).map(|f| f.index));
@@ -269,32 +250,33 @@ impl IndexedSurface {
     }
 
     /// NearestPoint point among the facets listed.
-    pub fn nearest_of(&self, x: &Vector3, facets: &[u32]) -> Option<NearestPoint> {
+    pub fn nearest_of(&self, x: DVec3, facets: &[u32]) -> Option<NearestPoint> {
         self.foot_of(x, facets).map(|foot| foot.nearest)
     }
 
     /// NearestPoint point of the whole surface, found in its tree.
-    pub fn foot(&self, x: &Vector3) -> SurfaceFoot {
-        let facet = self.tree.nearest_neighbor(x).expect("a surface has at least one facet");
+    pub fn foot(&self, x: DVec3) -> SurfaceFoot {
+        let facet =
+            self.tree.nearest_neighbor(&x.to_array()).expect("a surface has at least one facet");
         // All that are as near but for rounding: they decide together on which side x lies.
-        let reach = (1.0 + 1e-9) * facet.distance_2(x).sqrt() + 1e-12;
+        let reach = (1.0 + 1e-9) * facet.distance_2(&x.to_array()).sqrt() + 1e-12;
         let mut near = Vec::new();
         self.facets_near(x, reach, &mut near);
         self.foot_of(x, &near).expect("the nearest facet is among them")
     }
 
     /// Smallest and largest coordinates.
-    pub fn bounds(&self) -> [Vector3; 2] {
+    pub fn bounds(&self) -> [DVec3; 2] {
         [self.low, self.high]
     }
 
     /// NearestPoint point among the facets listed, with the facet it lies on.
-    pub fn foot_of(&self, x: &Vector3, facets: &[u32]) -> Option<SurfaceFoot> {
-        let mut best: Option<(f64, Vector3, u32)> = None;
+    pub fn foot_of(&self, x: DVec3, facets: &[u32]) -> Option<SurfaceFoot> {
+        let mut best: Option<(f64, DVec3, u32)> = None;
         for &index in facets {
             let facet = &self.facets[index as usize];
-            let d = sub(x, &facet.closest(x));
-            let square = dot3(&d, &d);
+            let d = x - facet.closest(x);
+            let square = d.length_squared();
             // Of two facets that share the nearest corner, the one seen more frontally decides the side.
             let better = match best {
                 None => true,
@@ -302,7 +284,7 @@ impl IndexedSurface {
                     let other = &self.facets[other as usize];
                     square < least * (1.0 - 1e-12)
                         || (square <= least * (1.0 + 1e-12)
-                            && dot3(&d, &facet.normal).abs() > dot3(&previous, &other.normal).abs())
+                            && d.dot(facet.normal).abs() > previous.dot(other.normal).abs())
                 }
             };
             if better {
@@ -312,20 +294,16 @@ impl IndexedSurface {
         best.map(|(square, d, index)| {
             let facet = &self.facets[index as usize];
             let length = square.sqrt();
-            let side = if dot3(&d, &facet.normal) >= 0.0 { 1.0 } else { -1.0 };
+            let side = if d.dot(facet.normal) >= 0.0 { 1.0 } else { -1.0 };
             // On the surface itself the direction of d is noise: take the facet's normal there.
-            let normal = if length > 1e-15 {
-                [side * d[0] / length, side * d[1] / length, side * d[2] / length]
-            } else {
-                facet.normal
-            };
+            let normal = if length > 1e-15 { side * d / length } else { facet.normal };
             let nearest = NearestPoint { distance: side * length, normal };
-            SurfaceFoot { place: sub(x, &d), nearest, facet: index }
+            SurfaceFoot { place: x - d, nearest, facet: index }
         })
     }
 
     /// NearestPoint point of the whole surface; for checks, not for the time loop.
-    pub fn nearest(&self, x: &Vector3) -> NearestPoint {
+    pub fn nearest(&self, x: DVec3) -> NearestPoint {
         let all: Vec<u32> = (0..self.facets.len() as u32).collect();
         self.nearest_of(x, &all).expect("a surface has at least one facet")
     }
@@ -356,15 +334,15 @@ fn polygon_facets(corners: &[[f64; 2]]) -> Result<Vec<Facet>, ToolSurfaceError> 
             if length <= 0.0 || !length.is_finite() {
                 return Err(unusable(format!("side {i} has no length")));
             }
-            let (a, b) = ([a[0], a[1], 0.0], [b[0], b[1], 0.0]);
-            let normal = [dy / length, -dx / length, 0.0];
+            let [a, b] = [a, b].map(|[x, y]| DVec3::new(x, y, 0.0));
+            let normal = DVec3::new(dy / length, -dx / length, 0.0);
             Ok(Facet { corners: [a, b, b], normal, kind: FacetKind::Segment })
         })
         .collect()
 }
 
 fn triangle_facets(
-    vertices: &[Vector3],
+    vertices: &[[f64; 3]],
     triangles: &[[usize; 3]],
 ) -> Result<Vec<Facet>, ToolSurfaceError> {
     let mut edges = std::collections::BTreeMap::new();
@@ -376,13 +354,13 @@ fn triangle_facets(
                 "facet {index} uses vertex {missing}, which is not there"
             )));
         }
-        let [a, b, c] = triangle.map(|v| vertices[v]);
-        let area_vector = cross(&sub(&b, &a), &sub(&c, &a));
-        let length = dot3(&area_vector, &area_vector).sqrt();
+        let [a, b, c] = triangle.map(|v| DVec3::from(vertices[v]));
+        let area_vector = (b - a).cross(c - a);
+        let length = area_vector.length();
         if length <= 0.0 || !length.is_finite() {
             return Err(unusable(format!("facet {index} has no area")));
         }
-        volume += dot3(&a, &cross(&b, &c));
+        volume += a.dot(b.cross(c));
         for k in 0..3 {
             let edge = (triangle[k], triangle[(k + 1) % 3]);
             if let Some(other) = edges.insert(edge, index) {
@@ -391,7 +369,7 @@ fn triangle_facets(
                 )));
             }
         }
-        let normal = area_vector.map(|component| component / length);
+        let normal = area_vector / length;
         facets.push(Facet { corners: [a, b, c], normal, kind: FacetKind::Triangle });
     }
     if let Some(((from, to), index)) =
@@ -418,9 +396,9 @@ mod tests {
         let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let surface = IndexedSurface::new(&ToolSurface::Triangles { vertices, triangles }).unwrap();
-        let near = |x: Vector3, reach: f64| {
+        let near = |x: [f64; 3], reach: f64| {
             let mut found = Vec::new();
-            surface.facets_near(&x, reach, &mut found);
+            surface.facets_near(x.into(), reach, &mut found);
             found
         };
         // In the box of the slanted facet, 1.07 before its plane.
@@ -428,6 +406,6 @@ mod tests {
         assert_eq!(near([0.95; 3], 1.08), vec![3]);
         assert_eq!(near([0.4; 3], 0.12), vec![3]);
         assert_eq!(near([-0.05, 0.2, 0.2], 0.1), vec![2]);
-        assert!(surface.foot(&[-0.05, 0.2, 0.2]).nearest.distance > 0.0);
+        assert!(surface.foot(DVec3::new(-0.05, 0.2, 0.2)).nearest.distance > 0.0);
     }
 }

@@ -62,7 +62,7 @@ pub struct Diverged {
     /// Its last position in m.
     pub position: Vector,
     /// Name of the quantity.
-    pub quantity: &'static str,
+    pub quantity: String,
     /// Its value.
     pub value: f64,
 }

@@ -39,52 +39,44 @@ impl Ledger {
         self.reaction_impulse = [0.0; 3];
     }
 
-    /// All numbers in a fixed order, for the checkpoint.
-    pub(crate) fn to_array(&self) -> [f64; 20] {
+    /// All numbers in the order of a checkpoint.
+    fn numbers(&mut self) -> [&mut f64; 20] {
+        let [tool_x, tool_y, tool_z] = &mut self.tool_impulse;
+        let [reaction_x, reaction_y, reaction_z] = &mut self.reaction_impulse;
         [
-            self.tool_work,
-            self.support_work,
-            self.plastic,
-            self.friction,
-            self.contact,
-            self.hourglass,
-            self.viscosity,
-            self.density_diffusion,
-            self.residue,
-            self.heat_supplied,
-            self.initial_energy,
-            self.initial_heat,
-            self.interval_start,
-            self.tool_impulse[0],
-            self.tool_impulse[1],
-            self.tool_impulse[2],
-            self.reaction_impulse[0],
-            self.reaction_impulse[1],
-            self.reaction_impulse[2],
-            self.thermoelastic,
+            &mut self.tool_work,
+            &mut self.support_work,
+            &mut self.plastic,
+            &mut self.friction,
+            &mut self.contact,
+            &mut self.hourglass,
+            &mut self.viscosity,
+            &mut self.density_diffusion,
+            &mut self.residue,
+            &mut self.heat_supplied,
+            &mut self.initial_energy,
+            &mut self.initial_heat,
+            &mut self.interval_start,
+            tool_x,
+            tool_y,
+            tool_z,
+            reaction_x,
+            reaction_y,
+            reaction_z,
+            &mut self.thermoelastic,
         ]
     }
 
+    /// The ledger as numbers, for the checkpoint.
+    pub(crate) fn to_array(&self) -> [f64; 20] {
+        self.clone().numbers().map(|number| *number)
+    }
+
     /// The inverse of [`Ledger::to_array`].
-    pub(crate) fn from_array(a: &[f64; 20]) -> Self {
-        Self {
-            tool_work: a[0],
-            support_work: a[1],
-            plastic: a[2],
-            friction: a[3],
-            contact: a[4],
-            hourglass: a[5],
-            viscosity: a[6],
-            density_diffusion: a[7],
-            residue: a[8],
-            heat_supplied: a[9],
-            initial_energy: a[10],
-            initial_heat: a[11],
-            interval_start: a[12],
-            tool_impulse: [a[13], a[14], a[15]],
-            reaction_impulse: [a[16], a[17], a[18]],
-            thermoelastic: a[19],
-        }
+    pub(crate) fn from_array(values: &[f64; 20]) -> Self {
+        let mut ledger = Self::default();
+        std::iter::zip(ledger.numbers(), values).for_each(|(number, value)| *number = *value);
+        ledger
     }
 }
 

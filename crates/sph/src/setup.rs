@@ -2,6 +2,7 @@
 //! the solver consumes. Plain data; building the particles is the solver's work.
 
 use crate::options;
+pub use crate::tensor::Vector;
 use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::effects::{ChosenEffect, EffectContext};
 use sphcut_physics::elasticity::ElasticModuli;
@@ -11,9 +12,6 @@ use sphcut_physics::friction::FrictionEntry;
 use sphcut_physics::process::{Oscillator, RunOut};
 use sphcut_physics::{TemperatureTable, Values};
 use sphcut_tool_heat::ToolHeat;
-
-/// A vector with three components; plane problems leave the third at zero.
-pub type Vector = [f64; 3];
 
 /// Plane strain or three dimensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Small dense vectors and matrices of dimension 2 or 3.
 
-/// A vector of dimension `D`.
-pub(crate) type Vector<const D: usize> = [f64; D];
+/// A vector of dimension `D`, of space where nothing is said; plane problems leave its third component at zero.
+pub type Vector<const D: usize = 3> = [f64; D];
 /// A matrix, row by row.
 pub(crate) type Matrix<const D: usize> = [[f64; D]; D];
 
@@ -33,12 +33,6 @@ pub(crate) fn dot<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> f64 {
         sum += a[k] * b[k];
     }
     sum
-}
-
-/// a + b
-#[inline]
-pub(crate) fn plus<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> Vector<D> {
-    std::array::from_fn(|k| a[k] + b[k])
 }
 
 /// a - b

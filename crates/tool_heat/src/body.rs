@@ -1,12 +1,13 @@
 //! The mesh of the tool and its surface, in the plane or in space.
 
 use crate::conduction::Conduction;
-use crate::description::{ToolHeat, ToolHeatError, Vector, unusable};
+use crate::description::{ToolHeat, ToolHeatError, unusable};
 use crate::mesh::{COATING_LAYERS, Layer, PlaneMesh};
 use crate::outline::double_area;
 use crate::rim::Rim;
 use crate::skin::Skin;
 use crate::solid::{SolidMesh, SolidParts, solid};
+use glam::DVec3;
 use sphcut_geometry::tool_surface::ToolSurface;
 
 /// What the mesh is like.
@@ -32,25 +33,26 @@ pub struct ToolMeshFacts {
 
 /// What a particle's contact and a picture need of the mesh.
 #[derive(Debug)]
-pub(crate) enum ToolBody {
+pub(crate) enum MeshedTool {
     Plane { mesh: PlaneMesh, rim: Rim },
     Space { mesh: SolidMesh, skin: Skin },
 }
 
 /// A body with its equations and the extent of outer sides at each node.
 pub(crate) struct Made {
-    pub(crate) body: ToolBody,
+    pub(crate) body: MeshedTool,
     pub(crate) conduction: Conduction,
     pub(crate) outer: Vec<f64>,
 }
 
-impl ToolBody {
+impl MeshedTool {
     /// # Errors
     /// A half space; a mesh that cannot be made.
     pub(crate) fn make(surface: &ToolSurface, heat: &ToolHeat) -> Result<Made, ToolHeatError> {
         match surface {
             ToolSurface::Polygon(corners) => {
-                let mesh = PlaneMesh::new(corners, heat)?;
+                let mesh =
+                    PlaneMesh::new(&corners.iter().map(|c| (*c).into()).collect::<Vec<_>>(), heat)?;
                 let conduction = Conduction::new(&mesh, heat);
                 let rim = Rim::new(&mesh);
                 let outer = rim.lengths(&mesh.rim_is_outer, mesh.nodes.len());
@@ -99,25 +101,25 @@ impl ToolBody {
 
     /// Where `position` (tool frame) touches: in the plane the place along the outline, in space the
     /// position itself.
-    pub(crate) fn place(&self, position: &Vector) -> Vector {
+    pub(crate) fn place(&self, position: DVec3) -> DVec3 {
         match self {
-            Self::Plane { rim, .. } => [rim.foot([position[0], position[1]]), 0.0, 0.0],
-            Self::Space { .. } => *position,
+            Self::Plane { rim, .. } => DVec3::new(rim.foot(position.truncate()), 0.0, 0.0),
+            Self::Space { .. } => position,
         }
     }
 
     /// The way from one such place to another.
-    pub(crate) fn way(&self, from: &Vector, to: &Vector) -> Vector {
+    pub(crate) fn way(&self, from: DVec3, to: DVec3) -> DVec3 {
         match self {
-            Self::Plane { rim, .. } => [rim.way(from[0], to[0]), 0.0, 0.0],
-            Self::Space { .. } => std::array::from_fn(|k| to[k] - from[k]),
+            Self::Plane { rim, .. } => DVec3::new(rim.way(from.x, to.x), 0.0, 0.0),
+            Self::Space { .. } => to - from,
         }
     }
 
     /// Adds the shares of the nodes that a particle of `width` at `middle` covers.
-    pub(crate) fn footprint(&self, middle: &Vector, width: f64, shares: &mut Vec<(u32, f64)>) {
+    pub(crate) fn footprint(&self, middle: DVec3, width: f64, shares: &mut Vec<(u32, f64)>) {
         match self {
-            Self::Plane { rim, .. } => rim.footprint(middle[0], width, shares),
+            Self::Plane { rim, .. } => rim.footprint(middle.x, width, shares),
             Self::Space { skin, .. } => skin.footprint(middle, width, shares),
         }
     }
@@ -153,11 +155,11 @@ impl ToolBody {
     }
 
     /// Nodes moved by `displacement` and the triangles to show: all of the plane, the surface in space.
-    pub(crate) fn picture(&self, displacement: Vector) -> (Vec<Vector>, Vec<u32>) {
-        let moved = |x: Vector| std::array::from_fn(|k| x[k] + displacement[k]);
+    pub(crate) fn picture(&self, displacement: DVec3) -> (Vec<[f64; 3]>, Vec<u32>) {
+        let moved = |x: DVec3| (x + displacement).to_array();
         match self {
             Self::Plane { mesh, .. } => (
-                mesh.nodes.iter().map(|[x, y]| moved([*x, *y, 0.0])).collect(),
+                mesh.nodes.iter().map(|x| moved(x.extend(0.0))).collect(),
                 mesh.elements.iter().flatten().copied().collect(),
             ),
             Self::Space { mesh, .. } => (
@@ -172,7 +174,7 @@ impl ToolBody {
         match self {
             Self::Plane { mesh, .. } => mesh.nodes.len() * 4 * size_of::<[f64; 2]>(),
             Self::Space { mesh, skin } => {
-                mesh.nodes.len() * (size_of::<Vector>() + size_of::<[f64; 8]>())
+                mesh.nodes.len() * (size_of::<DVec3>() + size_of::<[f64; 8]>())
                     + mesh.surface.len() * size_of::<[u32; 3]>()
                     + skin.memory()
             }

@@ -1,7 +1,7 @@
 //! The state of a tool as named arrays, its picture, and who follows whom when particles change their order.
 
-use crate::description::Vector;
 use crate::heated_tool::{Exposure, HeatedTool};
+use glam::DVec3;
 
 /// Names of the arrays of a checkpoint.
 const TEMPERATURE: &str = "tool_temperature";
@@ -30,8 +30,8 @@ impl HeatedTool {
             // Exact: fewer than 2^53 particles.
             [f64::from(*particle), exposure.duration, exposure.coverage]
                 .into_iter()
-                .chain(exposure.place[..axes].to_vec())
-                .chain(exposure.drift[..axes].to_vec())
+                .chain(exposure.place.to_array().into_iter().take(axes))
+                .chain(exposure.drift.to_array().into_iter().take(axes))
                 .chain([exposure.friction])
         });
         [
@@ -67,7 +67,7 @@ impl HeatedTool {
             return Err(EXPOSURES);
         }
         let vector = |row: &[f64], from: usize| {
-            std::array::from_fn(|k| if k < axes { row[from + k] } else { 0.0 })
+            DVec3::from_array(std::array::from_fn(|k| if k < axes { row[from + k] } else { 0.0 }))
         };
         let exposure = |row: &[f64]| Exposure {
             duration: row[1],
@@ -83,7 +83,7 @@ impl HeatedTool {
 
     /// Nodes moved by `displacement`, triangles and temperatures of the nodes, for a snapshot: in space the
     /// triangles are those of the surface.
-    pub fn picture(&self, displacement: Vector) -> (Vec<Vector>, Vec<u32>, Vec<f64>) {
+    pub fn picture(&self, displacement: DVec3) -> (Vec<[f64; 3]>, Vec<u32>, Vec<f64>) {
         let (nodes, triangles) = self.body.picture(displacement);
         (nodes, triangles, self.temperature.clone())
     }

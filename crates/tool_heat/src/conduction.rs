@@ -191,9 +191,7 @@ impl Conduction {
                 mass[element[k] as usize][place(layer)] +=
                     materials[place(layer)].density * area / 3.0;
                 let (apex, from, to) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-                let dot = (from[0] - apex[0]) * (to[0] - apex[0])
-                    + (from[1] - apex[1]) * (to[1] - apex[1]);
-                weights[index][k].1 = 0.5 * dot / (2.0 * area);
+                weights[index][k].1 = 0.5 * (from - apex).dot(to - apex) / (2.0 * area);
                 let (a, b) = (element[(k + 1) % 3], element[(k + 2) % 3]);
                 sides.push(([a.min(b), a.max(b)], index, k));
             }

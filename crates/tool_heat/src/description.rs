@@ -2,9 +2,6 @@
 
 use sphcut_physics::TemperatureTable;
 
-/// A vector with three components; plane problems leave the third at zero.
-pub(crate) type Vector = [f64; 3];
-
 /// Heat conduction in a tool whose surface is a polygon or closed triangles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToolHeat {
@@ -22,7 +19,7 @@ pub struct ToolHeat {
     /// What holds on these sides; no heat passes the others outside the contact.
     pub outer: OuterBoundary,
     /// Point of the surface about which the mesh is fine.
-    pub fine_centre: Vector,
+    pub fine_centre: [f64; 3],
     /// Distance from it within which sides that can touch have elements of `element_size`, in m.
     pub fine_reach: f64,
     /// Length of the smallest elements in m.

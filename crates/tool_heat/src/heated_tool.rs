@@ -1,8 +1,9 @@
 //! The tool as a body that conducts heat, step by step.
 
-use crate::body::{Made, ToolBody, ToolMeshFacts};
+use crate::body::{Made, MeshedTool, ToolMeshFacts};
 use crate::conduction::{Conduction, Flow, Load};
-use crate::description::{OuterBoundary, ToolHeat, ToolHeatError, Vector};
+use crate::description::{OuterBoundary, ToolHeat, ToolHeatError};
+use glam::DVec3;
 use sphcut_geometry::tool_surface::ToolSurface;
 
 /// Way of a particle along the tool in one step of the tool, in spacings.
@@ -21,10 +22,10 @@ pub(crate) struct Exposure {
     pub(crate) duration: f64,
     /// Sum of time and area in m^2 s (m s in 2D).
     pub(crate) coverage: f64,
-    /// Where it was first: see [`ToolBody::place`].
-    pub(crate) place: Vector,
+    /// Where it was first: see [`MeshedTool::place`].
+    pub(crate) place: DVec3,
     /// Sum of time and way from there, in m s.
-    pub(crate) drift: Vector,
+    pub(crate) drift: DVec3,
     /// Heat of friction for the tool in J (J/m in 2D).
     pub(crate) friction: f64,
 }
@@ -65,7 +66,7 @@ struct Exchange {
 /// The tool as a body that conducts heat.
 #[derive(Debug)]
 pub struct HeatedTool {
-    pub(crate) body: ToolBody,
+    pub(crate) body: MeshedTool,
     pub(crate) conduction: Conduction,
     pub(crate) temperature: Vec<f64>,
     /// Its initial value.
@@ -106,7 +107,7 @@ impl HeatedTool {
         speeds: &[f64],
         spacing: f64,
     ) -> Result<Self, ToolHeatError> {
-        let Made { body, conduction, outer } = ToolBody::make(surface, heat)?;
+        let Made { body, conduction, outer } = MeshedTool::make(surface, heat)?;
         let longest_interval = longest_interval(heat, spacing);
         let interval = |speed: f64| longest_way(speed, spacing).min(longest_interval);
         let mut temperature = vec![heat.temperature; body.nodes()];
@@ -151,7 +152,7 @@ impl HeatedTool {
 
     /// Notes that `particle` of a resting lattice touches at `position` (tool frame) for `duration` and rubs
     /// `friction` of heat into the tool.
-    pub fn touch(&mut self, particle: u32, position: &Vector, duration: f64, friction: f64) {
+    pub fn touch(&mut self, particle: u32, position: DVec3, duration: f64, friction: f64) {
         self.touch_on(self.body.patch(self.width), particle, position, duration, friction);
     }
 
@@ -160,7 +161,7 @@ impl HeatedTool {
         &mut self,
         area: f64,
         particle: u32,
-        position: &Vector,
+        position: DVec3,
         duration: f64,
         friction: f64,
     ) {
@@ -172,7 +173,7 @@ impl HeatedTool {
                     duration: 0.0,
                     coverage: 0.0,
                     place,
-                    drift: [0.0; 3],
+                    drift: DVec3::ZERO,
                     friction: 0.0,
                 };
                 self.exposures.insert(index, (particle, fresh));
@@ -182,10 +183,7 @@ impl HeatedTool {
         let exposure = &mut self.exposures[index].1;
         exposure.duration += duration;
         exposure.coverage += duration * area;
-        let way = self.body.way(&exposure.place, &place);
-        for (drift, way) in exposure.drift.iter_mut().zip(way) {
-            *drift += duration * way;
-        }
+        exposure.drift += duration * self.body.way(exposure.place, place);
         exposure.friction += friction;
         self.ledger.friction += friction;
     }
@@ -235,12 +233,11 @@ impl HeatedTool {
                 + 0.5 * self.width / partner.conductivity;
             let whole = exposure.coverage / resistance;
             let exchange = whole * partner.capacity / (whole + partner.capacity);
-            let middle =
-                std::array::from_fn(|k| exposure.place[k] + exposure.drift[k] / exposure.duration);
+            let middle = exposure.place + exposure.drift / exposure.duration;
             let first = self.shares.len();
             let width = self.body.width(exposure.coverage / exposure.duration);
             let width = width.max(LEAST_WIDTH * self.width);
-            self.body.footprint(&middle, width, &mut self.shares);
+            self.body.footprint(middle, width, &mut self.shares);
             for &(node, share) in &self.shares[first..] {
                 let node = node as usize;
                 load.supply[node] += share * exposure.friction;

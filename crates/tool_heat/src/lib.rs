@@ -35,8 +35,6 @@ mod outline;
 mod rim;
 mod skin;
 mod solid;
-#[cfg(test)]
-mod space_tests;
 mod stuffing;
 #[cfg(test)]
 mod tests;

@@ -8,7 +8,8 @@
 //! from cold to hot as long as no angle opposite the boundary is obtuse.
 
 use crate::description::{ToolHeat, ToolHeatError, unusable};
-use crate::outline::{MeshOutline, Point, SizeField, between, double_area, length};
+use crate::outline::{MeshOutline, SizeField, bounds, double_area, length};
+use glam::DVec2;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 /// Layers of elements across a coating.
@@ -30,7 +31,7 @@ pub(crate) enum Layer {
 /// The mesh in the tool's own frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlaneMesh {
-    pub(crate) nodes: Vec<Point>,
+    pub(crate) nodes: Vec<DVec2>,
     /// Counter-clockwise.
     pub(crate) elements: Vec<[u32; 3]>,
     pub(crate) layer: Vec<Layer>,
@@ -58,7 +59,7 @@ impl PlaneMesh {
     ///
     /// # Errors
     /// A coating that is thicker than the shape allows; more nodes than can be.
-    pub(crate) fn new(corners: &[Point], heat: &ToolHeat) -> Result<Self, ToolHeatError> {
+    pub(crate) fn new(corners: &[DVec2], heat: &ToolHeat) -> Result<Self, ToolHeatError> {
         let size = SizeField::new(corners, heat);
         let outline = MeshOutline::new(corners, heat, &size);
         let thickness = heat.coating_thickness();
@@ -87,7 +88,7 @@ impl PlaneMesh {
             .nodes
             .iter()
             .zip(0..)
-            .map(|(node, index)| Vertex { position: Point2::new(node[0], node[1]), index });
+            .map(|(node, index)| Vertex { position: Point2::new(node.x, node.y), index });
         let edges = (0..count).map(|k| [k, boundary.next(k)]).collect();
         let mut crossing = 0;
         let triangulation = ConstrainedDelaunayTriangulation::<Vertex>::try_bulk_load_cdt(
@@ -123,7 +124,7 @@ impl PlaneMesh {
             for layer in 1..=COATING_LAYERS {
                 let share = layer as f64 / COATING_LAYERS as f64;
                 column.push(self.nodes.len() as u32);
-                self.nodes.push([0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis])));
+                self.nodes.push(from + share * (to - from));
             }
         }
         for k in 0..count {
@@ -134,9 +135,8 @@ impl PlaneMesh {
             for layer in 0..COATING_LAYERS {
                 let [a, b] = [here[layer], there[layer]];
                 let [d, c] = [here[layer + 1], there[layer + 1]];
-                let diagonal = |p: u32, q: u32| {
-                    length(between(self.nodes[p as usize], self.nodes[q as usize]))
-                };
+                let diagonal =
+                    |p: u32, q: u32| length(self.nodes[q as usize] - self.nodes[p as usize]);
                 let halves = if diagonal(b, d) < diagonal(a, c) {
                     [[a, d, b], [b, d, c]]
                 } else {
@@ -226,30 +226,28 @@ pub(crate) fn too_thick() -> ToolHeatError {
 }
 
 /// Where point `k` of the outline lies on the boundary of the substrate.
-fn inset(outline: &MeshOutline, k: usize, thickness: f64) -> Point {
+fn inset(outline: &MeshOutline, k: usize, thickness: f64) -> DVec2 {
     let here = outline.points[k];
-    let before = between(outline.points[outline.previous(k)], here);
-    let after = between(here, outline.points[outline.next(k)]);
-    let normal = |side: Point| [side[1] / length(side), -side[0] / length(side)];
+    let before = here - outline.points[outline.previous(k)];
+    let after = outline.points[outline.next(k)] - here;
+    let normal = |side: DVec2| DVec2::new(side.y, -side.x) / length(side);
     let (first, second) = (normal(before), normal(after));
     let coated = [!outline.is_outer[outline.previous(k)], !outline.is_outer[k]];
-    let moved = |direction: Point, way: f64| [0, 1].map(|a| here[a] + way * direction[a]);
     match coated {
         _ if thickness == 0.0 => here,
         [false, false] => here,
         [true, true] => {
-            let cosine = first[0] * second[0] + first[1] * second[1];
-            let mitre = [first[0] + second[0], first[1] + second[1]];
-            moved(mitre, -thickness / (1.0 + cosine))
+            let cosine = first.dot(second);
+            here + -thickness / (1.0 + cosine) * (first + second)
         }
         // Along the outer side, until the coated one is a thickness away.
         [true, false] => {
-            let way = [after[0] / length(after), after[1] / length(after)];
-            moved(way, thickness / -(way[0] * first[0] + way[1] * first[1]))
+            let way = after / length(after);
+            here + thickness / -way.dot(first) * way
         }
         [false, true] => {
-            let way = [-before[0] / length(before), -before[1] / length(before)];
-            moved(way, thickness / -(way[0] * second[0] + way[1] * second[1]))
+            let way = -before / length(before);
+            here + thickness / -way.dot(second) * way
         }
     }
 }
@@ -257,9 +255,9 @@ fn inset(outline: &MeshOutline, k: usize, thickness: f64) -> Point {
 /// A side that turned round was overtaken by its neighbours.
 fn check_sides(outline: &MeshOutline, inner: &MeshOutline) -> Result<(), ToolHeatError> {
     for k in 0..outline.points.len() {
-        let outer = between(outline.points[k], outline.points[outline.next(k)]);
-        let side = between(inner.points[k], inner.points[outline.next(k)]);
-        if outer[0] * side[0] + outer[1] * side[1] <= 0.0 {
+        let outer = outline.points[outline.next(k)] - outline.points[k];
+        let side = inner.points[outline.next(k)] - inner.points[k];
+        if outer.dot(side) <= 0.0 {
             return Err(too_thick());
         }
     }
@@ -267,12 +265,9 @@ fn check_sides(outline: &MeshOutline, inner: &MeshOutline) -> Result<(), ToolHea
 }
 
 /// Centres of the cells of a quadtree as fine as `size` asks for.
-fn inside_points(boundary: &MeshOutline, size: &SizeField) -> Result<Vec<Point>, ToolHeatError> {
-    let low = |axis: usize| boundary.points.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
-    let high =
-        |axis: usize| boundary.points.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
-    let width = (high(0) - low(0)).max(high(1) - low(1));
-    let centre = [0.5 * (low(0) + high(0)), 0.5 * (low(1) + high(1))];
+fn inside_points(boundary: &MeshOutline, size: &SizeField) -> Result<Vec<DVec2>, ToolHeatError> {
+    let [low, high] = bounds(&boundary.points);
+    let (centre, width) = (0.5 * (low + high), (high - low).max_element());
     let mut found = Vec::new();
     divide_cell(centre, width, DEEPEST, boundary, size, &mut found);
     if found.len() + boundary.points.len() > MOST_NODES {
@@ -284,12 +279,12 @@ fn inside_points(boundary: &MeshOutline, size: &SizeField) -> Result<Vec<Point>,
 }
 
 fn divide_cell(
-    centre: Point,
+    centre: DVec2,
     width: f64,
     levels: usize,
     boundary: &MeshOutline,
     size: &SizeField,
-    found: &mut Vec<Point>,
+    found: &mut Vec<DVec2>,
 ) {
     if found.len() > MOST_NODES {
         return;
@@ -301,7 +296,7 @@ fn divide_cell(
     }
     if levels > 0 && width > size.at(centre) {
         for [x, y] in [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]] {
-            let place = [centre[0] + x * width, centre[1] + y * width];
+            let place = centre + DVec2::new(x, y) * width;
             divide_cell(place, 0.5 * width, levels - 1, boundary, size, found);
         }
         return;

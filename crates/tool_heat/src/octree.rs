@@ -7,7 +7,7 @@
 //! middle of the larger face. The tetrahedra fill the cube without gaps (as in Labelle and Shewchuk, ACM
 //! Transactions on Graphics 26, 2007, 57).
 
-use crate::description::Vector;
+use glam::DVec3;
 use std::collections::BTreeSet;
 
 /// Deepest subdivision: coordinates have 21 bits.
@@ -20,7 +20,7 @@ type Place = [u32; 3];
 
 /// How the tree is to be divided.
 pub(crate) struct Cube {
-    pub(crate) low: Vector,
+    pub(crate) low: DVec3,
     pub(crate) smallest: f64,
     /// Halvings from the whole cube to the smallest cell.
     pub(crate) levels: u32,
@@ -28,16 +28,16 @@ pub(crate) struct Cube {
 
 impl Cube {
     /// About the box, with room at each side; `None` where it would need too many halvings.
-    pub(crate) fn about([low, high]: [Vector; 2], smallest: f64) -> Option<Self> {
-        let extent = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    pub(crate) fn about([low, high]: [DVec3; 2], smallest: f64) -> Option<Self> {
+        let extent = (high - low).max_element();
         let levels = (0..=DEEPEST).find(|n| smallest * f64::from(1 << n) >= 1.3 * extent)?;
         let width = smallest * f64::from(1_u32 << levels);
-        let low = std::array::from_fn(|k| 0.5 * (low[k] + high[k]) - 0.5 * width);
+        let low = 0.5 * (low + high) - 0.5 * width;
         Some(Self { low, smallest, levels })
     }
 
-    fn position(&self, place: Place) -> Vector {
-        std::array::from_fn(|k| self.low[k] + 0.5 * self.smallest * f64::from(place[k]))
+    fn position(&self, place: Place) -> DVec3 {
+        self.low + 0.5 * self.smallest * DVec3::from(place.map(f64::from))
     }
 }
 
@@ -72,7 +72,7 @@ enum Neighbour {
 
 impl Octree {
     /// Divides cells as long as `is_coarse(centre, width)`; `None` beyond the most points.
-    pub(crate) fn new(cube: Cube, is_coarse: impl Fn(&Vector, f64) -> bool) -> Option<Self> {
+    pub(crate) fn new(cube: Cube, is_coarse: impl Fn(DVec3, f64) -> bool) -> Option<Self> {
         let levels = cube.levels as usize;
         let root = Cell { corner: [0; 3], level: 0 };
         let mut tree = Self {
@@ -85,7 +85,7 @@ impl Octree {
         let mut count = 0;
         while let Some(cell) = waiting.pop() {
             let centre = tree.cube.position(tree.centre(cell));
-            if cell.level < tree.cube.levels && is_coarse(&centre, tree.width(cell)) {
+            if cell.level < tree.cube.levels && is_coarse(centre, tree.width(cell)) {
                 tree.divided[cell.level as usize].insert(key(cell.corner));
                 waiting.extend(tree.children(cell));
                 count += 8;
@@ -110,7 +110,7 @@ impl Octree {
     }
 
     /// Positions of the points.
-    pub(crate) fn positions(&self) -> Vec<Vector> {
+    pub(crate) fn positions(&self) -> Vec<DVec3> {
         let mask = (1 << 21) - 1;
         let part = |key: u64, shift: u32| (key >> shift & mask) as u32;
         let place = |key: &u64| [part(*key, 42), part(*key, 21), part(*key, 0)];
@@ -296,22 +296,18 @@ impl Octree {
 mod tests {
     use super::*;
 
-    fn volume(points: &[Vector], corners: [u32; 4]) -> f64 {
+    fn volume(points: &[DVec3], corners: [u32; 4]) -> f64 {
         let [a, b, c, d] = corners.map(|corner| points[corner as usize]);
-        let way = |to: Vector| [to[0] - a[0], to[1] - a[1], to[2] - a[2]];
-        let (p, q, r) = (way(b), way(c), way(d));
-        let cross =
-            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-        ((cross[0] * r[0] + cross[1] * r[1] + cross[2] * r[2]) / 6.0).abs()
+        ((b - a).cross(c - a).dot(d - a) / 6.0).abs()
     }
 
     #[test]
     fn the_tetrahedra_of_a_graded_tree_fill_the_cube_and_meet_face_to_face() {
-        let cube = Cube::about([[0.0; 3], [1.0; 3]], 0.03).unwrap();
+        let cube = Cube::about([DVec3::ZERO, DVec3::ONE], 0.03).unwrap();
         let width = 0.03 * f64::from(1_u32 << cube.levels);
         let corner = cube.low;
         // Fine about one point, as coarse as balance allows elsewhere.
-        let far = |c: &Vector| (c[0] - 0.3).hypot(c[1] - 0.4).hypot(c[2] - 0.2);
+        let far = |c: DVec3| (c.x - 0.3).hypot(c.y - 0.4).hypot(c.z - 0.2);
         let tree = Octree::new(cube, |c, w| w > 0.4 || far(c) < 0.8 * w).unwrap();
         let points = tree.positions();
         let mut faces: Vec<[u32; 3]> = Vec::new();

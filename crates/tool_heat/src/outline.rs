@@ -2,9 +2,7 @@
 //! divided, fine where particles can touch.
 
 use crate::description::ToolHeat;
-
-/// A point or vector of the plane.
-pub(crate) type Point = [f64; 2];
+use glam::DVec2;
 
 /// Growth of the element size per length away from where it is smallest.
 pub(crate) const GROWTH: f64 = 0.25;
@@ -18,31 +16,31 @@ const MERGED: f64 = 12.0 / 180.0 * std::f64::consts::PI;
 /// The closed outline, counter-clockwise; side k leads from point k to the next.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MeshOutline {
-    pub(crate) points: Vec<Point>,
+    pub(crate) points: Vec<DVec2>,
     /// Whether the model of the tool is cut off at side k.
     pub(crate) is_outer: Vec<bool>,
 }
 
-pub(crate) fn between(from: Point, to: Point) -> Point {
-    [to[0] - from[0], to[1] - from[1]]
+pub(crate) fn length(vector: DVec2) -> f64 {
+    vector.x.hypot(vector.y)
 }
 
-pub(crate) fn length(vector: Point) -> f64 {
-    vector[0].hypot(vector[1])
+/// Smallest and largest coordinates.
+pub(crate) fn bounds(points: &[DVec2]) -> [DVec2; 2] {
+    let start = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+    points.iter().fold(start, |[low, high], point| [low.min(*point), high.max(*point)])
 }
 
 /// Twice the signed area of the triangle.
-pub(crate) fn double_area(a: Point, b: Point, c: Point) -> f64 {
-    let (p, q) = (between(a, b), between(a, c));
-    p[0] * q[1] - p[1] * q[0]
+pub(crate) fn double_area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    (b - a).perp_dot(c - a)
 }
 
 /// Distance of `x` from the segment.
-pub(crate) fn segment_distance(x: Point, from: Point, to: Point) -> f64 {
-    let (side, way) = (between(from, to), between(from, x));
-    let square = side[0] * side[0] + side[1] * side[1];
-    let share = ((way[0] * side[0] + way[1] * side[1]) / square).clamp(0.0, 1.0);
-    (way[0] - share * side[0]).hypot(way[1] - share * side[1])
+pub(crate) fn segment_distance(x: DVec2, from: DVec2, to: DVec2) -> f64 {
+    let (side, way) = (to - from, x - from);
+    let share = (way.dot(side) / side.length_squared()).clamp(0.0, 1.0);
+    length(way - share * side)
 }
 
 /// The wanted length of elements at a place.
@@ -50,17 +48,16 @@ pub(crate) fn segment_distance(x: Point, from: Point, to: Point) -> f64 {
 pub(crate) struct SizeField {
     smallest: f64,
     largest: f64,
-    centre: Point,
+    centre: DVec2,
     reach: f64,
     /// Sides that particles can touch.
-    sides: Vec<[Point; 2]>,
+    sides: Vec<[DVec2; 2]>,
 }
 
 impl SizeField {
-    pub(crate) fn new(corners: &[Point], heat: &ToolHeat) -> Self {
-        let low = |axis: usize| corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
-        let high = |axis: usize| corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
-        let extent = (high(0) - low(0)).max(high(1) - low(1));
+    pub(crate) fn new(corners: &[DVec2], heat: &ToolHeat) -> Self {
+        let [low, high] = bounds(corners);
+        let extent = (high - low).max_element();
         let is_outer = |side: &usize| heat.outer_sides.contains(side);
         let next = |side: usize| corners[(side + 1) % corners.len()];
         let sides = (0..corners.len())
@@ -70,7 +67,7 @@ impl SizeField {
         Self {
             smallest: heat.element_size,
             largest: (COARSEST * extent).max(heat.element_size),
-            centre: [heat.fine_centre[0], heat.fine_centre[1]],
+            centre: DVec2::new(heat.fine_centre[0], heat.fine_centre[1]),
             reach: heat.fine_reach,
             sides,
         }
@@ -78,8 +75,8 @@ impl SizeField {
 
     /// Growing with the distance from the sides that can touch and, beyond `fine_reach`, with that
     /// from the place where they do.
-    pub(crate) fn at(&self, x: Point) -> f64 {
-        let along = length(between(self.centre, x)) - self.reach;
+    pub(crate) fn at(&self, x: DVec2) -> f64 {
+        let along = length(x - self.centre) - self.reach;
         let free = (self.largest - self.smallest) / GROWTH;
         if along >= free {
             return self.largest;
@@ -96,7 +93,7 @@ impl SizeField {
 
 impl MeshOutline {
     /// The polygon `corners` with sides of about the length that `size` asks for.
-    pub(crate) fn new(corners: &[Point], heat: &ToolHeat, size: &SizeField) -> Self {
+    pub(crate) fn new(corners: &[DVec2], heat: &ToolHeat, size: &SizeField) -> Self {
         let merged = Self::merged(corners, heat, size);
         let (mut points, mut is_outer) = (Vec::new(), Vec::new());
         for side in 0..merged.points.len() {
@@ -126,8 +123,8 @@ impl MeshOutline {
             // The coated side on the other hand of the corner.
             let far = self.points[(k + count - step) % count];
             let corner = self.points[k];
-            let side = between(corner, far);
-            let depth = |x: Point| double_area(corner, far, x).abs() / length(side);
+            let side = far - corner;
+            let depth = |x: DVec2| double_area(corner, far, x).abs() / length(side);
             let mut point = (k + step) % count;
             // Half a thickness of room behind the end of the coating.
             while depth(self.points[point]) < 1.5 * thickness
@@ -146,15 +143,11 @@ impl MeshOutline {
     }
 
     /// Without the corners of arcs that are finer than the elements.
-    fn merged(corners: &[Point], heat: &ToolHeat, size: &SizeField) -> Self {
+    fn merged(corners: &[DVec2], heat: &ToolHeat, size: &SizeField) -> Self {
         let count = corners.len();
         let outer = |side: usize| heat.outer_sides.contains(&(side % count));
-        let direction = |side: usize| {
-            let (from, to) = (corners[side % count], corners[(side + 1) % count]);
-            between(from, to)
-        };
-        let turn =
-            |a: Point, b: Point| (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs();
+        let direction = |side: usize| corners[(side + 1) % count] - corners[side % count];
+        let turn = |a: DVec2, b: DVec2| a.perp_dot(b).atan2(a.dot(b)).abs();
         let must_stay = |corner: usize| {
             let before = (corner + count - 1) % count;
             outer(before) || outer(corner) || turn(direction(before), direction(corner)) > SHARP
@@ -164,7 +157,7 @@ impl MeshOutline {
         let mut first_side = start;
         for corner in start + 1..start + count {
             let place = corners[corner % count];
-            let far = length(between(points[points.len() - 1], place));
+            let far = length(place - points[points.len() - 1]);
             // The side that begins here ends at the next corner: it must not lose a long side.
             let longest = length(direction(corner - 1)).max(length(direction(corner)));
             let wanted = size.at(place);
@@ -188,12 +181,12 @@ impl MeshOutline {
     }
 
     /// Whether `x` lies inside, by the even-odd rule.
-    pub(crate) fn contains(&self, x: Point) -> bool {
+    pub(crate) fn contains(&self, x: DVec2) -> bool {
         let mut inside = false;
         for (k, from) in self.points.iter().enumerate() {
             let to = self.points[self.next(k)];
-            if (from[1] <= x[1]) != (to[1] <= x[1])
-                && x[0] < from[0] + (x[1] - from[1]) / (to[1] - from[1]) * (to[0] - from[0])
+            if (from.y <= x.y) != (to.y <= x.y)
+                && x.x < from.x + (x.y - from.y) / (to.y - from.y) * (to.x - from.x)
             {
                 inside = !inside;
             }
@@ -202,7 +195,7 @@ impl MeshOutline {
     }
 
     /// Distance of `x` from the outline.
-    pub(crate) fn distance(&self, x: Point) -> f64 {
+    pub(crate) fn distance(&self, x: DVec2) -> f64 {
         (0..self.points.len())
             .map(|k| segment_distance(x, self.points[k], self.points[self.next(k)]))
             .fold(f64::INFINITY, f64::min)
@@ -213,14 +206,14 @@ impl MeshOutline {
 fn is_straight(outline: &MeshOutline, k: usize) -> bool {
     let here = outline.points[k];
     let (before, after) = (outline.points[outline.previous(k)], outline.points[outline.next(k)]);
-    let scale = length(between(before, here)) * length(between(here, after));
+    let scale = length(here - before) * length(after - here);
     double_area(before, here, after).abs() < 1e-6 * scale
 }
 
 /// Points of the side from `from` (included) to `to` (excluded), spaced by the wanted size.
-fn divide(from: Point, to: Point, size: &SizeField) -> Vec<Point> {
-    let whole = length(between(from, to));
-    let at = |share: f64| [0, 1].map(|k| from[k] + share * (to[k] - from[k]));
+fn divide(from: DVec2, to: DVec2, size: &SizeField) -> Vec<DVec2> {
+    let whole = length(to - from);
+    let at = |share: f64| from + share * (to - from);
     // Number of elements up to a place: integral of ds/size, by trapezoids finer than the size.
     let pieces = ((4.0 * whole / size.smallest).ceil().clamp(1.0, 20_000.0)) as usize;
     let mut sum = vec![0.0];

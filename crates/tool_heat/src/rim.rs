@@ -1,27 +1,28 @@
 //! The outline of the mesh as a line: where a particle touches it, and which nodes that heats.
 
 use crate::mesh::PlaneMesh;
-use crate::outline::{Point, between, length, segment_distance};
+use crate::outline::{length, segment_distance};
+use glam::DVec2;
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 /// One side of the outline.
 #[derive(Debug, Clone, Copy)]
 struct Side {
-    ends: [Point; 2],
+    ends: [DVec2; 2],
     /// Position of its first end along the outline in m.
     start: f64,
 }
 
 impl RTreeObject for Side {
-    type Envelope = AABB<Point>;
+    type Envelope = AABB<[f64; 2]>;
     fn envelope(&self) -> Self::Envelope {
-        AABB::from_corners(self.ends[0], self.ends[1])
+        AABB::from_corners(self.ends[0].to_array(), self.ends[1].to_array())
     }
 }
 
 impl PointDistance for Side {
-    fn distance_2(&self, point: &Point) -> f64 {
-        segment_distance(*point, self.ends[0], self.ends[1]).powi(2)
+    fn distance_2(&self, point: &[f64; 2]) -> f64 {
+        segment_distance((*point).into(), self.ends[0], self.ends[1]).powi(2)
     }
 }
 
@@ -43,7 +44,7 @@ impl Rim {
         for k in 0..count {
             let ends = [place(k), place(k + 1)];
             sides.push(Side { ends, start: start[k] });
-            start.push(start[k] + length(between(ends[0], ends[1])));
+            start.push(start[k] + length(ends[1] - ends[0]));
         }
         Self { nodes: mesh.rim.clone(), start, tree: RTree::bulk_load(sides) }
     }
@@ -53,12 +54,12 @@ impl Rim {
     }
 
     /// Position along the outline of the point nearest to `x`.
-    pub(crate) fn foot(&self, x: Point) -> f64 {
-        let side = self.tree.nearest_neighbor(&x).expect("an outline has sides");
+    pub(crate) fn foot(&self, x: DVec2) -> f64 {
+        let side = self.tree.nearest_neighbor(&x.to_array()).expect("an outline has sides");
         let [from, to] = side.ends;
-        let (along, way) = (between(from, to), between(from, x));
+        let (along, way) = (to - from, x - from);
         let whole = length(along);
-        let share = ((along[0] * way[0] + along[1] * way[1]) / (whole * whole)).clamp(0.0, 1.0);
+        let share = (along.dot(way) / (whole * whole)).clamp(0.0, 1.0);
         side.start + share * whole
     }
 

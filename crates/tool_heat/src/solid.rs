@@ -11,12 +11,13 @@
 //! thousand times for 3 um of AlTiN on carbide over 0.1 mm. The edge of a coating where the tool is cut off is insulated.
 
 use crate::conduction::{Conduction, Link};
-use crate::description::{ToolHeat, ToolHeatError, Vector, unusable};
+use crate::description::{ToolHeat, ToolHeatError, unusable};
 use crate::mesh::{COATING_LAYERS, MOST_NODES, too_thick};
 use crate::octree::{Cube, Octree};
 use crate::outline::{COARSEST, GROWTH};
 use crate::skin::Skin;
-use crate::stuffing::{Background, Solid, cross, dot, minus, stuff, volume};
+use crate::stuffing::{Background, Solid, stuff, volume};
+use glam::DVec3;
 use rayon::prelude::*;
 use sphcut_geometry::tool_surface::{IndexedSurface, ToolSurface};
 
@@ -28,7 +29,7 @@ const ROUNDING: f64 = std::f64::consts::SQRT_2;
 #[derive(Debug)]
 pub(crate) struct SolidMesh {
     /// Those of the substrate, then those of the coating.
-    pub(crate) nodes: Vec<Vector>,
+    pub(crate) nodes: Vec<DVec3>,
     /// Tetrahedra of the substrate.
     pub(crate) tetrahedra: usize,
     /// Prisms of the coating.
@@ -63,14 +64,14 @@ struct SurfaceParts<'a> {
 impl SurfaceParts<'_> {
     /// Distances of a point inside from the sides of the substrate: those below a coating, and those where
     /// the tool is cut off.
-    fn distances(&self, x: &Vector) -> [f64; 2] {
+    fn distances(&self, x: DVec3) -> [f64; 2] {
         let away = |surface: &IndexedSurface| surface.foot(x).nearest.distance.abs();
         let cut_off = self.cut_off.as_ref().map_or(f64::INFINITY, away);
         [away(&self.touchable) - self.thickness, cut_off]
     }
 
     /// Distance from the substrate's surface, positive inside.
-    fn level(&self, x: &Vector) -> f64 {
+    fn level(&self, x: DVec3) -> f64 {
         let distance = self.surface.foot(x).nearest.distance;
         if distance > 0.0 || self.thickness == 0.0 {
             return -distance;
@@ -80,7 +81,7 @@ impl SurfaceParts<'_> {
     }
 
     /// The place on the substrate's surface next to a point of it.
-    fn project(&self, x: &Vector) -> Vector {
+    fn project(&self, x: DVec3) -> DVec3 {
         if self.thickness == 0.0 {
             return self.surface.foot(x).place;
         }
@@ -89,29 +90,28 @@ impl SurfaceParts<'_> {
             Some(cut_off) if outer.abs() < coated.abs() => cut_off.foot(x).place,
             _ => {
                 let foot = self.touchable.foot(x);
-                std::array::from_fn(|k| foot.place[k] - self.thickness * foot.nearest.normal[k])
+                foot.place - self.thickness * foot.nearest.normal
             }
         }
     }
 
     /// Whether the tool is cut off at a triangle of the substrate's surface.
-    fn is_cut_off(&self, nodes: &[Vector], triangle: &[u32; 3]) -> bool {
+    fn is_cut_off(&self, nodes: &[DVec3], triangle: &[u32; 3]) -> bool {
         let corners = triangle.map(|node| nodes[node as usize]);
-        let middle = std::array::from_fn(|k| corners.iter().map(|c| c[k]).sum::<f64>() / 3.0);
-        let [coated, cut_off] = self.distances(&middle);
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let [coated, cut_off] = self.distances(middle);
         cut_off.abs() < coated.abs()
     }
 
     /// Whether a cell is wider than it is to be. Sizes grow with the distance from facets that can be touched,
     /// and from the place where they are.
-    fn is_coarse(&self, centre: &Vector, width: f64) -> bool {
+    fn is_coarse(&self, centre: DVec3, width: f64) -> bool {
         let reach = 0.5 * 3.0_f64.sqrt() * width;
         let distance = self.surface.foot(centre).nearest.distance;
         if distance > reach {
             return false;
         }
-        let way = minus(centre, &self.heat.fine_centre);
-        let along = dot(&way, &way).sqrt() - self.heat.fine_reach - reach;
+        let along = centre.distance(self.heat.fine_centre.into()) - self.heat.fine_reach - reach;
         let inwards = self.touchable.foot(centre).nearest.distance.abs() - reach;
         let away = inwards.max(along).max(0.0);
         let wanted = (self.heat.element_size + GROWTH * away).min(self.largest);
@@ -140,7 +140,7 @@ pub(crate) fn solid(
         return Err(unusable("all of its surface is cut off: particles can touch none of it"));
     }
     let [low, high] = surface.bounds();
-    let extent = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    let extent = (high - low).max_element();
     let is_inner: Vec<bool> = is_outer.iter().map(|outer| !outer).collect();
     let parts = SurfaceParts {
         touchable: surface.without(&is_outer),
@@ -156,7 +156,7 @@ pub(crate) fn solid(
 
 impl SurfaceParts<'_> {
     /// Tetrahedra over the substrate.
-    fn fill(&self, bounds: [Vector; 2]) -> Result<Solid, ToolHeatError> {
+    fn fill(&self, bounds: [DVec3; 2]) -> Result<Solid, ToolHeatError> {
         let too_many = || {
             unusable(format!(
                 "its mesh would have more than {MOST_NODES} nodes: choose a larger element size or a \
@@ -167,7 +167,7 @@ impl SurfaceParts<'_> {
         let tree = Octree::new(cube, |centre, width| self.is_coarse(centre, width));
         let tree = tree.ok_or_else(too_many)?;
         let points = tree.positions();
-        let level: Vec<f64> = points.par_iter().map(|point| self.level(point)).collect();
+        let level: Vec<f64> = points.par_iter().map(|point| self.level(*point)).collect();
         let mut elements = Vec::new();
         tree.each_tetrahedron(|corners| {
             if corners.iter().any(|corner| level[*corner as usize] > 0.0) {
@@ -188,10 +188,9 @@ impl SurfaceParts<'_> {
     /// The whole tool from its substrate.
     fn coat(&self, solid: Solid) -> Result<SolidParts, ToolHeatError> {
         let boundary = solid.boundary();
-        let third = |nodes: &[Vector], triangle: &[u32; 3]| {
+        let third = |nodes: &[DVec3], triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|node| nodes[node as usize]);
-            let area = cross(&minus(&b, &a), &minus(&c, &a));
-            dot(&area, &area).sqrt() / 6.0
+            (b - a).cross(c - a).length() / 6.0
         };
         let cut_off: Vec<bool> =
             boundary.par_iter().map(|triangle| self.is_cut_off(&solid.nodes, triangle)).collect();
@@ -212,14 +211,12 @@ impl SurfaceParts<'_> {
             let mut is_coated = vec![false; top.len()];
             coated.iter().flatten().for_each(|node| is_coated[*node as usize] = true);
             let base = nodes.clone();
-            let feet: Vec<Vector> = base.par_iter().map(|x| self.touchable.foot(x).place).collect();
+            let feet: Vec<DVec3> = base.par_iter().map(|x| self.touchable.foot(*x).place).collect();
             let mut below = base.clone();
             for layer in 1..=COATING_LAYERS {
                 let share = layer as f64 / COATING_LAYERS as f64;
-                let at = |node: usize| -> Vector {
-                    std::array::from_fn(|k| base[node][k] + share * (feet[node][k] - base[node][k]))
-                };
-                let above: Vec<Vector> = (0..base.len()).map(at).collect();
+                let above: Vec<DVec3> =
+                    base.iter().zip(&feet).map(|(from, to)| from + share * (to - from)).collect();
                 let mut area = vec![0.0; base.len()];
                 for triangle in &coated {
                     let mean = 0.5 * (third(&below, triangle) + third(&above, triangle));
@@ -286,15 +283,13 @@ impl Parts {
             let content = volume(corners);
             whole += content;
             let [a, b, c, d] = corners;
-            let face = |p: &Vector, q: &Vector, r: &Vector| {
-                cross(&minus(q, p), &minus(r, p)).map(|component| 0.5 * component)
-            };
+            let face = |p: DVec3, q: DVec3, r: DVec3| 0.5 * (q - p).cross(r - p);
             // The faces seen from inside counter-clockwise.
             let inwards = [face(b, d, c), face(a, c, d), face(a, d, b), face(a, b, c)];
             for i in 0..4 {
                 mass[element[i] as usize][0] += 0.25 * heat.substrate.density * content;
                 for j in i + 1..4 {
-                    let weight = -dot(&inwards[i], &inwards[j]) / (9.0 * content);
+                    let weight = -inwards[i].dot(inwards[j]) / (9.0 * content);
                     links.push(Link::new([element[i], element[j]], weight, 0));
                 }
             }

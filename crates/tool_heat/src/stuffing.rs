@@ -6,7 +6,7 @@
 //! that two tetrahedra share both take that from the corner with the smaller number. At last the points of
 //! the surface are projected onto it, unless that would flatten a tetrahedron.
 
-use crate::description::Vector;
+use glam::DVec3;
 
 /// Cuts nearer to an end than this share of the edge move the end: long edges, and those between the centre
 /// of a cell and its corners.
@@ -20,32 +20,20 @@ const LEAST_PROJECTED: f64 = 0.25;
 /// Tetrahedra of positive orientation.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Solid {
-    pub(crate) nodes: Vec<Vector>,
+    pub(crate) nodes: Vec<DVec3>,
     pub(crate) elements: Vec<[u32; 4]>,
     /// Whether a node lies on the surface.
     pub(crate) is_surface: Vec<bool>,
 }
 
-pub(crate) fn minus(a: &Vector, b: &Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(crate) fn dot(a: &Vector, b: &Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(a: &Vector, b: &Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 /// Volume of a tetrahedron, positive where d lies on the side of a b c from which these run clockwise.
-pub(crate) fn volume([a, b, c, d]: [&Vector; 4]) -> f64 {
-    dot(&cross(&minus(b, a), &minus(c, a)), &minus(d, a)) / 6.0
+pub(crate) fn volume([a, b, c, d]: [DVec3; 4]) -> f64 {
+    (b - a).cross(c - a).dot(d - a) / 6.0
 }
 
 /// What is to be divided.
 pub(crate) struct Background {
-    pub(crate) points: Vec<Vector>,
+    pub(crate) points: Vec<DVec3>,
     /// Whether a point is the centre of a cell, not a corner.
     pub(crate) is_centre: Vec<bool>,
     /// Positive inside.
@@ -55,7 +43,7 @@ pub(crate) struct Background {
 
 /// A background under division.
 struct Stuffing<'a> {
-    points: Vec<Vector>,
+    points: Vec<DVec3>,
     is_centre: Vec<bool>,
     /// Positive inside.
     level: Vec<f64>,
@@ -66,7 +54,7 @@ struct Stuffing<'a> {
 
 /// The part of the background where `level` is positive. `project` gives the place on the surface next
 /// to a point of it.
-pub(crate) fn stuff(background: Background, project: impl Fn(&Vector) -> Vector) -> Solid {
+pub(crate) fn stuff(background: Background, project: impl Fn(DVec3) -> DVec3) -> Solid {
     let Background { points, is_centre, level, elements: background } = background;
     let mut stuffing =
         Stuffing { points, is_centre, level, cuts: Vec::new(), background: &background };
@@ -89,10 +77,9 @@ pub(crate) fn stuff(background: Background, project: impl Fn(&Vector) -> Vector)
 }
 
 /// Moves points back to where they were before until no element has less than `least` of its volume.
-fn take_back(points: &mut [Vector], before: &[Vector], elements: &[[u32; 4]], least: f64) {
-    let content = |points: &[Vector], element: &[u32; 4]| {
-        volume(element.each_ref().map(|node| &points[*node as usize]))
-    };
+fn take_back(points: &mut [DVec3], before: &[DVec3], elements: &[[u32; 4]], least: f64) {
+    let content =
+        |points: &[DVec3], element: &[u32; 4]| volume(element.map(|node| points[node as usize]));
     loop {
         let mut back: Vec<u32> = Vec::new();
         for element in elements {
@@ -128,30 +115,29 @@ impl Stuffing<'_> {
     }
 
     /// Share of the edge from its first end to the surface, and the place there.
-    fn cut(&self, [a, b]: [u32; 2]) -> (f64, Vector) {
+    fn cut(&self, [a, b]: [u32; 2]) -> (f64, DVec3) {
         let [p, q] = [a, b].map(|end| self.points[end as usize]);
         let [s, t] = [a, b].map(|end| self.level[end as usize]);
         let share = s / (s - t);
-        (share, std::array::from_fn(|k| p[k] + share * (q[k] - p[k])))
+        (share, p + share * (q - p))
     }
 
     /// Moves points to the nearest cut of their edges where one is near.
     fn move_points(&mut self) {
         let length = |stuffing: &Self, [a, b]: [u32; 2]| {
-            let way = minus(&stuffing.points[a as usize], &stuffing.points[b as usize]);
-            dot(&way, &way).sqrt()
+            (stuffing.points[a as usize] - stuffing.points[b as usize]).length()
         };
         // Of each point: its cuts.
         let mut at: Vec<(u32, [u32; 2])> =
             self.cuts.iter().flat_map(|(ends, _)| ends.map(|end| (end, *ends))).collect();
         at.sort_unstable();
         let lengths: Vec<f64> = at.iter().map(|(_, ends)| length(self, *ends)).collect();
-        let mut targets: Vec<(u32, Vector)> = Vec::new();
+        let mut targets: Vec<(u32, DVec3)> = Vec::new();
         let mut begin = 0;
         for group in at.chunk_by(|one, other| one.0 == other.0) {
             let own = &lengths[begin..begin + group.len()];
             begin += group.len();
-            let mut best: Option<(f64, Vector)> = None;
+            let mut best: Option<(f64, DVec3)> = None;
             for ((point, ends), length) in group.iter().zip(own) {
                 // Ends that moved to the surface have no cut any more.
                 if ends.iter().any(|end| self.level[*end as usize] == 0.0) {
@@ -219,8 +205,7 @@ impl Stuffing<'_> {
                 let [p, q] = [[cut(0, 0), cut(0, 1)], [cut(1, 0), cut(1, 1)]];
                 add([inside[0], inside[1], q[0], q[1]]);
                 let far = |a: u32, b: u32| {
-                    let way = minus(&self.points[a as usize], &self.points[b as usize]);
-                    dot(&way, &way)
+                    (self.points[a as usize] - self.points[b as usize]).length_squared()
                 };
                 // The quadrilateral of the cuts is nobody else's: by its shorter diagonal.
                 if far(p[0], q[1]) < far(p[1], q[0]) {
@@ -242,7 +227,7 @@ impl Stuffing<'_> {
     }
 
     fn oriented(&self, mut element: [u32; 4]) -> [u32; 4] {
-        if volume(element.each_ref().map(|node| &self.points[*node as usize])) < 0.0 {
+        if volume(element.map(|node| self.points[node as usize])) < 0.0 {
             element.swap(2, 3);
         }
         element
@@ -273,16 +258,16 @@ impl Stuffing<'_> {
 }
 
 impl Solid {
-    pub(crate) fn corners(&self, element: &[u32; 4]) -> [&Vector; 4] {
-        element.each_ref().map(|node| &self.nodes[*node as usize])
+    pub(crate) fn corners(&self, element: &[u32; 4]) -> [DVec3; 4] {
+        element.map(|node| self.nodes[node as usize])
     }
 
     /// Moves points of the surface onto it where no tetrahedron suffers.
-    fn project(&mut self, project: impl Fn(&Vector) -> Vector) {
+    fn project(&mut self, project: impl Fn(DVec3) -> DVec3) {
         let before = self.nodes.clone();
         for (node, is_surface) in self.nodes.iter_mut().zip(&self.is_surface) {
             if *is_surface {
-                *node = project(node);
+                *node = project(*node);
             }
         }
         take_back(&mut self.nodes, &before, &self.elements, LEAST_PROJECTED);

@@ -17,14 +17,15 @@ use crate::contact::touch::Touch;
 use crate::error::SetupError;
 use crate::operators::neighbours::NeighbourList;
 use crate::particles::Particles;
-use crate::setup::{Tool, Vector as Vector3};
-use crate::tensor::{Matrix, Vector, dot, extended, minus, plus, plus_scaled, reduced};
+use crate::setup::Tool;
+use crate::tensor::{Matrix, Vector, dot, extended, minus, plus_scaled, reduced};
+use glam::DVec3;
 use sphcut_geometry::tool_surface::{IndexedSurface, NearestPoint};
 use sphcut_physics::friction::{ContactState, FrictionLaw};
 
 /// Overlap at the start, in radii of a particle, that rounding may make.
 const OVERLAP_TOLERANCE: f64 = 1e-6;
-/// A particle that may touch the tool before the next refresh.
+/// A particle that may touch the tool before the next reference update.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     particle: u32,
@@ -41,7 +42,7 @@ pub(crate) struct ToolContact<const D: usize> {
     /// What moves it off its path.
     pub(crate) holder: ToolHolder,
     /// Mean velocity of the tool over the present step in m/s.
-    pub(crate) velocity: Vector3,
+    pub(crate) velocity: DVec3,
     radius: f64,
     stiffness: f64,
     candidates: Vec<Candidate>,
@@ -61,6 +62,10 @@ pub(crate) struct ToolContact<const D: usize> {
     friction: ContactFriction<D>,
 }
 
+fn in_space<const D: usize>(x: &Vector<D>) -> DVec3 {
+    extended(x).into()
+}
+
 impl<const D: usize> ToolContact<D> {
     /// `modulus`: p-wave modulus of the workpiece in Pa; `kappa`: the contact option `stiffness`.
     pub(crate) fn new(
@@ -75,7 +80,7 @@ impl<const D: usize> ToolContact<D> {
             law: (tool.friction.build)(&tool.friction_values),
             motion: ToolMotion::of(tool),
             holder: ToolHolder::default(),
-            velocity: tool.velocity,
+            velocity: tool.velocity.into(),
             radius: 0.5 * spacing,
             stiffness: kappa * modulus * spacing.powi(power - 2),
             candidates: Vec::new(),
@@ -105,9 +110,9 @@ impl<const D: usize> ToolContact<D> {
     }
 
     /// Displacement of the tool at `time`.
-    pub(crate) fn displacement(&self, time: f64) -> Vector3 {
+    pub(crate) fn displacement(&self, time: f64) -> DVec3 {
         let path = self.motion.displacement(time);
-        if self.holder.acts() { plus(&path, &self.holder.displacement(time)) } else { path }
+        if self.holder.acts() { path + self.holder.displacement(time) } else { path }
     }
 
     /// Speeds along its path, from the start on.
@@ -120,17 +125,17 @@ impl<const D: usize> ToolContact<D> {
         self.motion.speed(time)
     }
 
-    /// Way of the tool from the last refresh at `start` to `end`, which is now.
-    pub(crate) fn way(&self, start: f64, end: f64) -> Vector3 {
+    /// Way of the tool from the last reference update at `start` to `end`, which is now.
+    pub(crate) fn way(&self, start: f64, end: f64) -> DVec3 {
         let path = self.motion.way(start, end);
-        if self.holder.acts() { plus(&path, &self.holder.way(start, end)) } else { path }
+        if self.holder.acts() { path + self.holder.way(start, end) } else { path }
     }
 
     /// Takes the velocity of the step of length `time_step` that begins at `time`.
     pub(crate) fn begin_step(&mut self, time: f64, time_step: f64) {
         if self.holder.acts() {
             let force = self.total_force();
-            self.holder.begin_step(&force, time_step);
+            self.holder.begin_step(force, time_step);
         }
         self.velocity = self.mean_velocity(time, time_step);
     }
@@ -139,33 +144,33 @@ impl<const D: usize> ToolContact<D> {
     pub(crate) fn end_step(&mut self, time_step: f64) {
         if self.holder.acts() {
             let force = self.total_force();
-            self.holder.end_step(&force, time_step);
+            self.holder.end_step(force, time_step);
         }
     }
 
     /// Velocity over a step from `time` on, as far as the path and the present motion of the holder say.
-    fn mean_velocity(&self, time: f64, time_step: f64) -> Vector3 {
+    fn mean_velocity(&self, time: f64, time_step: f64) -> DVec3 {
         let path = self.motion.mean_velocity(time, time_step);
-        if self.holder.acts() { plus(&path, &self.holder.velocity(time, time_step)) } else { path }
+        if self.holder.acts() { path + self.holder.velocity(time, time_step) } else { path }
     }
 
     /// Force of the tool on the particles in N (N/m in 2D), in their order.
-    fn total_force(&self) -> Vector3 {
-        self.touches.iter().fold([0.0; 3], |total, touch| plus(&total, &extended(&touch.force())))
+    fn total_force(&self) -> DVec3 {
+        self.touches.iter().fold(DVec3::ZERO, |total, touch| total + in_space(&touch.force()))
     }
 
     /// An error if any particle overlaps the tool by more than rounding.
     pub(crate) fn check_start(&self, particles: &Particles<D>) -> Result<(), SetupError> {
         let tolerance = OVERLAP_TOLERANCE * self.radius;
-        let mut deepest: Option<(f64, Vector3)> = None;
+        let mut deepest: Option<(f64, DVec3)> = None;
         let mut count = 0;
         for (i, position) in particles.position.iter().enumerate() {
-            let x = extended(position);
-            if !self.surface.is_near(&x, self.contact_surface.depth()) {
+            let x = in_space(position);
+            if !self.surface.is_near(x, self.contact_surface.depth()) {
                 continue;
             }
-            let NearestPoint { distance, normal } = self.surface.nearest(&x);
-            let depth = particles.half_thickness(i, &reduced(&normal)) - distance;
+            let NearestPoint { distance, normal } = self.surface.nearest(x);
+            let depth = particles.half_thickness(i, &reduced(normal.as_ref())) - distance;
             if depth > tolerance {
                 count += 1;
                 if deepest.is_none_or(|(most, _)| depth > most) {
@@ -175,13 +180,16 @@ impl<const D: usize> ToolContact<D> {
         }
         match deepest {
             None => Ok(()),
-            Some((depth, position)) => Err(SetupError::InitialOverlap { position, depth, count }),
+            Some((depth, position)) => {
+                let position = position.to_array();
+                Err(SetupError::InitialOverlap { position, depth, count })
+            }
         }
     }
 
     /// Lists the particles that can come into contact while nothing moves by more than
     /// `margin` relative to the tool.
-    pub(crate) fn refresh(
+    pub(crate) fn update_reference(
         &mut self,
         positions: &[Vector<D>],
         list: &NeighbourList,
@@ -189,17 +197,17 @@ impl<const D: usize> ToolContact<D> {
         margin: f64,
     ) {
         let reach = self.contact_surface.depth() + margin;
-        self.holder.refresh();
+        self.holder.update_reference();
         let displacement = self.displacement(time);
         self.candidates.clear();
         self.candidate_facets.clear();
         for (particle, position) in positions.iter().enumerate() {
-            let x = minus(&extended(position), &displacement);
-            if !self.surface.is_near(&x, reach) {
+            let x = in_space(position) - displacement;
+            if !self.surface.is_near(x, reach) {
                 continue;
             }
             let first = self.candidate_facets.len() as u32;
-            self.surface.facets_near(&x, reach, &mut self.candidate_facets);
+            self.surface.facets_near(x, reach, &mut self.candidate_facets);
             let last = self.candidate_facets.len() as u32;
             if last > first {
                 self.candidates.push(Candidate { particle: particle as u32, first, last });
@@ -222,7 +230,7 @@ impl<const D: usize> ToolContact<D> {
     /// Computes the contact forces at `time` on the particles for the coming step.
     pub(crate) fn evaluate(&mut self, time: f64, time_step: f64, around: &Surroundings<'_, D>) {
         let displacement = self.displacement(time);
-        let velocity = reduced(&self.mean_velocity(time, time_step));
+        let velocity = reduced(self.mean_velocity(time, time_step).as_ref());
         let depth = self.contact_surface.depth();
         self.footings.clear();
         self.moments.clear();
@@ -230,9 +238,9 @@ impl<const D: usize> ToolContact<D> {
         let particles = around.particles;
         for candidate in &self.candidates {
             let i = candidate.particle as usize;
-            let centre = minus(&extended(&particles.position[i]), &displacement);
+            let centre = in_space(&particles.position[i]) - displacement;
             let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
-            let Some(foot) = self.surface.foot_of(&centre, facets) else { continue };
+            let Some(foot) = self.surface.foot_of(centre, facets) else { continue };
             let NearestPoint { distance, normal } = foot.nearest;
             if distance >= depth {
                 continue;
@@ -241,14 +249,14 @@ impl<const D: usize> ToolContact<D> {
             let half_thickness = match &moment {
                 Some(moment) => around.followed_half_thickness(
                     i,
-                    &reduced(&normal),
+                    &reduced(normal.as_ref()),
                     (time_step, 2.0 * self.radius),
                     moment,
                 ),
                 None => particles.point[i].half_thickness,
             };
             self.moments.push(moment);
-            let (station, turn) = self.surface.station(&centre, &foot);
+            let (station, turn) = self.surface.station(centre, &foot);
             self.footings.push(Footing {
                 centre,
                 foot: foot.place,
@@ -338,8 +346,8 @@ impl<const D: usize> ToolContact<D> {
         let reach = (1.0 + OVERLAP_TOLERANCE) * self.radius;
         let facets = |c: &Candidate| &self.candidate_facets[c.first as usize..c.last as usize];
         let lies = |c: &&Candidate| {
-            let x = minus(&extended(&positions[c.particle as usize]), &displacement);
-            self.surface.nearest_of(&x, facets(c)).is_some_and(|near| near.distance <= reach)
+            let x = in_space(&positions[c.particle as usize]) - displacement;
+            self.surface.nearest_of(x, facets(c)).is_some_and(|near| near.distance <= reach)
         };
         self.candidates.iter().filter(lies).map(|candidate| candidate.particle).collect()
     }

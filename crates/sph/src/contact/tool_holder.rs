@@ -14,17 +14,18 @@
 //! `2 sqrt(m / (k + k_contact))`, which is far longer than the step of the particles, because a holder
 //! is far heavier than one of them.
 
-use crate::setup::{Setup, Vector};
+use crate::setup::Setup;
+use glam::DVec3;
 use sphcut_physics::process::{Oscillator, RunOut};
 
 /// One direction in which the tool gives way.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
     oscillator: Oscillator,
-    direction: Vector,
+    direction: DVec3,
     deflection: f64,
     velocity: f64,
-    /// Deflection at the last refresh.
+    /// Deflection at the last reference update.
     reference: f64,
 }
 
@@ -32,22 +33,18 @@ struct Axis {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ToolHolder {
     axes: Vec<Axis>,
-    run_out: Option<(RunOut, Vector)>,
+    run_out: Option<(RunOut, DVec3)>,
     /// From the force of the solver to that on the holder: the width of cut in the plane.
     width: f64,
-}
-
-fn along(a: &Vector, b: &Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl ToolHolder {
     pub(crate) fn of(setup: &Setup) -> Self {
         let machine = &setup.machine;
-        let axis = |oscillator: Option<Oscillator>, direction: Vector| {
+        let axis = |oscillator: Option<Oscillator>, direction: [f64; 3]| {
             oscillator.map(|oscillator| Axis {
                 oscillator,
-                direction,
+                direction: direction.into(),
                 deflection: 0.0,
                 velocity: 0.0,
                 reference: 0.0,
@@ -62,7 +59,7 @@ impl ToolHolder {
             .into_iter()
             .flatten()
             .collect(),
-            run_out: machine.run_out.map(|run_out| (run_out, setup.frame.feed)),
+            run_out: machine.run_out.map(|run_out| (run_out, setup.frame.feed.into())),
             width: if plane { setup.width_of_cut } else { 1.0 },
         }
     }
@@ -73,54 +70,43 @@ impl ToolHolder {
     }
 
     /// Displacement from the prescribed path at `time`, with the present deflection.
-    pub(crate) fn displacement(&self, time: f64) -> Vector {
-        let mut sum = [0.0; 3];
-        let mut add = |length: f64, direction: &Vector| {
-            for k in 0..3 {
-                sum[k] += length * direction[k];
-            }
-        };
+    pub(crate) fn displacement(&self, time: f64) -> DVec3 {
+        let mut sum = DVec3::ZERO;
         for axis in &self.axes {
-            add(axis.deflection, &axis.direction);
+            sum += axis.deflection * axis.direction;
         }
-        if let Some((run_out, direction)) = &self.run_out {
-            add(run_out.displacement(time), direction);
+        if let Some((run_out, direction)) = self.run_out {
+            sum += run_out.displacement(time) * direction;
         }
         sum
     }
 
-    /// Way off the path from the last refresh at `start` to `end`, which is now.
-    pub(crate) fn way(&self, start: f64, end: f64) -> Vector {
+    /// Way off the path from the last reference update at `start` to `end`, which is now.
+    pub(crate) fn way(&self, start: f64, end: f64) -> DVec3 {
         let mut before = self.clone();
         for axis in &mut before.axes {
             axis.deflection = axis.reference;
         }
-        let (from, to) = (before.displacement(start), self.displacement(end));
-        std::array::from_fn(|k| to[k] - from[k])
+        self.displacement(end) - before.displacement(start)
     }
 
     /// Mean velocity off the path over the step of length `time_step` that begins at `time`.
-    pub(crate) fn velocity(&self, time: f64, time_step: f64) -> Vector {
-        let mut sum = [0.0; 3];
-        let mut add = |speed: f64, direction: &Vector| {
-            for k in 0..3 {
-                sum[k] += speed * direction[k];
-            }
-        };
+    pub(crate) fn velocity(&self, time: f64, time_step: f64) -> DVec3 {
+        let mut sum = DVec3::ZERO;
         for axis in &self.axes {
-            add(axis.velocity, &axis.direction);
+            sum += axis.velocity * axis.direction;
         }
-        if let Some((run_out, direction)) = &self.run_out
+        if let Some((run_out, direction)) = self.run_out
             && time_step > 0.0
         {
             let way = run_out.displacement(time + time_step) - run_out.displacement(time);
-            add(way / time_step, direction);
+            sum += way / time_step * direction;
         }
         sum
     }
 
     /// First half of a kick, and the drift. `force`: of the tool on the particles.
-    pub(crate) fn begin_step(&mut self, force: &Vector, time_step: f64) {
+    pub(crate) fn begin_step(&mut self, force: DVec3, time_step: f64) {
         self.kick(force, 0.5 * time_step);
         for axis in &mut self.axes {
             axis.deflection += time_step * axis.velocity;
@@ -128,21 +114,21 @@ impl ToolHolder {
     }
 
     /// Second half of the kick.
-    pub(crate) fn end_step(&mut self, force: &Vector, time_step: f64) {
+    pub(crate) fn end_step(&mut self, force: DVec3, time_step: f64) {
         self.kick(force, 0.5 * time_step);
     }
 
-    fn kick(&mut self, force: &Vector, duration: f64) {
+    fn kick(&mut self, force: DVec3, duration: f64) {
         for axis in &mut self.axes {
             // The tool feels the opposite of what the particles feel.
-            let load = -self.width * along(force, &axis.direction);
+            let load = -self.width * force.dot(axis.direction);
             axis.velocity +=
                 duration * axis.oscillator.acceleration(axis.deflection, axis.velocity, load);
         }
     }
 
     /// The present deflection becomes that of the reference.
-    pub(crate) fn refresh(&mut self) {
+    pub(crate) fn update_reference(&mut self) {
         for axis in &mut self.axes {
             axis.reference = axis.deflection;
         }
@@ -158,7 +144,7 @@ impl ToolHolder {
         3 * self.axes.len()
     }
 
-    /// The deflection of the last refresh, from the numbers of a checkpoint.
+    /// The deflection of the last reference update, from the numbers of a checkpoint.
     pub(crate) fn set_reference(&mut self, values: &[f64]) {
         for (axis, stored) in self.axes.iter_mut().zip(values.chunks_exact(3)) {
             axis.deflection = stored[2];
@@ -190,8 +176,8 @@ mod tests {
     fn swing(mut holder: ToolHolder, force: f64, step: f64, count: usize) -> Vec<f64> {
         (0..count)
             .map(|_| {
-                holder.begin_step(&[0.0, force, 0.0], step);
-                holder.end_step(&[0.0, force, 0.0], step);
+                holder.begin_step(DVec3::new(0.0, force, 0.0), step);
+                holder.end_step(DVec3::new(0.0, force, 0.0), step);
                 holder.axes[0].deflection
             })
             .collect()

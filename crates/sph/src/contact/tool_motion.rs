@@ -6,14 +6,15 @@
 //! The displacement is exact at every time. Where a velocity is asked for a step that a change
 //! falls into, it is the mean over the step: way and work of the step are then those of the motion.
 
-use crate::setup::{Tool, Vector};
+use crate::setup::Tool;
+use glam::DVec3;
 
 /// A piece of constant velocity.
 #[derive(Debug, Clone, Copy)]
 struct Leg {
     start: f64,
-    displacement: Vector,
-    velocity: Vector,
+    displacement: DVec3,
+    velocity: DVec3,
 }
 
 /// The motion of a tool.
@@ -25,13 +26,14 @@ pub(crate) struct ToolMotion {
 
 impl ToolMotion {
     pub(crate) fn of(tool: &Tool) -> Self {
-        let mut legs = vec![Leg { start: 0.0, displacement: [0.0; 3], velocity: tool.velocity }];
+        let mut legs =
+            vec![Leg { start: 0.0, displacement: DVec3::ZERO, velocity: tool.velocity.into() }];
         for change in &tool.velocity_changes {
             let before = legs[legs.len() - 1];
             legs.push(Leg {
                 start: change.time,
                 displacement: before.at(change.time),
-                velocity: change.velocity,
+                velocity: change.velocity.into(),
             });
         }
         Self { legs }
@@ -42,47 +44,46 @@ impl ToolMotion {
     }
 
     /// Displacement at `time`.
-    pub(crate) fn displacement(&self, time: f64) -> Vector {
+    pub(crate) fn displacement(&self, time: f64) -> DVec3 {
         self.legs[self.leg(time)].at(time)
     }
 
     /// The speeds in the order of time.
     pub(crate) fn speeds(&self) -> Vec<f64> {
-        self.legs.iter().map(|leg| speed(&leg.velocity)).collect()
+        self.legs.iter().map(|leg| speed(leg.velocity)).collect()
     }
 
     /// Speed at `time`.
     pub(crate) fn speed(&self, time: f64) -> f64 {
-        speed(&self.legs[self.leg(time)].velocity)
+        speed(self.legs[self.leg(time)].velocity)
     }
 
     /// Way from `start` to `end`.
-    pub(crate) fn way(&self, start: f64, end: f64) -> Vector {
+    pub(crate) fn way(&self, start: f64, end: f64) -> DVec3 {
         let (first, last) = (self.leg(start), self.leg(end));
         if first == last {
-            return self.legs[first].velocity.map(|v| v * (end - start));
+            return self.legs[first].velocity * (end - start);
         }
-        let (from, to) = (self.displacement(start), self.displacement(end));
-        std::array::from_fn(|k| to[k] - from[k])
+        self.displacement(end) - self.displacement(start)
     }
 
     /// Mean velocity of the step of length `time_step` that begins at `start`.
-    pub(crate) fn mean_velocity(&self, start: f64, time_step: f64) -> Vector {
+    pub(crate) fn mean_velocity(&self, start: f64, time_step: f64) -> DVec3 {
         let (first, last) = (self.leg(start), self.leg(start + time_step));
         if first == last {
             return self.legs[first].velocity;
         }
-        self.way(start, start + time_step).map(|way| way / time_step)
+        self.way(start, start + time_step) / time_step
     }
 }
 
-fn speed(velocity: &Vector) -> f64 {
-    velocity[0].hypot(velocity[1]).hypot(velocity[2])
+fn speed(velocity: DVec3) -> f64 {
+    velocity.x.hypot(velocity.y).hypot(velocity.z)
 }
 
 impl Leg {
-    fn at(&self, time: f64) -> Vector {
-        std::array::from_fn(|k| self.displacement[k] + self.velocity[k] * (time - self.start))
+    fn at(&self, time: f64) -> DVec3 {
+        self.displacement + self.velocity * (time - self.start)
     }
 }
 
@@ -93,8 +94,8 @@ mod tests {
     fn to_and_fro() -> ToolMotion {
         let leg = |start, displacement, velocity| Leg {
             start,
-            displacement: [displacement, 0.0, 0.0],
-            velocity: [velocity, 0.0, 0.0],
+            displacement: DVec3::new(displacement, 0.0, 0.0),
+            velocity: DVec3::new(velocity, 0.0, 0.0),
         };
         // 2 m/s for 3 s, back with 1 m/s for 2 s, then rest.
         ToolMotion { legs: vec![leg(0.0, 0.0, 2.0), leg(3.0, 6.0, -1.0), leg(5.0, 4.0, 0.0)] }

@@ -30,7 +30,7 @@ impl<const D: usize> Touch<D> {
 
     /// A touch without friction.
     pub(crate) fn without_friction(particle: u32, footing: &Footing, share: &Share) -> Self {
-        let normal: Vector<D> = reduced(&footing.normal);
+        let normal: Vector<D> = reduced(footing.normal.as_ref());
         Self {
             particle,
             normal_force: normal.map(|n| n * footing.pressing),

@@ -36,6 +36,7 @@ use crate::particles::{Particles, Rest, lattice};
 use crate::setup::{HeatSource, Setup, Tool};
 use crate::stage::Stage;
 use crate::tensor::{Matrix, Vector, extended, reduced};
+use glam::DVec3;
 use sphcut_tool_heat::HeatedTool;
 
 /// Spread of the displacements since the last reference update, in particle spacings, that triggers the next.
@@ -226,7 +227,7 @@ impl<const D: usize> Engine<D> {
                 time: self.clock.time,
                 particle: self.particles.id[failure.index],
                 position: extended(&self.particles.position[failure.index]),
-                quantity: failure.quantity,
+                quantity: failure.quantity.to_owned(),
                 value: failure.value,
             })
         })
@@ -262,7 +263,7 @@ impl<const D: usize> Engine<D> {
     /// Lets the checkerboard of the volume ratio diffuse.
     fn diffuse_density(&mut self, dt: f64) {
         let Self { numerics, particles, reference, sweeps, clock, tool, ledger, .. } = self;
-        let tool: Option<Vector<D>> = tool.as_ref().map(|tool| reduced(&tool.velocity));
+        let tool: Option<Vector<D>> = tool.as_ref().map(|tool| reduced(tool.velocity.as_ref()));
         let step = (clock.step, dt);
         ledger.density_diffusion +=
             density_diffusion::diffuse_when_due(numerics, particles, reference, sweeps, step, tool);
@@ -316,7 +317,7 @@ impl<const D: usize> Engine<D> {
         let Self { particles, reference, numerics, tool, .. } = self;
         if let Some(tool) = tool {
             let margin = CONTACT_MARGIN * numerics.spacing;
-            tool.refresh(&particles.position, &reference.list, reference.time, margin);
+            tool.update_reference(&particles.position, &reference.list, reference.time, margin);
         }
         self.conduction.tensor.clear();
     }
@@ -330,8 +331,8 @@ impl<const D: usize> Engine<D> {
     fn move_window(&mut self) {
         let Self { particles, window, tool, tool_heat, clock, .. } = self;
         let Some(window) = window else { return };
-        let displacement = tool.as_ref().map_or([0.0; 3], |tool| tool.displacement(clock.time));
-        let travel = window.travel(&displacement);
+        let displacement = tool.as_ref().map_or(DVec3::ZERO, |tool| tool.displacement(clock.time));
+        let travel = window.travel(displacement);
         let touched = tool.iter().flat_map(|tool| tool.touches.iter().map(|t| t.particle));
         let exposed = tool_heat.iter().flat_map(|heat| heat.exposed());
         if let Some(new_place) = window.retire(particles, travel, touched.chain(exposed)) {

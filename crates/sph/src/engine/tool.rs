@@ -1,7 +1,8 @@
 //! What passes between particles and tool in the time loop: work, friction, heat.
 
 use crate::engine::Engine;
-use crate::tensor::{Vector, dot, minus, reduced};
+use crate::tensor::{Vector, dot, extended, minus, reduced};
+use glam::DVec3;
 use sphcut_tool_heat::ContactPartner;
 
 impl<const D: usize> Engine<D> {
@@ -12,7 +13,7 @@ impl<const D: usize> Engine<D> {
     pub(super) fn book_contact(&mut self, duration: f64) {
         let Self { tool, tool_heat, particles, ledger, clock, friction_heat_share, .. } = self;
         let Some(tool) = tool else { return };
-        let tool_velocity: Vector<D> = reduced(&tool.velocity);
+        let tool_velocity: Vector<D> = reduced(tool.velocity.as_ref());
         for (place, touch) in tool.touches.iter().enumerate() {
             let i = touch.particle as usize;
             let moving = tool.points.velocity(place, &particles.motion);
@@ -33,8 +34,8 @@ impl<const D: usize> Engine<D> {
                 rubbed = friction - heat;
             }
             if let Some(heat) = tool_heat {
-                let place = in_tool(&particles.position[i], &tool.displacement(clock.time));
-                heat.touch_on(touch.area, touch.particle, &place, duration, rubbed);
+                let place = in_tool(&particles.position[i], tool.displacement(clock.time));
+                heat.touch_on(touch.area, touch.particle, place, duration, rubbed);
             }
         }
     }
@@ -44,8 +45,8 @@ impl<const D: usize> Engine<D> {
         let (Some(tool), Some(heat)) = (&self.tool, &mut self.tool_heat) else { return };
         for particle in tool.resting(&self.particles.position, self.clock.time) {
             let position = &self.particles.position[particle as usize];
-            let place = in_tool(position, &tool.displacement(self.clock.time));
-            heat.touch(particle, &place, duration, 0.0);
+            let place = in_tool(position, tool.displacement(self.clock.time));
+            heat.touch(particle, place, duration, 0.0);
         }
     }
 
@@ -75,6 +76,6 @@ impl<const D: usize> Engine<D> {
 }
 
 /// A particle's place in the frame of the tool.
-fn in_tool<const D: usize>(position: &Vector<D>, displacement: &Vector<3>) -> Vector<3> {
-    std::array::from_fn(|k| if k < D { position[k] - displacement[k] } else { 0.0 })
+fn in_tool<const D: usize>(position: &Vector<D>, displacement: DVec3) -> DVec3 {
+    extended(&minus(position, &reduced(displacement.as_ref()))).into()
 }

@@ -13,7 +13,7 @@
 
 use crate::parallel::CHUNK;
 use crate::particles::Particles;
-use crate::setup::{HeatSource, HeatSourceForm, Vector as Vector3};
+use crate::setup::{HeatSource, HeatSourceForm};
 use crate::tensor::Vector;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -25,7 +25,7 @@ const REACH: f64 = 8.0;
 struct Present<'a> {
     form: &'a HeatSourceForm,
     /// Way since the start.
-    shift: Vector3,
+    shift: Vector<3>,
     /// P over the normalisation, in W/m^3.
     strength: f64,
 }

@@ -68,23 +68,11 @@ impl<const D: usize> History<D> {
         self.back_stress = rotated(&self.back_stress, rotation);
     }
 
-    /// All numbers, for the checkpoint.
-    pub(crate) fn to_vec(self) -> Vec<f64> {
-        let mut values: Vec<f64> = self.back_stress.iter().flatten().copied().collect();
-        values.extend([self.damage, self.softening, self.strain_gradient]);
-        values
-    }
-
-    /// The inverse of [`History::to_vec`].
-    pub(crate) fn from_slice(values: &[f64]) -> Self {
-        Self {
-            back_stress: std::array::from_fn(|row| {
-                std::array::from_fn(|column| values[row * D + column])
-            }),
-            damage: values[D * D],
-            softening: values[D * D + 1],
-            strain_gradient: values[D * D + 2],
-        }
+    /// All numbers in the order of a checkpoint.
+    pub(crate) fn numbers(&mut self) -> Vec<&mut f64> {
+        let Self { back_stress, damage, softening, strain_gradient } = self;
+        let stress = back_stress.iter_mut().flatten();
+        stress.chain([damage, softening, strain_gradient]).collect()
     }
 
     /// Damage by a plastic increment at a triaxiality, a rate and a temperature.

@@ -69,4 +69,21 @@ impl<const D: usize> MaterialPoint<D> {
     pub(crate) fn equivalent(&self, deviator: &Matrix<D>) -> f64 {
         (1.5 * Self::deviator_square(deviator)).sqrt() / self.volume_ratio
     }
+
+    /// All numbers in the order of a checkpoint.
+    pub(crate) fn numbers(&mut self) -> Vec<&mut f64> {
+        let tensors = [&mut self.deviator, &mut self.deformation];
+        let mut numbers: Vec<&mut f64> = tensors.into_iter().flatten().flatten().collect();
+        numbers.extend([
+            &mut self.volume_ratio,
+            &mut self.plastic_strain,
+            &mut self.plastic_strain_rate,
+            &mut self.temperature,
+            &mut self.flow_stress,
+            &mut self.viscous_pressure,
+        ]);
+        numbers.extend(&mut self.offset);
+        numbers.extend([&mut self.stiffness, &mut self.half_thickness]);
+        numbers
+    }
 }

@@ -233,7 +233,7 @@ mod tests {
 
     fn diffused(engine: &mut Engine<2>, duration: f64) {
         let Engine { numerics, particles, reference, sweeps, tool, ledger, .. } = engine;
-        let tool = tool.as_ref().map(|tool| reduced(&tool.velocity));
+        let tool = tool.as_ref().map(|tool| reduced(tool.velocity.as_ref()));
         ledger.density_diffusion += diffuse(numerics, particles, reference, sweeps, duration, tool);
     }
 

@@ -12,6 +12,7 @@ use crate::tensor::{
     Matrix, Vector, apply, clamped_spectrum, determinant, dot, identity, inverse_nonsingular,
     minus, plus_scaled, reduced, trace, zero,
 };
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// A moment matrix flatter than this (determinant over that of the isotropic one of the same
@@ -97,10 +98,10 @@ impl<const D: usize> ReferenceConfiguration<D> {
     }
 
     /// The strain since the update, and the spread of the displacements with that of the tool, which went `way`.
-    pub(crate) fn changes(&self, way: Option<Vector<3>>) -> (f64, f64) {
+    pub(crate) fn changes(&self, way: Option<DVec3>) -> (f64, f64) {
         let (mut low, mut high) = (self.since.low, self.since.high);
         if let Some(way) = way {
-            let mut moved: Vector<D> = reduced(&way);
+            let mut moved: Vector<D> = reduced(way.as_ref());
             if let Some(axes) = &self.tilted_axes {
                 moved = apply(axes, &moved);
             }

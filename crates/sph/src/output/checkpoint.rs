@@ -11,7 +11,7 @@ use crate::output::observation::CheckpointState;
 use crate::particles::motion::Motion;
 use crate::particles::window::Window;
 use crate::setup::Setup;
-use crate::tensor::{Matrix, Vector};
+use crate::tensor::Vector;
 use sphcut_tool_heat::HeatedTool;
 
 impl<const D: usize> Engine<D> {
@@ -41,12 +41,9 @@ impl<const D: usize> Engine<D> {
             "reference_volume_ratio",
             self.reference.frame.iter().map(|f| f.volume_ratio).collect(),
         );
-        real("point", self.particles.point.iter().flat_map(point_to_vec).collect());
+        real("point", written(&self.particles.point, MaterialPoint::numbers));
         if !self.particles.history.is_empty() {
-            real(
-                "history",
-                self.particles.history.iter().copied().flat_map(History::to_vec).collect(),
-            );
+            real("history", written(&self.particles.history, History::numbers));
         }
         real("account", self.ledger.to_array().to_vec());
         real(
@@ -132,14 +129,9 @@ impl<const D: usize> Engine<D> {
         for (frame, ratio) in engine.reference.frame.iter_mut().zip(ratios) {
             frame.volume_ratio = *ratio;
         }
-        let width = point_to_vec(&engine.particles.point[0]).len();
-        let points = reader.reals("point", count * width)?;
-        engine.particles.point = points.chunks_exact(width).map(point_from_slice).collect();
+        reader.fill("point", &mut engine.particles.point, MaterialPoint::numbers)?;
         if !engine.particles.history.is_empty() {
-            let width = engine.particles.history[0].to_vec().len();
-            let histories = reader.reals("history", count * width)?;
-            engine.particles.history =
-                histories.chunks_exact(width).map(History::from_slice).collect();
+            reader.fill("history", &mut engine.particles.history, History::numbers)?;
         }
         let account = reader.reals("account", 20)?;
         engine.ledger = Ledger::from_array(account.try_into().expect("length was checked"));
@@ -229,42 +221,12 @@ fn flat<const D: usize>(vectors: &[Vector<D>]) -> Vec<f64> {
     vectors.iter().flatten().copied().collect()
 }
 
-fn point_to_vec<const D: usize>(point: &MaterialPoint<D>) -> Vec<f64> {
-    let mut values: Vec<f64> = point.deviator.iter().flatten().copied().collect();
-    values.extend(point.deformation.iter().flatten());
-    values.extend([
-        point.volume_ratio,
-        point.plastic_strain,
-        point.plastic_strain_rate,
-        point.temperature,
-        point.flow_stress,
-        point.viscous_pressure,
-    ]);
-    values.extend(point.offset);
-    values.extend([point.stiffness, point.half_thickness]);
-    values
-}
-
-fn point_from_slice<const D: usize>(values: &[f64]) -> MaterialPoint<D> {
-    let square = D * D;
-    let matrix = |from: usize| -> Matrix<D> {
-        std::array::from_fn(|row| std::array::from_fn(|column| values[from + row * D + column]))
-    };
-    let rest = &values[2 * square..];
-    MaterialPoint {
-        deviator: matrix(0),
-        deformation: matrix(square),
-        volume_ratio: rest[0],
-        plastic_strain: rest[1],
-        plastic_strain_rate: rest[2],
-        temperature: rest[3],
-        flow_stress: rest[4],
-        viscous_pressure: rest[5],
-        offset: std::array::from_fn(|k| rest[6 + k]),
-        stiffness: rest[6 + D],
-        half_thickness: rest[7 + D],
-        limit_temperature: f64::NAN,
-    }
+/// The numbers of all of a kind, one after the other.
+fn written<T: Copy>(all: &[T], numbers: fn(&mut T) -> Vec<&mut f64>) -> Vec<f64> {
+    let copies = all.iter().copied();
+    copies
+        .flat_map(|mut one| numbers(&mut one).into_iter().map(|x| *x).collect::<Vec<_>>())
+        .collect()
 }
 
 fn missing(name: &str) -> SetupError {
@@ -290,6 +252,22 @@ impl Reader<'_> {
         Err(SetupError::Checkpoint {
             reason: format!("`{name}` has {} numbers instead of {length}", values.len()),
         })
+    }
+
+    /// Takes the numbers of [`written`].
+    fn fill<T: Copy>(
+        &self,
+        name: &str,
+        all: &mut Vec<T>,
+        numbers: fn(&mut T) -> Vec<&mut f64>,
+    ) -> Result<(), SetupError> {
+        all.resize(self.count, all[0]);
+        let width = numbers(&mut all[0]).len();
+        let values = self.reals(name, self.count * width)?;
+        for (one, values) in all.iter_mut().zip(values.chunks_exact(width)) {
+            std::iter::zip(numbers(one), values).for_each(|(number, value)| *number = *value);
+        }
+        Ok(())
     }
 
     fn integers(&self, name: &str) -> Result<&[u64], SetupError> {

@@ -3,9 +3,9 @@
 
 use crate::setup::Vector;
 
-/// One channel of the record over time.
+/// A column of the record over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Channel {
+pub struct ObservationColumn {
     /// Identifier, e.g. `cutting_force`.
     pub name: &'static str,
     /// SI unit; quantities marked per width are multiplied by the width of a plane run by the reader.
@@ -14,8 +14,12 @@ pub struct Channel {
     pub meaning: &'static str,
 }
 
-const fn channel(name: &'static str, unit: &'static str, meaning: &'static str) -> Channel {
-    Channel { name, unit, meaning }
+const fn column(
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+) -> ObservationColumn {
+    ObservationColumn { name, unit, meaning }
 }
 
 macro_rules! channels {
@@ -28,7 +32,7 @@ macro_rules! channels {
 
         /// All channels, in the order of [`Sample::values`]. In a plane run every force, energy
         /// and momentum is per metre of width (N/m, J/m).
-        pub const CHANNELS: &[Channel] = &[$(channel($name, $unit, $meaning)),*];
+        pub const CHANNELS: &[ObservationColumn] = &[$(column($name, $unit, $meaning)),*];
     };
 }
 

@@ -5,7 +5,11 @@ use crate::material::point::MaterialPoint;
 use crate::output::observation::{CHANNELS, ChannelId, Sample};
 use crate::particles::window::Retired;
 use crate::setup::Setup;
-use crate::tensor::dot;
+use glam::DVec3;
+
+fn along(a: DVec3, direction: [f64; 3]) -> f64 {
+    a.dot(direction.into())
+}
 
 impl<const D: usize> Engine<D> {
     /// What has left the moving window.
@@ -35,21 +39,21 @@ impl<const D: usize> Engine<D> {
         let travel = self
             .tool
             .as_ref()
-            .map_or(0.0, |tool| dot(&tool.displacement(self.clock.time), &frame.cutting));
+            .map_or(0.0, |tool| along(tool.displacement(self.clock.time), frame.cutting));
         set(ChannelId::Time, self.clock.time);
         set(ChannelId::Travel, travel);
         if let Some(tool) = self.tool.as_ref().filter(|tool| tool.holder.acts()) {
             let off = tool.holder.displacement(self.clock.time);
-            set(ChannelId::ToolOffsetCutting, dot(&off, &frame.cutting));
-            set(ChannelId::ToolOffsetFeed, dot(&off, &frame.feed));
+            set(ChannelId::ToolOffsetCutting, along(off, frame.cutting));
+            set(ChannelId::ToolOffsetFeed, along(off, frame.feed));
         }
-        set(ChannelId::CuttingForce, dot(&force, &frame.cutting));
-        set(ChannelId::FeedForce, dot(&force, &frame.feed));
-        set(ChannelId::PassiveForce, dot(&force, &frame.passive));
-        set(ChannelId::ReactionCutting, dot(&reaction, &frame.cutting));
-        set(ChannelId::ReactionFeed, dot(&reaction, &frame.feed));
-        set(ChannelId::MomentumCutting, dot(&momentum, &frame.cutting));
-        set(ChannelId::MomentumFeed, dot(&momentum, &frame.feed));
+        set(ChannelId::CuttingForce, along(force.into(), frame.cutting));
+        set(ChannelId::FeedForce, along(force.into(), frame.feed));
+        set(ChannelId::PassiveForce, along(force.into(), frame.passive));
+        set(ChannelId::ReactionCutting, along(reaction.into(), frame.cutting));
+        set(ChannelId::ReactionFeed, along(reaction.into(), frame.feed));
+        set(ChannelId::MomentumCutting, along(momentum.into(), frame.cutting));
+        set(ChannelId::MomentumFeed, along(momentum.into(), frame.feed));
         set(ChannelId::TimeStep, self.clock.time_step);
     }
 

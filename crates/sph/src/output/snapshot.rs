@@ -4,8 +4,9 @@ use crate::engine::Engine;
 use crate::material::point::MaterialPoint;
 use crate::output::observation::Snapshot;
 use crate::particles::Rest;
-use crate::setup::{Setup, Vector as Vector3};
+use crate::setup::Setup;
 use crate::tensor::{Matrix, Vector, extended, reduced};
+use glam::DVec3;
 use sphcut_geometry::tool_surface::ToolSurface;
 
 impl<const D: usize> Engine<D> {
@@ -41,7 +42,7 @@ impl<const D: usize> Engine<D> {
         };
         if let Some(heat) = &self.tool_heat {
             let shift =
-                self.tool.as_ref().map_or([0.0; 3], |tool| tool.displacement(self.clock.time));
+                self.tool.as_ref().map_or(DVec3::ZERO, |tool| tool.displacement(self.clock.time));
             (snapshot.tool_nodes, snapshot.tool_elements, snapshot.tool_temperature) =
                 heat.picture(shift);
         }
@@ -101,16 +102,17 @@ impl<const D: usize> Engine<D> {
         snapshot.neighbours.push(0);
     }
 
-    fn tool_outline(&self, setup: &Setup) -> Vec<Vector3> {
+    fn tool_outline(&self, setup: &Setup) -> Vec<Vector<3>> {
         let Some(tool) = &setup.tool else { return Vec::new() };
-        let shift = self.tool.as_ref().map_or([0.0; 3], |tool| tool.displacement(self.clock.time));
-        let moved = |x: &Vector3| [x[0] + shift[0], x[1] + shift[1], x[2] + shift[2]];
+        let shift =
+            self.tool.as_ref().map_or(DVec3::ZERO, |tool| tool.displacement(self.clock.time));
+        let moved = |x: Vector<3>| (DVec3::from(x) + shift).to_array();
         match &tool.surface {
             ToolSurface::Polygon(corners) => {
-                corners.iter().map(|c| moved(&[c[0], c[1], 0.0])).collect()
+                corners.iter().map(|c| moved([c[0], c[1], 0.0])).collect()
             }
             ToolSurface::Triangles { vertices, triangles } => {
-                triangles.iter().flatten().map(|&vertex| moved(&vertices[vertex])).collect()
+                triangles.iter().flatten().map(|&vertex| moved(vertices[vertex])).collect()
             }
             ToolSurface::HalfSpace { .. } => Vec::new(),
         }

@@ -12,7 +12,7 @@ use crate::material::history::History;
 use crate::material::point::MaterialPoint;
 use crate::numerics::Numerics;
 use crate::parallel::CHUNK;
-use crate::setup::{Setup, Vector as Vector3};
+use crate::setup::Setup;
 use crate::tensor::{Matrix, Vector, dot, identity, plus_scaled, reduced};
 use lattice::Seed;
 use lattice_cell::LatticeCell;
@@ -304,7 +304,7 @@ impl<const D: usize> Particles<D> {
     }
 
     /// Adds the momentum of all to `sum`.
-    pub(crate) fn add_momentum(&self, sum: &mut Vector3) {
+    pub(crate) fn add_momentum(&self, sum: &mut Vector<3>) {
         for i in 0..self.motion.len() {
             for k in 0..D {
                 sum[k] += self.inertia(i) * self.motion[i].velocity()[k];

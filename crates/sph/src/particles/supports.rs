@@ -1,7 +1,7 @@
 //! Particles whose motion or temperature is prescribed.
 
 use crate::particles::lattice;
-use crate::setup::{Setup, Shape, Vector as Vector3};
+use crate::setup::{Setup, Shape};
 use crate::tensor::{Matrix, Vector, apply, identity, reduced, transpose};
 
 /// A resolved support.
@@ -24,7 +24,7 @@ impl<const D: usize> Hold<D> {
             .supports
             .iter()
             .map(|support| {
-                let axis = |unit: Vector3| {
+                let axis = |unit: Vector<3>| {
                     let image = match &support.region {
                         Shape::Box { .. } => lattice::placed(&support.region, &unit),
                         Shape::Cylinder { .. } => unit,
@@ -56,7 +56,7 @@ impl<const D: usize> Hold<D> {
     }
 
     /// Index of the last support whose region contains `position`.
-    pub(crate) fn of(setup: &Setup, position: &Vector3) -> u8 {
+    pub(crate) fn of(setup: &Setup, position: &Vector<3>) -> u8 {
         let found = setup
             .supports
             .iter()

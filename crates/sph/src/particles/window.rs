@@ -24,6 +24,7 @@ use crate::particles::supports::{FREE, Hold};
 use crate::particles::{Particles, Rest};
 use crate::setup::Setup;
 use crate::tensor::{Vector, dot, reduced};
+use glam::DVec3;
 
 /// Share of `behind` that retired material is away from the edge at least: a chip is shorter than what was
 /// cut.
@@ -111,8 +112,8 @@ impl<const D: usize> Window<D> {
     }
 
     /// Way of the tool along the cut at its `displacement`.
-    pub(crate) fn travel(&self, displacement: &[f64; 3]) -> f64 {
-        dot(&reduced(displacement), &self.cutting)
+    pub(crate) fn travel(&self, displacement: DVec3) -> f64 {
+        dot(&reduced(displacement.as_ref()), &self.cutting)
     }
 
     /// Follows what the window has reached.

@@ -1,34 +1,38 @@
 //! The part of the surface around a particle in space, and the directions of its neighbours.
 
+use glam::DVec2;
+
 /// Corners that a particle's cell can have; further neighbours than that cut nothing.
 const MOST_CORNERS: usize = 48;
 
 /// Part of the tangent plane around a particle, as a convex polygon.
 pub(super) struct Cell {
-    corners: [[f64; 2]; MOST_CORNERS],
+    corners: [DVec2; MOST_CORNERS],
     count: usize,
 }
 
 impl Cell {
     pub(super) fn square(half: f64) -> Self {
-        let mut corners = [[0.0; 2]; MOST_CORNERS];
-        corners[..4].copy_from_slice(&[[-half, -half], [half, -half], [half, half], [-half, half]]);
+        let mut corners = [DVec2::ZERO; MOST_CORNERS];
+        for (corner, [x, y]) in
+            corners.iter_mut().zip([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+        {
+            *corner = half * DVec2::new(x, y);
+        }
         Self { corners, count: 4 }
     }
 
     /// Whether a corner lies beyond `distance` of the origin along `direction`.
-    pub(super) fn is_cut(&self, direction: [f64; 2], distance: f64) -> bool {
-        self.corners[..self.count]
-            .iter()
-            .any(|c| c[0] * direction[0] + c[1] * direction[1] > distance)
+    pub(super) fn is_cut(&self, direction: DVec2, distance: f64) -> bool {
+        self.corners[..self.count].iter().any(|corner| corner.dot(direction) > distance)
     }
 
     /// Keeps what lies within `distance` of the origin along `direction`.
-    pub(super) fn cut(&mut self, direction: [f64; 2], distance: f64) {
+    pub(super) fn cut(&mut self, direction: DVec2, distance: f64) {
         if self.count + 1 > MOST_CORNERS {
             return;
         }
-        let beyond = |c: &[f64; 2]| c[0] * direction[0] + c[1] * direction[1] - distance;
+        let beyond = |corner: &DVec2| corner.dot(direction) - distance;
         let old = self.corners;
         let count = self.count;
         self.count = 0;
@@ -40,25 +44,25 @@ impl Cell {
             }
             if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
                 let part = a / (a - b);
-                self.push(std::array::from_fn(|i| here[i] + part * (next[i] - here[i])));
+                self.push(here + part * (next - here));
             }
         }
     }
 
-    fn push(&mut self, corner: [f64; 2]) {
+    fn push(&mut self, corner: DVec2) {
         self.corners[self.count] = corner;
         self.count += 1;
     }
 
     pub(super) fn area(&self) -> f64 {
         let corner = |k: usize| self.corners[k % self.count.max(1)];
-        let doubled = |k: usize| corner(k)[0] * corner(k + 1)[1] - corner(k)[1] * corner(k + 1)[0];
+        let doubled = |k: usize| corner(k).perp_dot(corner(k + 1));
         0.5 * (0..self.count).map(doubled).sum::<f64>()
     }
 }
 
-pub(super) fn angle(unit: [f64; 2]) -> f64 {
-    unit[1].atan2(unit[0])
+pub(super) fn angle(unit: DVec2) -> f64 {
+    unit.y.atan2(unit.x)
 }
 
 /// Start and width of what lies behind number `k` of `angles`, which rise.

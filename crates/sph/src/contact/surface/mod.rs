@@ -32,8 +32,8 @@
 
 mod cell;
 
-use crate::setup::Vector as Vector3;
 use cell::{Cell, angle, gap, is_within, widest_sector};
+use glam::{DVec2, DVec3};
 
 /// Radius of the regularisation in terms of the mean distance of the particles that press.
 const RADIUS: f64 = 3.0;
@@ -70,11 +70,11 @@ pub(crate) fn make_room<T>(values: &mut Vec<T>, most: usize) {
 /// A particle near the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Footing {
-    pub(crate) centre: Vector3,
+    pub(crate) centre: DVec3,
     /// Point of the tool that is nearest.
-    pub(crate) foot: Vector3,
+    pub(crate) foot: DVec3,
     /// Unit normal out of the tool.
-    pub(crate) normal: Vector3,
+    pub(crate) normal: DVec3,
     /// Length along the outline at the foot in m; only used in the plane.
     pub(crate) station: f64,
     /// Orders those whose foot is the same corner of the outline; in radians.
@@ -99,7 +99,7 @@ pub(crate) struct Share {
 }
 
 /// Distance, number in the layer and direction of a neighbour in the tangent plane.
-type Neighbour = (f64, u32, [f64; 2]);
+type Neighbour = (f64, u32, DVec2);
 
 /// Makes the contact surface of each step; keeps its memory between the steps.
 #[derive(Debug, Default)]
@@ -121,32 +121,20 @@ pub(crate) struct ContactSurface {
     /// In space: the layer around one.
     around: Vec<Neighbour>,
     /// In space: place in the tangent plane in m and volume over the spacing in m^2 of the particles around one.
-    filling: Vec<[f64; 3]>,
+    filling: Vec<(DVec2, f64)>,
     shares: Vec<Share>,
 }
 
-fn minus(a: &Vector3, b: &Vector3) -> Vector3 {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn dot(a: &Vector3, b: &Vector3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: &Vector3, b: &Vector3) -> Vector3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 /// Two unit vectors along the surface.
-fn tangents(normal: &Vector3) -> [Vector3; 2] {
-    let least =
-        (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs())).expect("three axes");
-    let mut axis = [0.0; 3];
-    axis[least] = 1.0;
-    let along = cross(normal, &axis);
-    let length = dot(&along, &along).sqrt();
-    let first = along.map(|component| component / length);
-    [first, cross(normal, &first)]
+fn tangents(normal: DVec3) -> [DVec3; 2] {
+    let along = normal.cross(DVec3::AXES[normal.abs().min_position()]);
+    let first = along / along.length();
+    [first, normal.cross(first)]
+}
+
+/// A way as seen along the normal.
+fn in_plane(way: DVec3, basis: &[DVec3; 2]) -> DVec2 {
+    DVec2::new(way.dot(basis[0]), way.dot(basis[1]))
 }
 
 impl ContactSurface {
@@ -256,7 +244,7 @@ impl ContactSurface {
                 && pressing.any(|entry| entry.0 >= here.0);
         }
         let this = &footings[here.1 as usize];
-        let basis = tangents(&this.normal);
+        let basis = tangents(this.normal);
         let mut angles = std::mem::take(&mut self.angles);
         angles.clear();
         for &(_, other) in &self.order[near] {
@@ -264,7 +252,7 @@ impl ContactSurface {
             if other.pressing > 0.0
                 && let Some((unit, _)) = self.way(this, other, &basis)
             {
-                angles.push(unit[1].atan2(unit[0]));
+                angles.push(angle(unit));
             }
         }
         let widest = widest_sector(&mut angles);
@@ -273,21 +261,14 @@ impl ContactSurface {
     }
 
     /// Direction in the tangent plane and distance of the feet, if within reach and apart.
-    fn way(
-        &self,
-        this: &Footing,
-        other: &Footing,
-        basis: &[Vector3; 2],
-    ) -> Option<([f64; 2], f64)> {
-        let apart = minus(&other.foot, &this.foot);
-        let distance = dot(&apart, &apart).sqrt();
+    fn way(&self, this: &Footing, other: &Footing, basis: &[DVec3; 2]) -> Option<(DVec2, f64)> {
+        let distance = (other.foot - this.foot).length();
         if distance > REACH * self.spacing {
             return None;
         }
-        let towards = minus(&other.centre, &this.centre);
-        let way = [dot(&towards, &basis[0]), dot(&towards, &basis[1])];
-        let length = way[0].hypot(way[1]);
-        (length > 0.0).then(|| (way.map(|component| component / length), distance))
+        let way = in_plane(other.centre - this.centre, basis);
+        let length = way.x.hypot(way.y);
+        (length > 0.0).then(|| (way / length, distance))
     }
 
     /// Shares the arc out among the layer.
@@ -336,13 +317,13 @@ impl ContactSurface {
     }
 
     /// The same in space of the way along `unit` of the tangent plane to a neighbour `gap` off.
-    fn is_covered_in_space(&self, unit: [f64; 2], gap: f64) -> bool {
+    fn is_covered_in_space(&self, unit: DVec2, gap: f64) -> bool {
         if gap <= CLOSED_GAP * self.spacing {
             return true;
         }
         let end = END * self.spacing;
-        let counted = |[x, y, filled]: &[f64; 3]| {
-            let (along, across) = (x * unit[0] + y * unit[1], y * unit[0] - x * unit[1]);
+        let counted = |(place, filled): &(DVec2, f64)| {
+            let (along, across) = (place.dot(unit), unit.perp_dot(*place));
             let lies = along >= -end && along <= gap + end;
             let share = if lies { (1.0 - across.abs() / self.spacing).max(0.0) } else { 0.0 };
             filled * share
@@ -355,17 +336,16 @@ impl ContactSurface {
     }
 
     /// Notes the material that may lie behind gaps around place `k` of the order.
-    fn note_filling(&mut self, footings: &[Footing], k: usize, basis: &[Vector3; 2]) {
-        let foot = &footings[self.order[k].1 as usize].foot;
+    fn note_filling(&mut self, footings: &[Footing], k: usize, basis: &[DVec3; 2]) {
+        let foot = footings[self.order[k].1 as usize].foot;
         let most = (REACH + END).hypot(1.0) * self.spacing;
         let mut filling = std::mem::take(&mut self.filling);
         filling.clear();
         for &(_, other) in &self.order[self.near(k, REACH + END)] {
             let other = &footings[other as usize];
-            let apart = minus(&other.foot, foot);
-            let [x, y] = [dot(&apart, &basis[0]), dot(&apart, &basis[1])];
-            if x * x + y * y <= most * most {
-                filling.push([x, y, other.volume / self.spacing]);
+            let place = in_plane(other.foot - foot, basis);
+            if place.length_squared() <= most * most {
+                filling.push((place, other.volume / self.spacing));
             }
         }
         self.filling = filling;
@@ -400,7 +380,7 @@ impl ContactSurface {
         for n in 0..self.layer.len() {
             let k = self.layer[n] as usize;
             let this = &footings[self.order[k].1 as usize];
-            let basis = tangents(&this.normal);
+            let basis = tangents(this.normal);
             around.clear();
             for m in self.layer_near(n, REACH) {
                 let other = &footings[self.order[self.layer[m] as usize].1 as usize];
@@ -450,12 +430,9 @@ impl ContactSurface {
                     continue;
                 }
                 let out = start + 0.5 * width;
-                let through = unit[0] * out.cos() + unit[1] * out.sin();
-                let mirrored = if width > CORNER {
-                    unit.map(|component| -component)
-                } else {
-                    [unit[0] - 2.0 * through * out.cos(), unit[1] - 2.0 * through * out.sin()]
-                };
+                let out = DVec2::new(out.cos(), out.sin());
+                let through = unit.dot(out);
+                let mirrored = if width > CORNER { -unit } else { unit - 2.0 * through * out };
                 if is_within(angle(mirrored), (start, width)) {
                     cell.cut(mirrored, 0.5 * distance);
                     angles.push(angle(mirrored));
@@ -470,7 +447,7 @@ impl ContactSurface {
         for (start, width) in (0..angles.len()).map(|k| gap(angles, k)) {
             if width > FREE {
                 let out = start + 0.5 * width;
-                cell.cut([out.cos(), out.sin()], half);
+                cell.cut(DVec2::new(out.cos(), out.sin()), half);
             }
         }
     }
@@ -497,8 +474,7 @@ impl ContactSurface {
         if self.dimension == 2 {
             return (a.0 - b.0).abs();
         }
-        let apart = minus(&footings[a.1 as usize].foot, &footings[b.1 as usize].foot);
-        dot(&apart, &apart).sqrt()
+        (footings[a.1 as usize].foot - footings[b.1 as usize].foot).length()
     }
 
     /// Pressure of the layer.
@@ -514,7 +490,7 @@ impl ContactSurface {
             for m in near.clone() {
                 let other = number(self, m);
                 let weight = (1.0 - self.distance(footings, n, m) / radius).max(0.0)
-                    * dot(&footings[this].normal, &footings[other].normal).max(0.0);
+                    * footings[this].normal.dot(footings[other].normal).max(0.0);
                 whole += weight * self.shares[other].area;
                 self.weights.push(weight);
             }

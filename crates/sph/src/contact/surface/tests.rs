@@ -12,11 +12,11 @@ fn areas(footings: &[Footing], spacing: f64, dimension: usize) -> Vec<f64> {
 }
 
 /// One that presses with a force of 1, of the unit spacing.
-fn pressing(centre: Vector3, foot: Vector3, normal: Vector3, station: f64) -> Footing {
+fn pressing(centre: [f64; 3], foot: [f64; 3], normal: [f64; 3], station: f64) -> Footing {
     Footing {
-        centre,
-        foot,
-        normal,
+        centre: centre.into(),
+        foot: foot.into(),
+        normal: normal.into(),
         station,
         turn: 0.0,
         distance: 0.49,
@@ -111,9 +111,9 @@ fn a_slab_in_space_shares_its_face_as_the_plane_shares_its_line() {
         let slab: Vec<Footing> = (0..4 * line.len())
             .map(|k| {
                 let (row, column) = (k / line.len(), k % line.len());
-                let [x, y, _] = line[column].centre;
+                let [x, y, _] = line[column].centre.to_array();
                 let z = row as f64 + 0.5;
-                Footing { centre: [x, y, z], foot: [x, 0.0, z], ..line[column] }
+                Footing { centre: DVec3::new(x, y, z), foot: DVec3::new(x, 0.0, z), ..line[column] }
             })
             .collect();
         for (k, share) in shares(&slab, 1.0, 3).iter().enumerate() {
@@ -151,8 +151,7 @@ fn where_a_closed_outline_begins_does_not_matter() {
 #[test]
 fn around_a_corner_the_mirrored_contact_is_the_mirror_of_the_contact() {
     // Three have the corner of a square as their foot, one stands on either side; told in an order that says nothing.
-    let corners: [Vector3; 4] = [[0.0; 3], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [0.0, 10.0, 0.0]];
-    let square = corners.map(|corner| [corner[0], corner[1]]).to_vec();
+    let square = vec![[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
     let outline = IndexedSurface::new(&ToolSurface::Polygon(square)).unwrap();
     let facets: Vec<u32> = (0..4).collect();
     let there = [[0.3, -0.4], [9.0, -0.4], [10.4, -0.1], [10.1, -0.4], [10.3, -0.3], [10.4, 1.5]];
@@ -160,10 +159,10 @@ fn around_a_corner_the_mirrored_contact_is_the_mirror_of_the_contact() {
         let stand = |place: &[f64; 2]| {
             let [x, y] = mirror(*place);
             let centre = [x, y, 0.0];
-            let foot = outline.foot_of(&centre, &facets).unwrap();
-            let (station, turn) = outline.station(&centre, &foot);
-            let normal = foot.nearest.normal;
-            Footing { turn, ..pressing(centre, foot.place, normal, station) }
+            let foot = outline.foot_of(centre.into(), &facets).unwrap();
+            let (station, turn) = outline.station(centre.into(), &foot);
+            let normal = foot.nearest.normal.to_array();
+            Footing { turn, ..pressing(centre, foot.place.to_array(), normal, station) }
         };
         let footings: Vec<Footing> = there.iter().map(stand).collect();
         let mut surface = ContactSurface::new(1.0, 2);

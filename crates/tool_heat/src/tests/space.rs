@@ -1,15 +1,15 @@
 //! Known answers for the tool in space.
 
-use crate::body::ToolBody;
-use crate::description::Vector;
-use crate::tests::{self, coating, description, integrated};
+use super::{coating, description, integrated};
+use crate::body::MeshedTool;
 use crate::{Coating, ContactPartner, HeatedTool, OuterBoundary, ThermalMaterial, ToolHeat};
+use glam::DVec3;
 use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::TemperatureTable;
 use std::f64::consts::PI;
 
 /// The box between two corners.
-fn block(low: Vector, high: Vector) -> ToolSurface {
+fn block(low: [f64; 3], high: [f64; 3]) -> ToolSurface {
     let vertices = (0..8_usize)
         .map(|corner| std::array::from_fn(|k| if corner >> k & 1 == 1 { high[k] } else { low[k] }))
         .collect();
@@ -49,7 +49,7 @@ fn surface_under_flux(heat: &ToolHeat, flux: f64, time: f64, steps: u32) -> f64 
         for particle in 0..400 {
             let place = |k: u32| -95e-6 + 10e-6 * f64::from(k);
             let place = [place(particle % 20), 1e-6, place(particle / 20)];
-            body.touch(particle, &place, step, flux * 1e-10 * step);
+            body.touch(particle, place.into(), step, flux * 1e-10 * step);
         }
         body.is_due_after(step, 0.0);
         body.step(|_| partner);
@@ -57,7 +57,7 @@ fn surface_under_flux(heat: &ToolHeat, flux: f64, time: f64, steps: u32) -> f64 
     let supplied = flux * 4e-8 * time;
     assert!((body.content() - supplied).abs() < 1e-11 * supplied, "{}", body.content());
     let mut shares = Vec::new();
-    body.body.footprint(&[0.0; 3], 40e-6, &mut shares);
+    body.body.footprint(DVec3::ZERO, 40e-6, &mut shares);
     shares.iter().map(|(node, share)| share * body.temperature[*node as usize]).sum()
 }
 
@@ -73,7 +73,7 @@ fn a_half_space_under_a_flux_warms_with_the_root_of_time_and_as_in_the_plane() {
     // (l/46)^2 / 12 of a profile that bends over 46 um, with the elements of twice the size 46 um inside;
     // 100 steps of backward Euler leave 0.2 %.
     assert!(coarse.abs() < 0.012 && fine.abs() < 0.006, "{coarse} {fine}");
-    let plane = tests::surface_under_flux(&description(None, 4e-6), flux, time, 100) - 300.0;
+    let plane = super::surface_under_flux(&description(None, 4e-6), flux, time, 100) - 300.0;
     let difference = fine - (plane / exact - 1.0);
     assert!(difference.abs() < 0.005, "{difference}");
 }
@@ -96,7 +96,7 @@ fn a_coating_of_stacks_warms_as_its_images_say_and_as_the_meshed_one_in_the_plan
         let space = rise(surface_under_flux(&described(coated(), 8e-6), flux, time, 100));
         assert!(space.abs() < tolerance, "{time}: {space}");
         let flat = description(coated(), 4e-6);
-        let plane = rise(tests::surface_under_flux(&flat, flux, time, 100));
+        let plane = rise(super::surface_under_flux(&flat, flux, time, 100));
         assert!((space - plane).abs() < 2e-3, "{time}: {space} {plane}");
     }
 }
@@ -107,7 +107,7 @@ fn a_steady_block_is_a_row_of_resistances() {
     let heat =
         ToolHeat { outer: OuterBoundary::Fixed(300.0), ..described(Some(coating(3e-6)), 10e-6) };
     let mut body = heated(&pillar(200e-6, 200e-6), &heat);
-    let ToolBody::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
+    let MeshedTool::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
     let far: Vec<bool> = mesh.nodes.iter().map(|node| node[1] <= -199.9e-6).collect();
     // Only the far end is held.
     for (area, is_far) in body.outer.iter_mut().zip(far) {
@@ -121,7 +121,7 @@ fn a_steady_block_is_a_row_of_resistances() {
         for particle in 0..400 {
             let place = |k: u32| -95e-6 + 10e-6 * f64::from(k);
             let place = [place(particle % 20), 0.0, place(particle / 20)];
-            body.touch(particle, &place, 1e-3, 0.0);
+            body.touch(particle, place.into(), 1e-3, 0.0);
         }
         body.is_due_after(1e-3, 0.0);
         // Of the four in the middle.
@@ -166,7 +166,7 @@ fn heat_is_conserved_in_space_with_properties_that_depend_on_temperature() {
     for _ in 0..100 {
         for (particle, k) in (0..20).zip(1..) {
             let place = [10e-6 * f64::from(k), 0.0, 60e-6];
-            body.touch(particle, &place, 4e-7, 1e-10);
+            body.touch(particle, place.into(), 4e-7, 1e-10);
         }
         body.is_due_after(4e-7, 0.0);
         let look = |particle: u32| ContactPartner {
@@ -202,7 +202,7 @@ fn a_sudden_contact_lets_temperatures_undershoot_by_next_to_nothing() {
                 ..described(None, 5e-6)
             };
             let mut body = heated(&tool, &heat);
-            body.touch(0, &[0.03e-3, 0.0, 0.05e-3], duration, 0.0);
+            body.touch(0, DVec3::new(0.03e-3, 0.0, 0.05e-3), duration, 0.0);
             body.is_due_after(duration, 0.0);
             let partner =
                 ContactPartner { temperature: 1300.0, capacity: 3.8e6 * 1e-15, conductivity: 50.0 };
@@ -225,12 +225,12 @@ fn squares_side_by_side_give_every_node_what_belongs_to_it() {
     for (i, k) in (0..20).flat_map(|i| (0..20).map(move |k| (i, k))) {
         let place = |k: i32| -95e-6 + 10e-6 * f64::from(k);
         shares.clear();
-        body.body.footprint(&[place(i), 2e-6, place(k)], 10e-6, &mut shares);
+        body.body.footprint(DVec3::new(place(i), 2e-6, place(k)), 10e-6, &mut shares);
         let whole: f64 = shares.iter().map(|(_, share)| share).sum();
         assert!((whole - 1.0).abs() < 1e-14, "{whole}");
         shares.iter().for_each(|(node, share)| areas[*node as usize] += 1e-10 * share);
     }
-    let ToolBody::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
+    let MeshedTool::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
     let mut thirds = vec![0.0; areas.len()];
     for triangle in &mesh.surface {
         let [a, b, c] = triangle.map(|node| mesh.nodes[node as usize]);
@@ -239,7 +239,7 @@ fn squares_side_by_side_give_every_node_what_belongs_to_it() {
         triangle.iter().for_each(|node| thirds[*node as usize] += area / 3.0);
     }
     // Inside, away from the edges of the block.
-    let inside = |node: &Vector| node[1] > -1e-9 && node[0].hypot(node[2]) < 60e-6;
+    let inside = |node: &DVec3| node.y > -1e-9 && node.x.hypot(node.z) < 60e-6;
     let mut count = 0;
     for (node, place) in mesh.nodes.iter().enumerate().filter(|(_, place)| inside(place)) {
         let (found, exact) = (areas[node], thirds[node]);
@@ -261,7 +261,7 @@ fn the_mesh_of_a_turned_block_fills_it() {
             "{}",
             body.facts().extent / exact
         );
-        let ToolBody::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
+        let MeshedTool::Space { mesh, .. } = &body.body else { panic!("a tool in space") };
         // The surface is closed.
         let mut sides: Vec<[u32; 2]> =
             mesh.surface.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]).collect();
@@ -277,7 +277,7 @@ fn tilted() -> ToolSurface {
     else {
         panic!()
     };
-    let turn = |[x, y, z]: Vector, a: f64, b: f64| {
+    let turn = |[x, y, z]: [f64; 3], a: f64, b: f64| {
         let (x, y) = (x * a.cos() - y * a.sin(), x * a.sin() + y * a.cos());
         let (y, z) = (y * b.cos() - z * b.sin(), y * b.sin() + z * b.cos());
         [x, y, z]

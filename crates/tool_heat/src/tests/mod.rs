@@ -1,8 +1,13 @@
-use crate::body::ToolBody;
+//! Known answers for the tool in the plane and in space.
+
+mod space;
+
+use crate::body::MeshedTool;
 use crate::mesh::{Layer, PlaneMesh};
-use crate::outline::{self, Point, double_area};
+use crate::outline::{double_area, length};
 use crate::rim::Rim;
 use crate::{Coating, ContactPartner, HeatedTool, OuterBoundary, ThermalMaterial, ToolHeat};
+use glam::{DVec2, DVec3};
 use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::TemperatureTable;
 use std::f64::consts::PI;
@@ -30,19 +35,19 @@ pub(super) fn coating(thickness: f64) -> Coating {
 }
 
 /// The tool of this outline that does not move yet.
-fn heated(corners: &[Point], heat: &ToolHeat) -> HeatedTool {
+fn heated(corners: &[[f64; 2]], heat: &ToolHeat) -> HeatedTool {
     HeatedTool::new(&ToolSurface::Polygon(corners.to_vec()), heat, &[0.0], 10e-6).unwrap()
 }
 
 fn plane(tool: &HeatedTool) -> (&PlaneMesh, &Rim) {
     match &tool.body {
-        ToolBody::Plane { mesh, rim } => (mesh, rim),
-        ToolBody::Space { .. } => panic!("a plane tool"),
+        MeshedTool::Plane { mesh, rim } => (mesh, rim),
+        MeshedTool::Space { .. } => panic!("a plane tool"),
     }
 }
 
 /// A column 40 um wide below y = 0, `depth` deep, touched at its upper end.
-pub(super) fn column(depth: f64) -> [Point; 4] {
+pub(super) fn column(depth: f64) -> [[f64; 2]; 4] {
     [[0.0, -depth], [40e-6, -depth], [40e-6, 0.0], [0.0, 0.0]]
 }
 
@@ -61,16 +66,16 @@ pub(super) fn description(coating: Option<Coating>, element_size: f64) -> ToolHe
 }
 
 /// A tool of rake 5 deg, clearance 7 deg, edge radius 20 um and faces of 2 mm; chords of 0.5 um.
-fn cutting_tool() -> (Vec<Point>, Vec<usize>) {
+fn cutting_tool() -> (Vec<[f64; 2]>, Vec<usize>) {
     let (rake, clearance, radius) = (5.0_f64.to_radians(), 7.0_f64.to_radians(), 20e-6);
     let (start, end) = (-0.5 * PI - clearance, rake);
-    let mut corners: Vec<Point> = (0..=60)
+    let mut corners: Vec<[f64; 2]> = (0..=60)
         .map(|k| start + f64::from(k) / 60.0 * (end - start))
         .map(|angle| [radius * angle.cos(), radius + radius * angle.sin()])
         .collect();
     let (first, last) = (corners[0], corners[60]);
     let (flank, face) = ([-clearance.cos(), clearance.sin()], [-rake.sin(), rake.cos()]);
-    let moved = |from: Point, way: Point| [from[0] + 2e-3 * way[0], from[1] + 2e-3 * way[1]];
+    let moved = |from: [f64; 2], way: [f64; 2]| [from[0] + 2e-3 * way[0], from[1] + 2e-3 * way[1]];
     corners.push(moved(last, face));
     corners.push(moved(moved(last, face), flank));
     corners.push(moved(first, flank));
@@ -88,14 +93,14 @@ pub(super) fn surface_under_flux(heat: &ToolHeat, flux: f64, time: f64, steps: u
     for _ in 0..steps {
         for particle in 0..4 {
             let place = [5e-6 + 10e-6 * f64::from(particle), 0.0, 0.0];
-            body.touch(particle, &place, step, flux * 10e-6 * step);
+            body.touch(particle, place.into(), step, flux * 10e-6 * step);
         }
         body.is_due_after(step, 0.0);
         body.step(|_| partner);
     }
     let (_, rim) = plane(&body);
     let mut shares = Vec::new();
-    rim.footprint(rim.foot([20e-6, 0.0]), 40e-6, &mut shares);
+    rim.footprint(rim.foot(DVec2::new(20e-6, 0.0)), 40e-6, &mut shares);
     let mean: f64 =
         shares.iter().map(|(node, share)| share * body.temperature[*node as usize]).sum();
     // All heat is still in the column.
@@ -188,7 +193,12 @@ fn a_steady_column_is_a_row_of_resistances() {
     let partner = ContactPartner { temperature: 500.0, capacity: 1e9, conductivity: 50.0 };
     let step = |body: &mut HeatedTool| {
         for particle in 0..4 {
-            body.touch(particle, &[5e-6 + 10e-6 * f64::from(particle), 0.0, 0.0], 1e-3, 0.0);
+            body.touch(
+                particle,
+                DVec3::new(5e-6 + 10e-6 * f64::from(particle), 0.0, 0.0),
+                1e-3,
+                0.0,
+            );
         }
         body.is_due_after(1e-3, 0.0);
         body.step(|_| partner).to_vec()
@@ -239,7 +249,7 @@ fn heat_is_conserved_with_properties_that_depend_on_temperature() {
     for _ in 0..200 {
         for (particle, k) in (0..20).zip(1..) {
             let place = [20e-6, 20e-6 + 10e-6 * f64::from(k), 0.0];
-            body.touch(particle, &place, 4e-7, 1e-5);
+            body.touch(particle, place.into(), 4e-7, 1e-5);
         }
         body.is_due_after(4e-7, 0.0);
         let look = |particle: u32| ContactPartner {
@@ -275,7 +285,7 @@ fn a_step_of_any_length_keeps_temperatures_between_those_of_its_surroundings() {
     };
     for duration in [1e-12, 1e-8, 1e-4] {
         let mut body = heated(&corners, &heat);
-        body.touch(0, &[18e-6, 60e-6, 0.0], duration, 0.0);
+        body.touch(0, DVec3::new(18e-6, 60e-6, 0.0), duration, 0.0);
         body.is_due_after(duration, 0.0);
         let partner = ContactPartner { temperature: 1300.0, capacity: 3.8e-4, conductivity: 50.0 };
         let leaving = body.step(|_| partner);
@@ -301,7 +311,9 @@ fn the_mesh_of_a_cutting_tool_fills_it_and_conducts_downhill() {
         let body = heated(&corners, &heat);
         let facts = body.facts();
         let exact: f64 = (0..corners.len())
-            .map(|k| double_area([0.0; 2], corners[k], corners[(k + 1) % corners.len()]))
+            .map(|k| {
+                double_area(DVec2::ZERO, corners[k].into(), corners[(k + 1) % corners.len()].into())
+            })
             .sum::<f64>()
             * 0.5;
         // Merged chords of the arc leave a ten-thousandth of its 20 um square.
@@ -341,8 +353,8 @@ fn smallest_angle(mesh: &PlaneMesh) -> f64 {
         let corners = element.map(|node| mesh.nodes[node as usize]);
         for k in 0..3 {
             let (a, b, c) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-            let (p, q) = (outline::between(a, b), outline::between(a, c));
-            let cosine = (p[0] * q[0] + p[1] * q[1]) / (outline::length(p) * outline::length(q));
+            let (p, q) = (b - a, c - a);
+            let cosine = p.dot(q) / (length(p) * length(q));
             smallest = smallest.min(cosine.acos().to_degrees());
         }
     }
