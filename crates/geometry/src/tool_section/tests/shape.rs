@@ -1,6 +1,6 @@
 //! Chamfer, wear land and built-up edge: exact coordinates, limits, and what any tool must be.
 
-use super::*;
+use crate::tool_section::*;
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 
