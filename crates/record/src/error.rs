@@ -1,60 +1,14 @@
 //! What can go wrong while a run is computed, recorded or read.
 
 use sphcut_sph::{Diverged, SetupError};
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Where and with which value a run blew up, as stored in its record.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Divergence {
-    /// Step in which it happened.
-    pub step: u64,
-    /// Simulated time in s.
-    pub time: f64,
-    /// Identifier of the particle.
-    pub particle: u64,
-    /// Its last position in m.
-    pub position: [f64; 3],
-    /// Name of the quantity.
-    pub quantity: String,
-    /// Its value.
-    pub value: f64,
-}
-
-impl From<Diverged> for Divergence {
-    fn from(diverged: Diverged) -> Self {
-        Self {
-            step: diverged.step,
-            time: diverged.time,
-            particle: diverged.particle,
-            position: diverged.position,
-            quantity: diverged.quantity.to_owned(),
-            value: diverged.value,
-        }
-    }
-}
-
-impl fmt::Display for Divergence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "diverged in step {} at {:.6e} s: {} of particle {} is {:e} at x = {:.4} mm, y = {:.4} mm",
-            self.step,
-            self.time,
-            self.quantity,
-            self.particle,
-            self.value,
-            self.position[0] * 1e3,
-            self.position[1] * 1e3
-        )
-    }
-}
-
 /// A run that could not be computed, recorded or read.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// A file or folder could not be read or written.
+    #[error("cannot {action} `{}`: {}{}", .path.display(), io_reason(.source), after_semicolon(.kept))]
     Io {
         /// Which one.
         path: PathBuf,
@@ -66,13 +20,15 @@ pub enum RunError {
         kept: String,
     },
     /// The run blew up. Its record up to the last good state is saved.
+    #[error("{divergence}; saved until then: `{}`", .record.display())]
     Diverged {
         /// Where and how.
-        divergence: Divergence,
+        divergence: Diverged,
         /// The record.
         record: PathBuf,
     },
     /// There is a result, or the beginning of one, and nobody allowed to replace it.
+    #[error("`{}` {}", .path.display(), way_out(.resumable))]
     Exists {
         /// The file or folder that is there.
         path: PathBuf,
@@ -80,11 +36,13 @@ pub enum RunError {
         resumable: bool,
     },
     /// Another process is writing this run.
+    #[error("another sphcut is writing in `{}`", .path.display())]
     InUse {
         /// The folder it works in.
         path: PathBuf,
     },
     /// A file is not what its name says.
+    #[error("`{}` is not {expected}: {reason}", .path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
@@ -94,6 +52,7 @@ pub enum RunError {
         reason: String,
     },
     /// A file is cut short or changed after it was written.
+    #[error("`{}` is damaged: {reason}", .path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -101,6 +60,7 @@ pub enum RunError {
         reason: String,
     },
     /// A stored state belongs to another run.
+    #[error("`{}` belongs to another run: {reason}", .path.display())]
     Mismatch {
         /// The file it is stored in.
         path: PathBuf,
@@ -108,7 +68,8 @@ pub enum RunError {
         reason: String,
     },
     /// The setup cannot be built.
-    Setup(SetupError),
+    #[error("{0}")]
+    Setup(#[from] SetupError),
 }
 
 impl RunError {
@@ -134,49 +95,6 @@ impl RunError {
     }
 }
 
-impl From<SetupError> for RunError {
-    fn from(error: SetupError) -> Self {
-        Self::Setup(error)
-    }
-}
-
-impl fmt::Display for RunError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Io { path, action, source, kept } => {
-                write!(f, "cannot {action} `{}`: {}", path.display(), io_reason(source))?;
-                if kept.is_empty() { Ok(()) } else { write!(f, "; {kept}") }
-            }
-            Self::Diverged { divergence, record } => {
-                write!(f, "{divergence}; saved until then: `{}`", record.display())
-            }
-            Self::Exists { path, resumable: true } => write!(
-                f,
-                "`{}` is an unfinished run: use --resume to go on with it or --force to start again",
-                path.display()
-            ),
-            Self::Exists { path, resumable: false } => write!(
-                f,
-                "`{}` exists: use --force to replace it or --out for another folder",
-                path.display()
-            ),
-            Self::InUse { path } => {
-                write!(f, "another sphcut is writing in `{}`", path.display())
-            }
-            Self::Foreign { path, expected, reason } => {
-                write!(f, "`{}` is not {expected}: {reason}", path.display())
-            }
-            Self::Damaged { path, reason } => {
-                write!(f, "`{}` is damaged: {reason}", path.display())
-            }
-            Self::Mismatch { path, reason } => {
-                write!(f, "`{}` belongs to another run: {reason}", path.display())
-            }
-            Self::Setup(error) => error.fmt(f),
-        }
-    }
-}
-
 fn io_reason(source: &io::Error) -> String {
     match source.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "the disk is full".to_owned(),
@@ -187,12 +105,15 @@ fn io_reason(source: &io::Error) -> String {
     }
 }
 
-impl std::error::Error for RunError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Io { source, .. } => Some(source),
-            Self::Setup(error) => Some(error),
-            _ => None,
-        }
+/// What to do about a result that exists.
+fn way_out(resumable: &bool) -> &'static str {
+    match resumable {
+        true => "is an unfinished run: use --resume to go on with it or --force to start again",
+        false => "exists: use --force to replace it or --out for another folder",
     }
+}
+
+/// `text` as the rest of a sentence, if there is one.
+fn after_semicolon(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("; {text}") }
 }

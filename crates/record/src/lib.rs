@@ -16,7 +16,7 @@ mod run;
 mod samples;
 mod snapshots;
 
-pub use error::{Divergence, RunError};
+pub use error::RunError;
 pub use facts::{Facts, MaterialFacts};
 pub use files::{
     ColumnH5, FactH5, GroupH5, RunFiles, export_vtkhdf, read_columns_h5, recover, write_columns_h5,

@@ -1,9 +1,7 @@
 //! A run as data: what `run.h5` holds.
 
-use crate::error::Divergence;
-use crate::{Facts, Provenance, RunError, Samples, Snapshots};
-use sphcut_sph::CheckpointState;
-use std::path::Path;
+use crate::{Facts, Provenance, Samples, Snapshots};
+use sphcut_sph::Diverged;
 
 /// A run, finished or not, with where it comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,25 +20,6 @@ pub struct Run {
     pub outcome: Outcome,
 }
 
-impl Run {
-    /// Reads a run from `run.h5`.
-    ///
-    /// # Errors
-    /// A file that cannot be read, is no record of a run, is cut short, or comes from another version
-    /// of the layout.
-    pub fn load(path: &Path) -> Result<Self, RunError> {
-        crate::files::load_run(path)
-    }
-
-    /// Reads the state of the solver at the end of the record in `run.h5`, if it has one.
-    ///
-    /// # Errors
-    /// As [`Run::load`].
-    pub fn load_state(path: &Path) -> Result<Option<CheckpointState>, RunError> {
-        crate::files::load_state(path)
-    }
-}
-
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
@@ -51,7 +30,7 @@ pub enum Outcome {
     /// It was interrupted and can be resumed.
     Interrupted,
     /// A quantity blew up; the record ends with the last good state.
-    Diverged(Divergence),
+    Diverged(Diverged),
 }
 
 /// What a run took to compute; times add up over its resumed parts.

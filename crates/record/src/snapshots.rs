@@ -1,6 +1,5 @@
 //! The snapshots of a run: an index in memory, the particles on demand.
 
-use crate::RunError;
 use sphcut_sph::Snapshot;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,11 +19,12 @@ pub struct SnapshotInfo {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapshots {
     index: Vec<SnapshotInfo>,
-    place: Place,
+    pub(crate) place: Place,
 }
 
+/// Where the particles are.
 #[derive(Debug, Clone, PartialEq)]
-enum Place {
+pub(crate) enum Place {
     Memory(Vec<Arc<Snapshot>>),
     File(PathBuf),
 }
@@ -74,28 +74,5 @@ impl Snapshots {
     #[must_use]
     pub fn index(&self) -> &[SnapshotInfo] {
         &self.index
-    }
-
-    /// The particles of one snapshot.
-    ///
-    /// # Errors
-    /// A `run.h5` that has been moved, changed or damaged since it was opened.
-    ///
-    /// # Panics
-    /// If `number` is not below [`Snapshots::len`].
-    pub fn get(&self, number: usize) -> Result<Arc<Snapshot>, RunError> {
-        assert!(number < self.len(), "snapshot {number} of {}", self.len());
-        match &self.place {
-            Place::Memory(snapshots) => Ok(Arc::clone(&snapshots[number])),
-            Place::File(path) => crate::files::load_snapshot(path, number).map(Arc::new),
-        }
-    }
-
-    /// The latest snapshot, if there is one.
-    ///
-    /// # Errors
-    /// As [`Snapshots::get`].
-    pub fn last(&self) -> Result<Option<Arc<Snapshot>>, RunError> {
-        self.len().checked_sub(1).map(|number| self.get(number)).transpose()
     }
 }

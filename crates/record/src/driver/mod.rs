@@ -7,6 +7,7 @@ mod stepper;
 
 pub use stepper::{Source, Stepper};
 
+pub use crate::files::Export;
 use crate::{Facts, Provenance, Run, RunError, Samples};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -29,15 +30,6 @@ pub struct RunOptions {
     pub process: Process,
     /// What is written beside the record.
     pub export: Export,
-}
-
-/// What is written beside `run.h5` and `forces.csv`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Export {
-    /// `snapshots.vtkhdf` for ParaView.
-    Vtkhdf,
-    /// Nothing: [`crate::export_vtkhdf`] writes it from the record when it is wanted.
-    Nothing,
 }
 
 /// Whether what the process uses is what the run uses.

@@ -1,8 +1,8 @@
 //! One call of [`super::run`]: the loop over the steps and what is saved when.
 
 use super::{Control, Moment, Process, Progress, RunOptions, Source, Stepper};
-use crate::files::partial::{CheckpointView, Partial};
-use crate::files::{self, Body, RunFiles};
+use crate::files::partial::Partial;
+use crate::files::{self, RunBody, RunFiles};
 use crate::{
     Facts, Outcome, Performance, Provenance, Run, RunError, Samples, SnapshotInfo, Snapshots,
     resources,
@@ -191,14 +191,25 @@ impl<S: Source> Session<'_, S> {
     }
 
     fn save_checkpoint(&self) -> Result<(), RunError> {
-        self.partial.save_checkpoint(&CheckpointView {
+        let (performance, state) = (self.performance(), self.stepper.checkpoint());
+        let body = self.body(&performance, &Outcome::Interrupted, &state);
+        self.partial.save_checkpoint(&body, &self.snapshots)
+    }
+
+    fn body<'b>(
+        &'b self,
+        performance: &'b Performance,
+        outcome: &'b Outcome,
+        state: &'b CheckpointState,
+    ) -> RunBody<'b> {
+        RunBody {
             provenance: self.provenance,
             facts: &self.facts,
-            state: &self.stepper.checkpoint(),
             samples: &self.samples,
-            snapshots: &self.snapshots,
-            performance: &self.performance(),
-        })
+            performance,
+            outcome,
+            state: Some(state),
+        }
     }
 
     fn performance(&self) -> Performance {
@@ -218,7 +229,7 @@ impl<S: Source> Session<'_, S> {
     fn write_end(&mut self, end: &End) -> Result<(Outcome, Performance), RunError> {
         let outcome = match end {
             End::Reached(outcome) => outcome.clone(),
-            End::Diverged(diverged) => Outcome::Diverged(diverged.clone().into()),
+            End::Diverged(diverged) => Outcome::Diverged(diverged.clone()),
         };
         if let End::Diverged(diverged) = end {
             self.go_back_before(diverged)?;
@@ -228,16 +239,8 @@ impl<S: Source> Session<'_, S> {
         } else {
             self.save_last_snapshot()?;
         }
-        let state: CheckpointState = self.stepper.checkpoint();
-        let performance = self.performance();
-        let body = Body {
-            provenance: self.provenance,
-            facts: &self.facts,
-            samples: &self.samples,
-            performance: &performance,
-            outcome: &outcome,
-            state: Some(&state),
-        };
+        let (performance, state) = (self.performance(), self.stepper.checkpoint());
+        let body = self.body(&performance, &outcome, &state);
         files::assemble(&self.files, &self.partial, &body, &self.snapshots, self.options.export)?;
         Ok((outcome, performance))
     }
@@ -275,7 +278,7 @@ impl<S: Source> Session<'_, S> {
         }
         let record = self.files.record();
         if let End::Diverged(diverged) = end {
-            return Err(RunError::Diverged { divergence: diverged.into(), record });
+            return Err(RunError::Diverged { divergence: diverged, record });
         }
         Ok(Run {
             provenance: self.provenance.clone(),

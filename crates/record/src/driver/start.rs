@@ -2,9 +2,9 @@
 
 use super::session::{Meter, Session};
 use super::{RunOptions, Source, Start};
-use crate::files::partial::{self, Partial};
+use crate::files::partial::{self, Checkpoint, Partial};
 use crate::files::{self, RunFiles};
-use crate::{Outcome, Performance, Provenance, Run, RunError, Samples};
+use crate::{Outcome, Performance, Provenance, Run, RunError, Samples, SnapshotInfo};
 
 /// What there is to do.
 pub(super) enum Begin<'a, S: Source> {
@@ -14,30 +14,48 @@ pub(super) enum Begin<'a, S: Source> {
     Complete(Box<Run>),
 }
 
+/// A simulation with what was saved of its run.
+struct Begun<S: Source> {
+    stepper: S::Stepper,
+    partial: Partial,
+    samples: Samples,
+    snapshots: Vec<SnapshotInfo>,
+    performance: Performance,
+}
+
 pub(super) fn begin<'a, S: Source>(
     source: &'a S,
     provenance: &'a Provenance,
     options: &'a RunOptions,
 ) -> Result<Begin<'a, S>, RunError> {
     let files = RunFiles::in_dir(&options.out_dir);
-    match options.start {
-        Start::New => {
+    let begun = match options.start {
+        Start::Resume if partial::exists(&files) => {
+            resume(source, provenance, &files).map_err(RunError::advising_force)?
+        }
+        Start::Resume if files.record().exists() => return complete(provenance, &files),
+        Start::New | Start::Resume => {
             refuse_existing(&files)?;
-            fresh(source, provenance, options, files)
+            fresh(source, provenance, &files)?
         }
         Start::Replace => {
             files::refuse_foreign(&files)?;
-            fresh(source, provenance, options, files)
+            fresh(source, provenance, &files)?
         }
-        Start::Resume if partial::exists(&files) => {
-            resume(source, provenance, options, files).map_err(RunError::advising_force)
-        }
-        Start::Resume if files.record().exists() => complete(provenance, &files),
-        Start::Resume => {
-            refuse_existing(&files)?;
-            fresh(source, provenance, options, files)
-        }
-    }
+    };
+    let Begun { stepper, partial, samples, snapshots, performance } = begun;
+    Ok(Begin::Session(Box::new(Session {
+        source,
+        provenance,
+        facts: source.facts(),
+        options,
+        files,
+        partial,
+        meter: Meter::start(&stepper, performance),
+        stepper,
+        samples,
+        snapshots,
+    })))
 }
 
 fn refuse_existing(files: &RunFiles) -> Result<(), RunError> {
@@ -53,65 +71,43 @@ fn refuse_existing(files: &RunFiles) -> Result<(), RunError> {
 }
 
 /// Everything that can fail without touching a file comes first.
-fn fresh<'a, S: Source>(
-    source: &'a S,
-    provenance: &'a Provenance,
-    options: &'a RunOptions,
-    files: RunFiles,
-) -> Result<Begin<'a, S>, RunError> {
+fn fresh<S: Source>(
+    source: &S,
+    provenance: &Provenance,
+    files: &RunFiles,
+) -> Result<Begun<S>, RunError> {
     let stepper = source.start()?;
     files.prepare()?;
-    partial::remove(&files)?;
-    let facts = source.facts();
-    let partial = Partial::create(&files, provenance, &facts)?;
-    let meter = Meter::start(&stepper, Performance::default());
-    Ok(Begin::Session(Box::new(Session {
-        source,
-        provenance,
-        facts,
-        options,
-        files,
-        partial,
-        stepper,
-        samples: Samples::default(),
-        snapshots: Vec::new(),
-        meter,
-    })))
+    partial::remove(files)?;
+    let partial = Partial::create(files, provenance, &source.facts())?;
+    Ok(Begun::at_start(stepper, partial))
 }
 
-fn resume<'a, S: Source>(
-    source: &'a S,
-    provenance: &'a Provenance,
-    options: &'a RunOptions,
-    files: RunFiles,
-) -> Result<Begin<'a, S>, RunError> {
-    let partial = Partial::open(&files)?;
+fn resume<S: Source>(
+    source: &S,
+    provenance: &Provenance,
+    files: &RunFiles,
+) -> Result<Begun<S>, RunError> {
+    let partial = Partial::open(files)?;
     let (stored, _) = partial.origin()?;
     if let Some(reason) = provenance.difference(&stored) {
         return Err(RunError::Mismatch { path: files.partial(), reason });
     }
     files.prepare()?;
-    let checkpoint = partial.checkpoint(provenance)?;
-    let (stepper, samples, snapshots, earlier) = match checkpoint {
-        Some(saved) => {
-            partial.check_snapshots(saved.snapshots.len())?;
-            (source.restore(&saved.state)?, saved.samples, saved.snapshots, saved.performance)
-        }
-        None => (source.start()?, Samples::default(), Vec::new(), Performance::default()),
+    let Some(saved) = partial.checkpoint(provenance)? else {
+        return Ok(Begun::at_start(source.start()?, partial));
     };
-    let meter = Meter::start(&stepper, earlier);
-    Ok(Begin::Session(Box::new(Session {
-        source,
-        provenance,
-        facts: source.facts(),
-        options,
-        files,
-        partial,
-        stepper,
-        samples,
-        snapshots,
-        meter,
-    })))
+    partial.check_snapshots(saved.snapshots.len())?;
+    let stepper = source.restore(&saved.state)?;
+    let Checkpoint { samples, snapshots, performance, .. } = saved;
+    Ok(Begun { stepper, partial, samples, snapshots, performance })
+}
+
+impl<S: Source> Begun<S> {
+    fn at_start(stepper: S::Stepper, partial: Partial) -> Self {
+        let (samples, performance) = (Samples::default(), Performance::default());
+        Self { stepper, partial, samples, snapshots: Vec::new(), performance }
+    }
 }
 
 /// A result that needs no more steps.

@@ -1,6 +1,6 @@
 //! Groups of columns of numbers: measured series and their tables, written and read as HDF5.
 
-use super::hdf::{Array, Attribute, HdfReader, HdfWriter, Shape};
+use super::hdf::{Array, ArrayLayout, Attribute, HdfReader, HdfWriter};
 use crate::RunError;
 use std::path::Path;
 
@@ -54,11 +54,11 @@ pub fn write_columns_h5(
         for column in &group.columns {
             let unit = [("unit", Attribute::text(column.unit))];
             let array = format!("{}/{}", group.path, column.name);
-            writer.array(&array, Array::F64(column.values), Shape::Rows, &unit)?;
+            writer.array(&array, Array::F64(column.values), ArrayLayout::Rows, &unit)?;
         }
         for (name, words) in &group.texts {
             let array = format!("{}/{name}", group.path);
-            writer.array(&array, Array::Text(words), Shape::Rows, &[])?;
+            writer.array(&array, Array::Text(words), ArrayLayout::Rows, &[])?;
         }
     }
     writer.finish()

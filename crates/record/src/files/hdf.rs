@@ -74,7 +74,7 @@ impl Array<'_> {
 
 /// How an array is laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shape {
+pub(crate) enum ArrayLayout {
     /// One number per row, compressed if long.
     Rows,
     /// One number per row in a series that other programs may append to.
@@ -125,7 +125,7 @@ impl HdfWriter {
         &self,
         path: &str,
         array: Array,
-        shape: Shape,
+        shape: ArrayLayout,
         attributes: &Attributes,
     ) -> Result<(), RunError> {
         let mut text_error = None;
@@ -189,26 +189,26 @@ impl Drop for HdfWriter {
     }
 }
 
-fn lay_out(dataset: &mut hdf5_pure::DatasetBuilder, length: usize, shape: Shape) {
-    let width = if let Shape::Table(width) = shape { width } else { 1 };
+fn lay_out(dataset: &mut hdf5_pure::DatasetBuilder, length: usize, shape: ArrayLayout) {
+    let width = if let ArrayLayout::Table(width) = shape { width } else { 1 };
     let rows = length / width;
     let chunk = rows.clamp(1, CHUNK) as u64;
     match shape {
-        Shape::Series => {
+        ArrayLayout::Series => {
             let extent = [MaxExtent::Unlimited];
             dataset.with_shape(&[rows as u64]).with_maxshape(&extent).with_chunks(&[chunk]);
         }
-        Shape::Rows => {
+        ArrayLayout::Rows => {
             dataset.with_shape(&[rows as u64]);
         }
-        Shape::Table(_) => {
+        ArrayLayout::Table(_) => {
             dataset.with_shape(&[rows as u64, width as u64]);
         }
     }
     if length >= SMALLEST_COMPRESSED {
         match shape {
-            Shape::Table(_) => dataset.with_chunks(&[chunk, width as u64]),
-            Shape::Rows | Shape::Series => dataset.with_chunks(&[chunk]),
+            ArrayLayout::Table(_) => dataset.with_chunks(&[chunk, width as u64]),
+            ArrayLayout::Rows | ArrayLayout::Series => dataset.with_chunks(&[chunk]),
         };
         dataset.with_shuffle().with_deflate(DEFLATE_LEVEL);
     }

@@ -11,76 +11,32 @@ mod fields;
 mod forces_csv;
 mod hdf;
 mod journal;
+mod load;
 mod origin;
 pub(crate) mod partial;
+mod run_files;
 mod run_h5;
 mod run_h5_attributes;
 mod segment;
 mod vtkhdf;
 
-use crate::driver::Export;
 use crate::{Outcome, Run, RunError, SnapshotInfo};
 pub use columns_h5::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
 use fields::Field;
 use partial::Partial;
-pub(crate) use run_h5::{
-    Body, read as load_run, read_snapshot as load_snapshot, read_state as load_state,
-};
+pub use run_files::RunFiles;
+pub(crate) use run_h5::RunBody;
 use segment::Segment;
 use sphcut_sph::Snapshot;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Paths of the files that sphcut writes into the folder of a result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RunFiles {
-    /// The folder.
-    pub dir: PathBuf,
-}
-
-impl RunFiles {
-    /// The files in `dir`.
-    #[must_use]
-    pub fn in_dir(dir: &Path) -> Self {
-        Self { dir: dir.to_owned() }
-    }
-
-    /// The record: channels, snapshots, provenance, final state.
-    #[must_use]
-    pub fn record(&self) -> PathBuf {
-        self.dir.join("run.h5")
-    }
-
-    /// The snapshots for ParaView.
-    #[must_use]
-    pub fn vtkhdf(&self) -> PathBuf {
-        self.dir.join("snapshots.vtkhdf")
-    }
-
-    /// The force history as text.
-    #[must_use]
-    pub fn forces(&self) -> PathBuf {
-        self.dir.join("forces.csv")
-    }
-
-    /// What an unfinished run has saved.
-    #[must_use]
-    pub fn partial(&self) -> PathBuf {
-        self.dir.join("run.partial")
-    }
-
-    /// Creates the folder, checks that files can be written there, and clears away the halves of
-    /// files that a crash has left.
-    pub(crate) fn prepare(&self) -> Result<(), RunError> {
-        fs::create_dir_all(&self.dir)
-            .map_err(|error| RunError::io(&self.dir, "create the folder", error))?;
-        let probe = self.dir.join("run.h5");
-        atomic::stage(&probe, |_| Ok(()))?;
-        for path in [self.record(), self.vtkhdf(), self.forces()] {
-            atomic::remove_if_there(&atomic::temporary(&path))?;
-        }
-        Ok(())
-    }
+/// What is written beside `run.h5` and `forces.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Export {
+    /// `snapshots.vtkhdf` for ParaView.
+    Vtkhdf,
+    /// Nothing: [`crate::export_vtkhdf`] writes it from the record when it is wanted.
+    Nothing,
 }
 
 /// Puts `run.h5`, `forces.csv` and, if wanted, `snapshots.vtkhdf` together from what `partial` has saved.
@@ -88,7 +44,7 @@ impl RunFiles {
 pub(crate) fn assemble(
     files: &RunFiles,
     partial: &Partial,
-    body: &Body,
+    body: &RunBody,
     index: &[SnapshotInfo],
     export: Export,
 ) -> Result<(), RunError> {
@@ -121,7 +77,7 @@ pub fn recover(dir: &Path) -> Result<Run, RunError> {
     let samples = partial.samples()?;
     let index = partial.saved_snapshots()?;
     let checkpoint = partial.checkpoint(&provenance)?;
-    let body = Body {
+    let body = RunBody {
         provenance: &provenance,
         facts: &facts,
         samples: &samples,
@@ -130,7 +86,7 @@ pub fn recover(dir: &Path) -> Result<Run, RunError> {
         state: checkpoint.as_ref().map(|saved| &saved.state),
     };
     assemble(&files, &partial, &body, &index, Export::Vtkhdf)?;
-    load_run(&files.record())
+    Run::load(&files.record())
 }
 
 /// Refuses to replace files that only have the names of ours.

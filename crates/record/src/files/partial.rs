@@ -13,8 +13,10 @@
 
 use super::archive::{Archive, ArchiveFile};
 use super::journal::Journal;
+use super::run_files::RunFiles;
+use super::run_h5::RunBody;
 use super::segment::{self, Segment};
-use super::{RunFiles, atomic, origin};
+use super::{atomic, origin};
 use crate::{Facts, Performance, Provenance, RunError, Samples, SnapshotInfo};
 use sphcut_sph::{CHANNELS, CheckpointState, Sample, Snapshot};
 use std::fs::{self, File, TryLockError};
@@ -38,17 +40,6 @@ pub(crate) struct Checkpoint {
     pub(crate) samples: Samples,
     pub(crate) snapshots: Vec<SnapshotInfo>,
     pub(crate) performance: Performance,
-}
-
-/// A checkpoint about to be written.
-#[derive(Debug)]
-pub(crate) struct CheckpointView<'a> {
-    pub(crate) provenance: &'a Provenance,
-    pub(crate) facts: &'a Facts,
-    pub(crate) state: &'a CheckpointState,
-    pub(crate) samples: &'a Samples,
-    pub(crate) snapshots: &'a [SnapshotInfo],
-    pub(crate) performance: &'a Performance,
 }
 
 /// Whether `files` holds an unfinished run that can be resumed.
@@ -132,10 +123,14 @@ impl Partial {
         segment::write(&self.snapshot_path(number), snapshot)
     }
 
-    /// Saves a checkpoint and keeps the one before.
-    pub(crate) fn save_checkpoint(&self, view: &CheckpointView) -> Result<(), RunError> {
+    /// Saves a checkpoint of a run that has these `snapshots`, and keeps the one before.
+    pub(crate) fn save_checkpoint(
+        &self,
+        body: &RunBody,
+        snapshots: &[SnapshotInfo],
+    ) -> Result<(), RunError> {
         let path = self.checkpoint_path();
-        let archive = checkpoint_archive(view);
+        let archive = checkpoint_archive(body, snapshots);
         atomic::stage(&path, |writer| archive.write(writer))?;
         if path.exists() {
             fs::rename(&path, self.previous_checkpoint_path())
@@ -218,26 +213,28 @@ fn lock(dir: &Path) -> Result<Lock, RunError> {
     }
 }
 
-fn checkpoint_archive<'a>(view: &CheckpointView<'a>) -> Archive<'a> {
+fn checkpoint_archive<'a>(body: &RunBody<'a>, snapshots: &[SnapshotInfo]) -> Archive<'a> {
     let mut archive = Archive::new(CHECKPOINT);
-    origin::put(&mut archive, view.provenance, view.facts);
-    for (name, values) in &view.state.reals {
-        archive.reals(format!("state/{name}"), values.as_slice());
+    origin::put(&mut archive, body.provenance, body.facts);
+    if let Some(state) = body.state {
+        for (name, values) in &state.reals {
+            archive.reals(format!("state/{name}"), values.as_slice());
+        }
+        for (name, values) in &state.integers {
+            archive.integers(format!("state/{name}"), values.as_slice());
+        }
     }
-    for (name, values) in &view.state.integers {
-        archive.integers(format!("state/{name}"), values.as_slice());
-    }
-    for (channel, column) in CHANNELS.iter().zip(view.samples.columns()) {
+    for (channel, column) in CHANNELS.iter().zip(body.samples.columns()) {
         archive.reals(format!("samples/{}", channel.name), column.as_slice());
     }
-    let times: Vec<f64> = view.snapshots.iter().map(|info| info.time).collect();
+    let times: Vec<f64> = snapshots.iter().map(|info| info.time).collect();
     archive.reals("snapshots/time", times);
-    let counts = view.snapshots.iter().flat_map(|info| [info.step, info.particles as u64]);
+    let counts = snapshots.iter().flat_map(|info| [info.step, info.particles as u64]);
     archive.integers("snapshots/step_and_particles", counts.collect::<Vec<_>>());
-    let cpu = view.performance.cpu_seconds.unwrap_or(f64::NAN);
-    archive.reals("performance/seconds", vec![view.performance.wall_seconds, cpu]);
-    let peak = view.performance.peak_memory_bytes.unwrap_or(0);
-    archive.integers("performance/counts", vec![view.performance.steps, peak]);
+    let cpu = body.performance.cpu_seconds.unwrap_or(f64::NAN);
+    archive.reals("performance/seconds", vec![body.performance.wall_seconds, cpu]);
+    let peak = body.performance.peak_memory_bytes.unwrap_or(0);
+    archive.integers("performance/counts", vec![body.performance.steps, peak]);
     archive
 }
 

@@ -1,7 +1,7 @@
 //! The layout of `run.h5`; `docs/run_h5.md` describes it for readers in other languages.
 
 use super::fields::{Column, Field, LATER, all_fields, is_complete};
-use super::hdf::{Array, Attribute, HdfReader, HdfWriter, Shape};
+use super::hdf::{Array, ArrayLayout, Attribute, HdfReader, HdfWriter};
 use super::{origin, run_h5_attributes as attributes};
 use crate::{Facts, Outcome, Performance, Provenance, Run, RunError, Samples};
 use crate::{SnapshotInfo, Snapshots};
@@ -14,7 +14,7 @@ const EXPECTED: &str = "a record of a run";
 
 /// Everything of a run but its snapshots.
 #[derive(Debug)]
-pub(crate) struct Body<'a> {
+pub(crate) struct RunBody<'a> {
     pub(crate) provenance: &'a Provenance,
     pub(crate) facts: &'a Facts,
     pub(crate) samples: &'a Samples,
@@ -27,7 +27,7 @@ pub(crate) struct Body<'a> {
 /// Writes `run.h5`; `snapshots` are asked for one after the other and written at once.
 pub(crate) fn write(
     path: &Path,
-    body: &Body,
+    body: &RunBody,
     snapshots: impl Iterator<Item = Result<Snapshot, RunError>>,
 ) -> Result<(), RunError> {
     let writer = HdfWriter::create(path)?;
@@ -52,7 +52,7 @@ pub(crate) fn write(
     writer.finish()
 }
 
-fn write_channels(writer: &HdfWriter, body: &Body) -> Result<(), RunError> {
+fn write_channels(writer: &HdfWriter, body: &RunBody) -> Result<(), RunError> {
     let per_width = if body.facts.dimension == 2 {
         "forces, momenta, energies and heat are per metre of width; multiply by width_of_cut"
     } else {
@@ -63,7 +63,7 @@ fn write_channels(writer: &HdfWriter, body: &Body) -> Result<(), RunError> {
         writer.array(
             &format!("channels/{}", channel.name),
             Array::F64(column),
-            Shape::Series,
+            ArrayLayout::Series,
             &unit_and_meaning(channel.unit, channel.meaning),
         )?;
     }
@@ -87,7 +87,7 @@ fn write_provenance(writer: &HdfWriter, provenance: &Provenance) -> Result<(), R
         ],
     )?;
     let texts = |name: &str, texts: &[&str], columns: usize, what: &str| {
-        let shape = if columns == 1 { Shape::Rows } else { Shape::Table(columns) };
+        let shape = if columns == 1 { ArrayLayout::Rows } else { ArrayLayout::Table(columns) };
         let attributes = [("meaning", Attribute::text(what))];
         writer.array(&format!("provenance/{name}"), Array::Text(texts), shape, &attributes)
     };
@@ -108,12 +108,12 @@ fn write_state(writer: &HdfWriter, state: &CheckpointState) -> Result<(), RunErr
     for (number, (name, values)) in state.reals.iter().enumerate() {
         let attributes = [("name", Attribute::text(name.as_str()))];
         let path = format!("checkpoint/reals_{number:03}");
-        writer.array(&path, Array::F64(values), Shape::Rows, &attributes)?;
+        writer.array(&path, Array::F64(values), ArrayLayout::Rows, &attributes)?;
     }
     for (number, (name, values)) in state.integers.iter().enumerate() {
         let attributes = [("name", Attribute::text(name.as_str()))];
         let path = format!("checkpoint/integers_{number:03}");
-        writer.array(&path, Array::U64(values), Shape::Rows, &attributes)?;
+        writer.array(&path, Array::U64(values), ArrayLayout::Rows, &attributes)?;
     }
     Ok(())
 }
@@ -135,7 +135,8 @@ fn write_snapshot(writer: &HdfWriter, number: usize, snapshot: &Snapshot) -> Res
             Column::Longs(values) => Array::U64(values),
             Column::Shorts(values) => Array::U32(values),
         };
-        let shape = if field.width() == 1 { Shape::Rows } else { Shape::Table(field.width()) };
+        let shape =
+            if field.width() == 1 { ArrayLayout::Rows } else { ArrayLayout::Table(field.width()) };
         let attributes = unit_and_meaning(field.unit, field.meaning);
         writer.array(&format!("{group}/{}", field.name), array, shape, &attributes)?;
     }
@@ -304,7 +305,7 @@ mod tests {
         writer.group("channels", &[]).unwrap();
         let write = |name: &str, column: &[f64]| {
             let array = Array::F64(column);
-            writer.array(&format!("channels/{name}"), array, Shape::Series, &[]).unwrap();
+            writer.array(&format!("channels/{name}"), array, ArrayLayout::Series, &[]).unwrap();
         };
         for channel in CHANNELS.iter().filter(|c| !LATER_CHANNELS.contains(&c.name)) {
             write(channel.name, &[1.0, 2.0, 3.0]);

@@ -1,7 +1,8 @@
 //! The parts of `run.h5` that are attributes: facts, performance, outcome.
 
 use super::hdf::{Attribute, HdfReader, HdfWriter};
-use crate::{Divergence, Facts, MaterialFacts, Outcome, Performance, RunError};
+use crate::{Facts, MaterialFacts, Outcome, Performance, RunError};
+use sphcut_sph::Diverged;
 use sphcut_sph::setup::{CuttingFrame, Pass, Vector};
 
 pub(crate) fn write_facts(writer: &HdfWriter, facts: &Facts) -> Result<(), RunError> {
@@ -196,9 +197,9 @@ pub(crate) fn read_outcome(reader: &HdfReader) -> Result<Outcome, RunError> {
     }
 }
 
-fn read_divergence(reader: &HdfReader) -> Result<Divergence, RunError> {
+fn read_divergence(reader: &HdfReader) -> Result<Diverged, RunError> {
     let position = reader.real_list("outcome", "position")?;
-    Ok(Divergence {
+    Ok(Diverged {
         step: reader.integer("outcome", "step")?.cast_unsigned(),
         time: reader.real("outcome", "time")?,
         particle: reader.integer("outcome", "particle")?.cast_unsigned(),

@@ -10,7 +10,7 @@
 //! they are stored once for the step with the most particles.
 
 use super::fields::{Column, Field, PARTICLE_FIELDS};
-use super::hdf::{Array, Attribute, HdfWriter, Shape};
+use super::hdf::{Array, ArrayLayout, Attribute, HdfWriter};
 use crate::{RunError, SnapshotInfo};
 use sphcut_sph::Snapshot;
 use std::path::Path;
@@ -73,7 +73,7 @@ fn write_steps(writer: &HdfWriter, index: &[SnapshotInfo]) -> Result<(), RunErro
     let attributes = [("NSteps", Attribute::Integer(steps as i64))];
     writer.group(&format!("{ROOT}/Steps"), &attributes)?;
     let times: Vec<f64> = index.iter().map(|info| info.time).collect();
-    writer.array(&format!("{ROOT}/Steps/Values"), Array::F64(&times), Shape::Rows, &[])?;
+    writer.array(&format!("{ROOT}/Steps/Values"), Array::F64(&times), ArrayLayout::Rows, &[])?;
     let point_offsets: Vec<i64> = counts(index)
         .iter()
         .scan(0, |sum, count| Some(std::mem::replace(sum, *sum + count)))
@@ -85,7 +85,7 @@ fn write_steps(writer: &HdfWriter, index: &[SnapshotInfo]) -> Result<(), RunErro
     for name in ["CellOffsets", "ConnectivityIdOffsets"] {
         let zeros = vec![0; steps * CELLS.len()];
         let path = format!("{ROOT}/Steps/{name}");
-        writer.array(&path, Array::I64(&zeros), Shape::Table(CELLS.len()), &[])?;
+        writer.array(&path, Array::I64(&zeros), ArrayLayout::Table(CELLS.len()), &[])?;
     }
     writer.group(&format!("{ROOT}/Steps/PointDataOffsets"), &[])?;
     for field in PARTICLE_FIELDS.iter().filter(|field| field.name != "position") {
@@ -110,7 +110,8 @@ fn write_field(
         }
     }
     let array = if field.is_integer() { Array::I64(&whole) } else { Array::F32(&reals) };
-    let shape = if field.width() == 1 { Shape::Rows } else { Shape::Table(field.width()) };
+    let shape =
+        if field.width() == 1 { ArrayLayout::Rows } else { ArrayLayout::Table(field.width()) };
     let path = if field.name == "position" {
         format!("{ROOT}/Points")
     } else {
@@ -120,7 +121,7 @@ fn write_field(
 }
 
 fn integers(writer: &HdfWriter, name: &str, values: &[i64]) -> Result<(), RunError> {
-    writer.array(&format!("{ROOT}/{name}"), Array::I64(values), Shape::Rows, &[])
+    writer.array(&format!("{ROOT}/{name}"), Array::I64(values), ArrayLayout::Rows, &[])
 }
 
 #[cfg(test)]

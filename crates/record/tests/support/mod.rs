@@ -104,7 +104,7 @@ impl Stepper for FakeStepper {
                 time: self.time() - TIME_STEP,
                 particle: 17,
                 position: [1e-3, -2e-3, 0.0],
-                quantity: "temperature",
+                quantity: "temperature".to_owned(),
                 value: f64::NAN,
             });
         }
