@@ -4,8 +4,8 @@
 //!
 //! Values of finished runs are kept in `validation/<case>/results`, one file per run: an
 //! interrupted long case goes on with its next run, and a run whose scenario has not changed is
-//! not repeated unless `--again` asks for it. `docs/validation.md` is written from all values that
-//! are there.
+//! not repeated unless `--again` asks for it. From all values that are there it writes the page of
+//! outcomes, `docs/validation.md`, and the figures of each case, `validation/<case>/RESULTS.md`.
 
 use sphcut_verification::diagnoses::diagnoses_cases;
 use sphcut_verification::grey_box::grey_box_cases;
@@ -83,7 +83,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         entries.push(Entry::of_diagnoses(&case, verdict));
     }
     entries.sort_by(|a, b| a.name().cmp(b.name()));
-    fs::write(root.join("docs/validation.md"), ledger::markdown(&entries))?;
+    for entry in &entries {
+        fs::write(folder.join(entry.name()).join("RESULTS.md"), ledger::results(entry))?;
+    }
+    fs::write(root.join("docs/validation.md"), ledger::overview(&entries))?;
     Ok(())
 }
 

@@ -4,10 +4,11 @@
 use libtest_mimic::{Arguments, Failed, Trial};
 use sphcut_verification::diagnoses::{DiagnosesCase, diagnoses_cases};
 use sphcut_verification::grey_box::{GreyBoxCase, grey_box_cases};
+use sphcut_verification::ledger::{self, Entry};
 use sphcut_verification::store::Store;
 use sphcut_verification::sweep_trends::{SweepCase, sweep_cases};
 use sphcut_verification::{
-    Case, Outcome, RunOptions, Tier, Verdict, cases, check_scenarios, run_case,
+    Case, Outcome, RunOptions, Tier, Verdict, cases, check_scenarios, judge_stored, run_case,
 };
 use std::fs;
 use std::path::Path;
@@ -44,22 +45,37 @@ fn trial(case: Case) -> Trial {
     Trial::test(name, move || judge(&case)).with_ignored_flag(ignored)
 }
 
-/// What every folder owes, whatever its tier: scenarios that can be read, a README, a row in the
-/// ledger.
+/// What every folder owes, whatever its tier: scenarios that can be read, a README, and pages of the ledger that follow from the kept
+/// values.
 fn folder_trial(case: &Case) -> Trial {
     let case = case.clone();
     Trial::test(format!("folder::{}", case.name), move || {
         check_scenarios(&case, &RunOptions::default())?;
-        has_readme_and_row(&case.folder, &case.name)
+        let verdict = judge_stored(&case, &Store::new(&case.folder.join("..")))?;
+        stands_in_ledger(&case.folder, &Entry::of_case(&case, verdict))
     })
 }
 
+/// The row of the overview and the page of results are what the example `ledger` would write.
+fn stands_in_ledger(folder: &Path, entry: &Entry) -> Result<(), Failed> {
+    has_readme_and_row(folder, entry.name())?;
+    if !fs::read_to_string(folder.join("../../docs/validation.md"))?.contains(&ledger::row(entry)) {
+        return Err(Failed::from("docs/validation.md has another row: run the example `ledger`"));
+    }
+    if fs::read_to_string(folder.join("RESULTS.md"))? != ledger::results(entry) {
+        return Err(Failed::from("RESULTS.md has other figures: run the example `ledger`"));
+    }
+    Ok(())
+}
+
 fn has_readme_and_row(folder: &Path, name: &str) -> Result<(), Failed> {
-    if !folder.join("README.md").is_file() {
-        return Err(Failed::from("README.md is missing"));
+    for page in ["README.md", "RESULTS.md"] {
+        if !folder.join(page).is_file() {
+            return Err(Failed::from(format!("{page} is missing")));
+        }
     }
     let ledger = folder.join("../../docs/validation.md");
-    if !fs::read_to_string(ledger)?.contains(&format!("(#{name})")) {
+    if !fs::read_to_string(ledger)?.contains(&format!("<a id=\"{name}\">")) {
         return Err(Failed::from("docs/validation.md has no row: run the example `ledger`"));
     }
     Ok(())
@@ -75,13 +91,7 @@ fn grey_trial(case: GreyBoxCase) -> Trial {
 /// The table is judged, and the ledger has what it says.
 fn sweep_trial(case: SweepCase) -> Trial {
     Trial::test(case.name.clone(), move || {
-        has_readme_and_row(&case.folder, &case.name)?;
-        let ledger = fs::read_to_string(case.folder.join("../../docs/validation.md"))?;
-        if !ledger.contains(&case.origin()) {
-            return Err(Failed::from(
-                "docs/validation.md has another table: run the example `ledger`",
-            ));
-        }
+        stands_in_ledger(&case.folder, &Entry::of_sweep(&case))?;
         as_stated(&case.judge())
     })
 }
@@ -102,19 +112,12 @@ fn diagnoses_trials(case: DiagnosesCase) -> [Trial; 2] {
 fn grey_folder_trial(case: &GreyBoxCase) -> Trial {
     let case = case.clone();
     Trial::test(format!("folder::{}", case.name), move || {
-        has_readme_and_row(&case.folder, &case.name)?;
-        let store = Store::new(&case.folder.join(".."));
-        let figures = case.stored(&store)?;
+        let figures = case.stored(&Store::new(&case.folder.join("..")))?;
         let Some(verdict) = case.judge_stored(&figures) else {
             return Err(Failed::from("results belong to other tables: run the example `ledger`"));
         };
         as_stated(&verdict)?;
-        let ledger = fs::read_to_string(case.folder.join("../../docs/validation.md"))?;
-        if ledger.contains(&case.tables(&figures)) {
-            Ok(())
-        } else {
-            Err(Failed::from("docs/validation.md has other figures: run the example `ledger`"))
-        }
+        stands_in_ledger(&case.folder, &Entry::of_grey_box(&case, &figures))
     })
 }
 
