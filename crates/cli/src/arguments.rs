@@ -145,7 +145,7 @@ What appears in the output folder:
 
 --measured is a table with a header: v_c [m/min],springback [um],uncertainty [um],F_c [N],F_n [N]
 (other units and any order; the forces may be left out). Springback is a tenth of a particle
-spacing: give the runs many snapshots ([output] snapshots = 200) and see docs/springback.md.";
+spacing: give the runs many snapshots ([output] snapshots = 200) and see docs/howto/springback.md.";
 
 const CALIBRATE_HELP: &str = "\
 The coefficient of the scenario's friction law is varied at the highest cutting speed of the measured
@@ -162,7 +162,7 @@ What appears in the output folder:
   runs/              every run; they are used again, and an interrupted scan goes on with the same command
 
 --measured is a table with a header: v_c [m/min],F_c [N],F_n [N] (other units and any order; the columns of
-`sphcut springback` may be there too). See docs/calibration.md.";
+`sphcut springback` may be there too). See docs/howto/calibrate-friction.md.";
 
 const RECORDINGS_HELP: &str = "\
 Example:
@@ -175,7 +175,7 @@ What appears in the output folder:
   recordings.json   the same as numbers      recordings.h5   the series
 
 Gaps, clipping, missing numbers, unequal clocks, a wrong sign, a missing trigger are named; such a
-record gives no force. See docs/recordings.md, and docs/recordings_keys.md for all keys.";
+record gives no force. See docs/howto/recordings.md, and docs/recordings_keys.md for all keys.";
 
 const IDENTIFY_HELP: &str = "\
 Example:
@@ -187,7 +187,7 @@ What appears in the output folder:
   johnson_cook.toml, tanh_johnson_cook.toml, tabulated.toml (with tabulated.csv)
                         material files for scenarios: material = \"johnson_cook.toml\"
 
-See docs/identification.md, and docs/identification_keys.md for all keys.";
+See docs/howto/identify.md, and docs/identification_keys.md for all keys.";
 
 const DIAGNOSE_HELP: &str = "\
 Examples:
@@ -207,7 +207,7 @@ What appears in the output folder:
 Without --closed-form every effect is tried in paired runs of the particle solver, some two hundred. Ctrl-C writes
 checkpoints; the same command goes on. Runs that are in the store already are not computed again.
 
-See docs/diagnosis.md, and docs/diagnosis_keys.md for all keys.";
+See docs/howto/diagnose.md, and docs/diagnosis_keys.md for all keys.";
 
 const WEAR_HELP: &str = "\
 Example:
@@ -222,7 +222,7 @@ What appears in the output folder:
               and its isotonic fit
   wear.html   both as curves, tool by tool, and the limits
 
-See docs/diagnosis.md.";
+See docs/howto/wear.md.";
 
 const COMPLETIONS_HELP: &str = "\
 Examples:

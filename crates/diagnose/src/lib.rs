@@ -24,7 +24,7 @@
 //!
 //! All numbers are SI. Everything follows from the data, the priors and the seed; the number of threads changes
 //! nothing. Method: Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464, for nuisances beside a discrepancy;
-//! MacKay, Neural Computation 4 (1992) 415-447, for the evidence; `docs/diagnosis.md` for what was measured with it.
+//! MacKay, Neural Computation 4 (1992) 415-447, for the evidence; `docs/diagnosis_scores.md` for what was measured with it.
 
 mod case;
 mod check;

@@ -248,7 +248,7 @@ pub(crate) fn runs() -> Section {
 /// The page of all keys, as Markdown.
 #[must_use]
 pub fn reference_page() -> String {
-    let about = ("Files of diagnoses", "diagnose", "diagnosis.md");
+    let about = ("Files of diagnoses", "diagnose", "howto/diagnose.md");
     sphcut_input::reference::keys_of_file(about, &sections(), &[])
 }
 

@@ -19,7 +19,7 @@ const PREDICTED: [Channel; 5] = [
     Channel::ContactLength,
 ];
 
-/// With which the probability of the right effect is greatest over 60 cases of the opponents drawn for development (docs/diagnosis.md).
+/// With which the probability of the right effect is greatest over 60 cases of the opponents drawn for development (docs/diagnosis_method.md).
 pub(crate) const POWER: f64 = 0.25;
 /// The opponents of docs/analytic_model.md, with the same effects at the same strength, change what is measured by 1 to 70 % more or
 /// less than the library (root mean square of the difference over that of the change).

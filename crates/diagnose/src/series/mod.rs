@@ -10,7 +10,7 @@
 //! 4. [`over_time`]: trend and run-in within each cut, and what they go with; [`growth`]: what changes from cut to cut.
 //! 5. [`false_alarms`]: the same steps on noise with nothing in it.
 //!
-//! Nothing here asks a model of the cut. Limits: `docs/diagnosis.md`.
+//! Nothing here asks a model of the cut. Limits: `docs/diagnosis_method.md`.
 
 mod advice;
 mod error;

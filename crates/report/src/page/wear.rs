@@ -145,7 +145,7 @@ fn limits(found: &WearGrowth) -> Markup {
                     beside the direction (" (minus(&percent(found.direction.beside))) "), not from what the direction itself is uncertain by. The isotonic fit has no interval." }
                 li { "Whether it is wear that is irreversible is only seen from tool to tool: all tools must have been cut in the order of the table, under the same conditions." }
             }
-            p { "docs/diagnosis.md has sources; wear.json and wear.csv have every number." }
+            p { "docs/diagnosis_method.md has sources; wear.json and wear.csv have every number." }
         }
     }
 }

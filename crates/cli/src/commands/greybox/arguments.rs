@@ -11,7 +11,7 @@ Examples:
   sphcut greybox compare --model grey --simulated sweep2.csv --measured turning2.csv --out check
 
 Tables have a header with units: v_c [m/min],h [mm],F_c [N],F_f [N] (other units and any order), and if
-known F_c_sd [N],F_f_sd [N],n. Repeats of a condition are lines of their own. See docs/greybox.md.";
+known F_c_sd [N],F_f_sd [N],n. Repeats of a condition are lines of their own. See docs/howto/greybox.md.";
 
 const FIT_HELP: &str = "\
 What appears in the output folder:

@@ -26,7 +26,7 @@ On a Slurm cluster:
   sphcut sweep collect out/sweep     table and page of what is there (a job does it when all tasks have ended)
   sphcut sweep cancel out/sweep      end the tasks; checkpoints are kept
 
-See docs/sweeps.md, docs/cluster.md, and docs/sweep_keys.md for all keys.";
+See docs/howto/sweep.md, docs/howto/cluster.md, and docs/sweep_keys.md for all keys.";
 
 /// `sweep`: a sweep, or something about one that was submitted.
 #[derive(Debug)]

@@ -392,7 +392,7 @@ fn method(page: &DiagnosisPage<'_>) -> Markup {
             h2 { "Method" }
             p { "Every explanation is fitted together with the scatter of material, friction and instruments, and weighed by its evidence; \
                 a pair of effects has to earn its second one. \u{201c}Unmodelled effect\u{201d} is a smooth difference of 1 to 8 % without a candidate. \
-                docs/diagnosis.md has formulas, sources and limits; diagnosis.json has every number. Seed " (page.provenance.seed) "." }
+                docs/diagnosis_method.md has formulas, sources and limits; diagnosis.json has every number. Seed " (page.provenance.seed) "." }
         }
     }
 }
