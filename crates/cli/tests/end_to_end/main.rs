@@ -5,6 +5,7 @@ mod cluster;
 mod commands;
 mod common;
 mod diagnose;
+mod documents;
 mod greybox;
 mod identify;
 mod measuring;
