@@ -300,8 +300,8 @@ fn words(command: &str) -> Vec<&str> {
     )
 }
 
-/// Whether the program takes the arguments: in an empty folder it may miss files, but does not show its usage. Commands of `cargo xtask`
-/// consist of words in its source, examples are files.
+/// Whether the program takes the arguments: in an empty folder it may miss files, but does not show its usage. Subcommands of
+/// `cargo xtask` are variants and its options fields in its source; examples are files.
 fn accepted(root: &Path, empty: &Workshop, command: &str) -> Result<(), String> {
     let words = words(command);
     if words[0] == "sphcut" {
@@ -314,14 +314,18 @@ fn accepted(root: &Path, empty: &Workshop, command: &str) -> Result<(), String> 
             ["xtask/src", "crates/verification/src"].map(|folder| files(&root.join(folder)));
         let source: String =
             sources.iter().flatten().filter_map(|path| fs::read_to_string(path).ok()).collect();
-        let is_keyword = |word: &&&str| {
+        let stands = |word: &str| match word.strip_prefix("--") {
+            Some(option) => source.contains(&format!(" {}:", option.replace('-', "_"))),
+            None => {
+                let variant = word[..1].to_uppercase() + &word[1..];
+                [",", " {"].iter().any(|end| source.contains(&format!("    {variant}{end}")))
+            }
+        };
+        let is_keyword = |word: &str| {
             word.starts_with("--")
                 || (word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase()))
         };
-        let missing = words[2..]
-            .iter()
-            .filter(is_keyword)
-            .find(|word| !source.contains(&format!("\"{word}\"")));
+        let missing = words[2..].iter().find(|word| is_keyword(word) && !stands(word));
         return missing.map_or(Ok(()), |word| Err(format!("xtask knows no `{word}`")));
     }
     let after = |flag: &str| {
