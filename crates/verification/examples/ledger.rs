@@ -7,13 +7,9 @@
 //! not repeated unless `--again` asks for it. From all values that are there it writes the page of
 //! outcomes, `docs/validation.md`, and the figures of each case, `validation/<case>/RESULTS.md`.
 
-use sphcut_verification::diagnoses::diagnoses_cases;
-use sphcut_verification::grey_box::grey_box_cases;
-use sphcut_verification::ledger::{self, Entry};
-use sphcut_verification::store::Store;
-use sphcut_verification::sweep_trends::{SweepCase, sweep_cases};
+use sphcut_verification::ledger::{self, LedgerEntry};
 use sphcut_verification::{
-    Case, Outcome, Progress, RunOptions, Tier, Verdict, adopt, cases, judge_stored, run_case,
+    Case, CaseBody, CaseOptions, CaseOutcome, CaseProgress, CaseStore, CaseVerdict, Tier, cases,
 };
 use std::error::Error;
 use std::fs;
@@ -38,51 +34,27 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = root.join("validation");
-    let store = Store::new(&folder);
+    let store = CaseStore::new(&folder);
     let cases = cases(&folder)?;
     for [case, run, folder] in &adopted {
-        let case = cases.iter().find(|known| known.name == *case);
-        let case = case.ok_or("--adopt: no such case")?;
-        adopt(case, run, Path::new(folder), &RunOptions::default(), &store)?;
+        let found = cases.iter().find(|known| known.head.name == *case);
+        let Some(Case { head, body: CaseBody::Scenarios(runs) }) = found else {
+            return Err("--adopt: no such case".into());
+        };
+        runs.adopt(head, (run, Path::new(folder)), &CaseOptions::default(), &store)?;
     }
-    for case in cases.iter().filter(|case| is_wanted(&case.name, case.tier, tier, &names)) {
+    let options = CaseOptions { store: Some(store.clone()), ..CaseOptions::default() };
+    for case in cases.iter().filter(|case| is_wanted(case, tier, &names)) {
         if again {
-            store.forget(&case.name)?;
-        }
-        run(case, &store);
-    }
-    let grey_boxes = grey_box_cases(&folder)?;
-    for case in grey_boxes.iter().filter(|case| is_wanted(&case.name, case.tier, tier, &names)) {
-        if again {
-            store.forget(&case.name)?;
+            store.forget(&case.head.name)?;
         }
         let told = Mutex::new(String::new());
-        let verdict = case.run(&kept_in(&store), &|progress| {
+        say(&case.run(&options, &|progress| {
             tell(progress, &mut told.lock().unwrap_or_else(PoisonError::into_inner));
-        });
-        say(&verdict);
+        }));
     }
-    let mut entries = cases
-        .iter()
-        .map(|case| Ok(Entry::of_case(case, judge_stored(case, &store)?)))
-        .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
-    for case in &grey_boxes {
-        entries.push(Entry::of_grey_box(case, &case.stored(&store)?));
-    }
-    for case in sweep_cases(&folder)? {
-        if is_wanted(&case.name, SweepCase::TIER, tier, &names) {
-            say(&case.judge());
-        }
-        entries.push(Entry::of_sweep(&case));
-    }
-    for case in diagnoses_cases(&folder)? {
-        let verdict = case.judge();
-        if is_wanted(&case.name, case.tier, tier, &names) {
-            say(&verdict);
-        }
-        entries.push(Entry::of_diagnoses(&case, verdict));
-    }
-    entries.sort_by(|a, b| a.name().cmp(b.name()));
+    let entries = cases.iter().map(|case| LedgerEntry::new(case, &store));
+    let entries = entries.collect::<Result<Vec<_>, _>>()?;
     for entry in &entries {
         fs::write(folder.join(entry.name()).join("RESULTS.md"), ledger::results(entry))?;
     }
@@ -91,30 +63,22 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn tier_of(name: &str) -> Result<Tier, String> {
-    match name {
-        "quick" => Ok(Tier::Quick),
-        "standard" => Ok(Tier::Standard),
-        "long" => Ok(Tier::Long),
-        other => Err(format!("no tier is called `{other}`: quick, standard or long")),
-    }
+    let found = Tier::ALL.into_iter().find(|tier| tier.name() == name);
+    found.ok_or_else(|| format!("no tier is called `{name}`: quick, standard or long"))
 }
 
 /// Cases of the tier and below, or those named.
-fn is_wanted(name: &String, of: Tier, tier: Option<Tier>, names: &[String]) -> bool {
-    if names.is_empty() { tier.is_some_and(|tier| of <= tier) } else { names.contains(name) }
-}
-
-fn run(case: &Case, store: &Store) {
-    let mut told = String::new();
-    say(&run_case(case, &kept_in(store), &mut |progress| tell(progress, &mut told)));
-}
-
-fn kept_in(store: &Store) -> RunOptions {
-    RunOptions { store: Some(store.clone()), ..RunOptions::default() }
+fn is_wanted(case: &Case, tier: Option<Tier>, names: &[String]) -> bool {
+    let head = &case.head;
+    if names.is_empty() {
+        tier.is_some_and(|tier| head.tier <= tier)
+    } else {
+        names.contains(&head.name)
+    }
 }
 
 /// Says what is run in steps of ten per cent.
-fn tell(progress: &Progress<'_>, told: &mut String) {
+fn tell(progress: &CaseProgress<'_>, told: &mut String) {
     let share = (10.0 * progress.fraction).floor() * 10.0;
     let line = format!("{} / {}: {share:.0} %", progress.case, progress.run);
     if line != *told {
@@ -123,12 +87,12 @@ fn tell(progress: &Progress<'_>, told: &mut String) {
     }
 }
 
-fn say(verdict: &Verdict) {
-    println!("{}: {}", verdict.case, verdict.outcome.word());
-    if let Outcome::Broken { reason } = &verdict.outcome {
+fn say(verdict: &CaseVerdict) {
+    println!("{}: {}", verdict.case.name, verdict.outcome.word());
+    if let CaseOutcome::Broken { reason } = &verdict.outcome {
         println!("  {reason}");
     }
-    for finding in &verdict.findings {
+    for finding in &verdict.judgements {
         println!(
             "  {} {}: {} = {:?} {} ({}): {} {:.4e}, tolerance {:.1e}",
             if finding.holds { "holds" } else { "FAILS" },

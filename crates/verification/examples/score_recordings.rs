@@ -3,7 +3,8 @@
 //!
 //! The concealed columns are not in the repository; without `../shared/data` beside it this says so and ends.
 
-use sphcut_verification::diagnoses::{diagnoses_cases, score_edge_radius, score_wear};
+use sphcut_verification::diagnoses::{score_edge_radius, score_wear};
+use sphcut_verification::{CaseBody, cases};
 use std::error::Error;
 use std::path::Path;
 
@@ -14,10 +15,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("the concealed columns (../shared/data) are not here: nothing is scored");
         return Ok(());
     }
-    for case in diagnoses_cases(&root.join("validation"))? {
-        match case.name.as_str() {
-            "diagnosis_klippel" => print!("{}", score_edge_radius(&case, &data)?),
-            "diagnosis_wear" => print!("{}", score_wear(&case, &data)?),
+    for case in cases(&root.join("validation"))? {
+        let CaseBody::Diagnoses(diagnoses) = &case.body else { continue };
+        match case.head.name.as_str() {
+            "diagnosis_klippel" => print!("{}", score_edge_radius((&case.head, diagnoses), &data)?),
+            "diagnosis_wear" => print!("{}", score_wear((&case.head, diagnoses), &data)?),
             _ => {}
         }
     }

@@ -1,12 +1,12 @@
 //! What can be wrong with a case folder.
 
-use std::fmt;
 use std::path::PathBuf;
 
 /// A case that cannot be read or run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CaseError {
     /// A file or folder cannot be read.
+    #[error("{}: {reason}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -14,6 +14,7 @@ pub enum CaseError {
         reason: String,
     },
     /// A file says something that makes no sense.
+    #[error("{}: {reason}", path.display())]
     Invalid {
         /// The file.
         path: PathBuf,
@@ -21,6 +22,7 @@ pub enum CaseError {
         reason: String,
     },
     /// A run of the case did not come to its end.
+    #[error("run `{run}`: {reason}")]
     RunFailed {
         /// Name of the run.
         run: String,
@@ -28,6 +30,7 @@ pub enum CaseError {
         reason: String,
     },
     /// An observable cannot be computed from what the run produced.
+    #[error("`{observable}`: {reason}")]
     Unobservable {
         /// Name of the observable.
         observable: String,
@@ -44,17 +47,13 @@ impl CaseError {
     pub(crate) fn unreadable(path: impl Into<PathBuf>, error: &std::io::Error) -> Self {
         Self::Unreadable { path: path.into(), reason: error.to_string() }
     }
-}
 
-impl fmt::Display for CaseError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unreadable { path, reason } => write!(f, "{}: {reason}", path.display()),
-            Self::Invalid { path, reason } => write!(f, "{}: {reason}", path.display()),
-            Self::RunFailed { run, reason } => write!(f, "run `{run}`: {reason}"),
-            Self::Unobservable { observable, reason } => write!(f, "`{observable}`: {reason}"),
-        }
+    /// `error` of the run, fit or diagnosis `run`.
+    pub(crate) fn failed(run: &str, error: impl ToString) -> Self {
+        Self::RunFailed { run: run.to_owned(), reason: error.to_string() }
+    }
+
+    pub(crate) fn unobservable(observable: &str, reason: impl Into<String>) -> Self {
+        Self::Unobservable { observable: observable.to_owned(), reason: reason.into() }
     }
 }
-
-impl std::error::Error for CaseError {}

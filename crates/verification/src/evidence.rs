@@ -1,10 +1,21 @@
 //! What a run leaves for the observables.
 
-use crate::case::Mode;
-use crate::table::Table;
+use crate::table::ReferenceTable;
+use serde::Deserialize;
 use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Snapshots};
 use sphcut_sph::setup::{Dimension, Vector};
 use sphcut_sph::{ChannelId, Sample, Setup, Simulation, Snapshot};
+
+/// Whether a run is stepped to its end or only set up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RunMode {
+    /// Stepped to its end.
+    #[default]
+    Simulate,
+    /// Only set up: for laws and kernels.
+    Setup,
+}
 
 /// A finished run: its setup, its channels and its snapshots.
 #[derive(Debug, Clone)]
@@ -18,7 +29,7 @@ pub struct Evidence {
     /// Number of time steps.
     pub steps: u64,
     /// The case's `reference.csv`; empty if there is none.
-    pub reference: Table,
+    pub reference: ReferenceTable,
 }
 
 impl Evidence {
@@ -28,14 +39,14 @@ impl Evidence {
     /// A setup that cannot be built, a run that diverges.
     pub fn collect(
         setup: Setup,
-        mode: Mode,
+        mode: RunMode,
         snapshots: u32,
-        reference: Table,
-        progress: &mut dyn FnMut(f64),
+        reference: ReferenceTable,
+        progress: &dyn Fn(f64),
     ) -> Result<Self, String> {
         let mut evidence =
             Self { setup, samples: Vec::new(), snapshots: Vec::new(), steps: 0, reference };
-        if mode == Mode::Setup {
+        if mode == RunMode::Setup {
             return Ok(evidence);
         }
         let mut simulation =

@@ -1,96 +1,43 @@
 //! The validation ledger as Markdown: one page of outcomes, and a page of results for every case.
 
-use crate::case::{Case, Kind, Metric, Tier};
-use crate::diagnoses::DiagnosesCase;
-use crate::grey_box::{FitFigures, GreyBoxCase};
-use crate::judge::number;
-use crate::sweep_trends::SweepCase;
-use crate::variants;
-use crate::verdict::{Finding, Outcome, Verdict};
+use crate::case::Case;
+use crate::error::CaseError;
+use crate::metric::{Metric, number};
+use crate::store::CaseStore;
+use crate::verdict::{CaseOutcome, CaseVerdict, Judgement};
 use sphcut_sph::RESULTS_VERSION;
 use std::fmt::Write;
 
 /// A line of the ledger: a case with its verdict, or without one if it was never run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
-    name: String,
-    title: String,
-    kind: Kind,
-    tier: Tier,
-    claim: String,
-    verdict: Option<Verdict>,
+pub struct LedgerEntry {
+    case: Case,
+    verdict: Option<CaseVerdict>,
     /// What is shown below the judged figures.
     beside: String,
 }
 
-impl Entry {
-    /// A case of scenarios and its verdict, if its runs are there.
-    #[must_use]
-    pub fn of_case(case: &Case, verdict: Option<Verdict>) -> Self {
-        let findings = verdict.as_ref().map_or(&[][..], |verdict| &verdict.findings);
-        Self {
-            name: case.name.clone(),
-            title: case.title.clone(),
-            kind: case.kind,
-            tier: case.tier,
-            claim: case.claim.clone(),
-            beside: variants::table(case, findings),
-            verdict,
-        }
+impl LedgerEntry {
+    /// `case` as far as its values are kept in `store`.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    pub fn new(case: &Case, store: &CaseStore) -> Result<Self, CaseError> {
+        let verdict = case.judge_stored(store)?;
+        let beside = case.shown_beside(verdict.as_ref(), store)?;
+        Ok(Self { case: case.clone(), verdict, beside })
     }
 
-    /// A case of the grey box with what its fits gave.
-    #[must_use]
-    pub fn of_grey_box(case: &GreyBoxCase, figures: &[FitFigures]) -> Self {
-        Self {
-            name: case.name.clone(),
-            title: case.title.clone(),
-            kind: case.kind,
-            tier: case.tier,
-            claim: case.claim.clone(),
-            beside: case.tables(figures),
-            verdict: case.judge_stored(figures),
-        }
-    }
-
-    /// A case of a sweep.
-    #[must_use]
-    pub fn of_sweep(case: &SweepCase) -> Self {
-        Self {
-            name: case.name.clone(),
-            title: case.title.clone(),
-            kind: case.kind,
-            tier: SweepCase::TIER,
-            claim: case.claim.clone(),
-            beside: case.origin(),
-            verdict: Some(case.judge()),
-        }
-    }
-
-    /// A case of diagnoses with its verdict.
-    #[must_use]
-    pub fn of_diagnoses(case: &DiagnosesCase, verdict: Verdict) -> Self {
-        Self {
-            name: case.name.clone(),
-            title: case.title.clone(),
-            kind: case.kind,
-            tier: case.tier,
-            claim: case.claim.clone(),
-            beside: case.questions(),
-            verdict: Some(verdict),
-        }
-    }
-
-    /// Name of the case, by which entries are sorted.
+    /// Name of the case.
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.name
+        &self.case.head.name
     }
 }
 
 /// `docs/validation.md`: one line per case.
 #[must_use]
-pub fn overview(entries: &[Entry]) -> String {
+pub fn overview(entries: &[LedgerEntry]) -> String {
     entries.iter().fold(String::from(INTRODUCTION), |text, entry| text + &row(entry))
 }
 
@@ -115,20 +62,21 @@ the first figure of each case and, where there is one, its first known gap.
 
 /// The line of a case in the overview. Its anchor is the name of the case.
 #[must_use]
-pub fn row(entry: &Entry) -> String {
-    let Entry { name, title, .. } = entry;
+pub fn row(entry: &LedgerEntry) -> String {
+    let head = &entry.case.head;
+    let (name, title) = (&head.name, &head.title);
     let folder = format!("../validation/{name}");
     let (held, figures) = figures(entry);
     format!(
         "| <a id=\"{name}\"></a>[{title}]({folder}/README.md) | {} | {} | [{}]({folder}/RESULTS.md) | {held} | {figures} |\n",
-        kind_name(entry.kind),
-        tier_name(entry.tier),
+        head.kind.name(),
+        head.tier.name(),
         outcome(entry),
     )
 }
 
 /// How many expectations hold, and the first figures.
-fn figures(entry: &Entry) -> (String, String) {
+fn figures(entry: &LedgerEntry) -> (String, String) {
     let findings = judged(entry);
     if findings.is_empty() {
         return ("-".to_owned(), "-".to_owned());
@@ -144,7 +92,7 @@ fn figures(entry: &Entry) -> (String, String) {
     (format!("{held} of {}", findings.len()), shown.join("; "))
 }
 
-fn figure(finding: &Finding) -> String {
+fn figure(finding: &Judgement) -> String {
     let observable = finding.observable.split(" (").next().unwrap_or_default();
     let (result, tolerance) = (number(finding.result), number(finding.tolerance));
     let limit = match finding.metric {
@@ -154,31 +102,15 @@ fn figure(finding: &Finding) -> String {
     format!("{observable}: {} {result} ({limit})", finding.metric.name())
 }
 
-fn judged(entry: &Entry) -> Vec<&Finding> {
-    let findings = entry.verdict.iter().flat_map(|verdict| &verdict.findings);
+fn judged(entry: &LedgerEntry) -> Vec<&Judgement> {
+    let findings = entry.verdict.iter().flat_map(|verdict| &verdict.judgements);
     findings.filter(|finding| finding.metric != Metric::Shown).collect()
 }
 
-fn kind_name(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Verification => "verification",
-        Kind::Validation => "validation",
-        Kind::Regression => "regression",
-    }
-}
-
-fn tier_name(tier: Tier) -> &'static str {
-    match tier {
-        Tier::Quick => "quick",
-        Tier::Standard => "standard",
-        Tier::Long => "long",
-    }
-}
-
-fn outcome(entry: &Entry) -> String {
+fn outcome(entry: &LedgerEntry) -> String {
     match &entry.verdict {
         None => "not run yet".to_owned(),
-        Some(Verdict { outcome: Outcome::Broken { reason }, .. }) => {
+        Some(CaseVerdict { outcome: CaseOutcome::Broken { reason }, .. }) => {
             format!("BROKEN: {}", reason.replace('\n', " "))
         }
         Some(verdict) if verdict.earlier.is_empty() => verdict.outcome.word().to_owned(),
@@ -190,16 +122,16 @@ fn outcome(entry: &Entry) -> String {
 
 /// `validation/<case>/RESULTS.md`: every expectation with its figures and the reason of its tolerance.
 #[must_use]
-pub fn results(entry: &Entry) -> String {
+pub fn results(entry: &LedgerEntry) -> String {
     let mut text = format!(
         "# Results: {}\n\nGenerated by the example `ledger` of `sphcut-verification`; do not edit by hand. What is computed: \
          [README.md](README.md). All cases: [the ledger](../../docs/validation.md). SI units.\n\n{}: {}.\n",
-        entry.title,
-        entry.claim.trim(),
+        entry.case.head.title,
+        entry.case.head.claim.trim(),
         outcome(entry),
     );
     let Some(verdict) = &entry.verdict else { return text };
-    if verdict.findings.is_empty() {
+    if verdict.judgements.is_empty() {
         return text;
     }
     if !verdict.earlier.is_empty() {
@@ -226,7 +158,7 @@ pub fn results(entry: &Entry) -> String {
     text
 }
 
-fn finding_row(text: &mut String, finding: &Finding) {
+fn finding_row(text: &mut String, finding: &Judgement) {
     let values: Vec<String> = finding.values.iter().map(|value| number(*value)).collect();
     let unit = if finding.unit.is_empty() { String::new() } else { format!(" {}", finding.unit) };
     let holds = match (finding.holds, finding.known_gap.is_some()) {

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// A folder with one file per run: `<case>/results/<run>.toml`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Store {
+pub struct CaseStore {
     folder: PathBuf,
 }
 
@@ -31,7 +31,7 @@ pub struct StoredRun {
     pub values: BTreeMap<String, f64>,
 }
 
-impl Store {
+impl CaseStore {
     /// The store in `folder`, which need not exist yet.
     #[must_use]
     pub fn new(folder: &Path) -> Self {

@@ -6,12 +6,12 @@ use std::path::Path;
 
 /// Columns of text cells; lines that begin with `#` are comments.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Table {
+pub struct ReferenceTable {
     columns: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
-impl Table {
+impl ReferenceTable {
     /// Reads the table at `path`.
     ///
     /// # Errors
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn reads_columns_and_looks_up_rows() {
-        let table = Table::parse("# comment\nrun,force\nslow, 1.5\n\nfast,2e3\n").unwrap();
+        let table = ReferenceTable::parse("# comment\nrun,force\nslow, 1.5\n\nfast,2e3\n").unwrap();
         assert_eq!(table.len(), 2);
         assert_eq!(table.numbers("force").unwrap(), [1.5, 2000.0]);
         assert_eq!(table.lookup("run", "fast", "force").unwrap(), 2000.0);
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn a_short_row_is_an_error_with_its_line() {
-        assert!(Table::parse("a,b\n1,2\n3\n").unwrap_err().contains("line 3"));
-        assert!(Table::parse("# nothing\n").is_err());
+        assert!(ReferenceTable::parse("a,b\n1,2\n3\n").unwrap_err().contains("line 3"));
+        assert!(ReferenceTable::parse("# nothing\n").is_err());
     }
 }

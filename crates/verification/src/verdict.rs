@@ -1,10 +1,11 @@
 //! What came out of a case, as plain data.
 
-use crate::case::{Kind, Metric, Tier};
+use crate::head::CaseHead;
+use crate::metric::Metric;
 
 /// How a case ended.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Outcome {
+pub enum CaseOutcome {
     /// Every expectation holds and none is marked as a known gap.
     Passed,
     /// Everything holds but the expectations marked as known gaps, which fail as stated.
@@ -18,7 +19,7 @@ pub enum Outcome {
     },
 }
 
-impl Outcome {
+impl CaseOutcome {
     /// One word for people.
     #[must_use]
     pub fn word(&self) -> &'static str {
@@ -27,6 +28,18 @@ impl Outcome {
             Self::KnownGap => "known gap",
             Self::Failed => "FAILED",
             Self::Broken { .. } => "BROKEN",
+        }
+    }
+
+    /// The outcome that `judgements` mean.
+    pub(crate) fn of(judgements: &[Judgement]) -> Self {
+        let gap = |judged: &Judgement| judged.known_gap.is_some();
+        if judgements.iter().any(|judged| judged.holds == gap(judged)) {
+            Self::Failed
+        } else if judgements.iter().any(gap) {
+            Self::KnownGap
+        } else {
+            Self::Passed
         }
     }
 
@@ -39,7 +52,7 @@ impl Outcome {
 
 /// One judged expectation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
+pub struct Judgement {
     /// Name of the run, or of the runs joined with commas.
     pub run: String,
     /// Name of the observable with its arguments.
@@ -66,45 +79,23 @@ pub struct Finding {
 
 /// The judgement of one case.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Verdict {
-    /// Name of the folder.
-    pub case: String,
-    /// Title of the case.
-    pub title: String,
-    /// What kind of evidence it is.
-    pub kind: Kind,
-    /// How long it takes.
-    pub tier: Tier,
-    /// What it claims.
-    pub claim: String,
+pub struct CaseVerdict {
+    /// The case.
+    pub case: CaseHead,
     /// The judged expectations.
-    pub findings: Vec<Finding>,
+    pub judgements: Vec<Judgement>,
     /// Runs whose kept values an earlier version of the solver gave: they have to be run again.
     pub earlier: Vec<String>,
     /// The judgement.
-    pub outcome: Outcome,
-}
-
-impl Verdict {
-    /// The outcome that `findings` mean.
-    pub(crate) fn outcome_of(findings: &[Finding]) -> Outcome {
-        let gap = |finding: &Finding| finding.known_gap.is_some();
-        if findings.iter().any(|finding| finding.holds == gap(finding)) {
-            Outcome::Failed
-        } else if findings.iter().any(gap) {
-            Outcome::KnownGap
-        } else {
-            Outcome::Passed
-        }
-    }
+    pub outcome: CaseOutcome,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn finding(holds: bool, known_gap: Option<&str>) -> Finding {
-        Finding {
+    fn judged(holds: bool, known_gap: Option<&str>) -> Judgement {
+        Judgement {
             run: "run".into(),
             observable: "steps".into(),
             unit: String::new(),
@@ -121,11 +112,17 @@ mod tests {
 
     #[test]
     fn a_known_gap_is_never_passed_and_must_keep_failing() {
-        let outcome = |findings: &[Finding]| Verdict::outcome_of(findings);
-        assert_eq!(outcome(&[finding(true, None)]), Outcome::Passed);
-        assert_eq!(outcome(&[finding(false, None)]), Outcome::Failed);
-        assert_eq!(outcome(&[finding(true, None), finding(false, Some("why"))]), Outcome::KnownGap);
-        assert_eq!(outcome(&[finding(true, Some("why"))]), Outcome::Failed);
-        assert_eq!(outcome(&[finding(false, None), finding(false, Some("why"))]), Outcome::Failed);
+        let outcome = |judgements: &[Judgement]| CaseOutcome::of(judgements);
+        assert_eq!(outcome(&[judged(true, None)]), CaseOutcome::Passed);
+        assert_eq!(outcome(&[judged(false, None)]), CaseOutcome::Failed);
+        assert_eq!(
+            outcome(&[judged(true, None), judged(false, Some("why"))]),
+            CaseOutcome::KnownGap
+        );
+        assert_eq!(outcome(&[judged(true, Some("why"))]), CaseOutcome::Failed);
+        assert_eq!(
+            outcome(&[judged(false, None), judged(false, Some("why"))]),
+            CaseOutcome::Failed
+        );
     }
 }

@@ -5,7 +5,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::{loading, terminal, text};
 use indicatif::{ProgressBar, ProgressStyle};
 use sphcut_verification::{
-    AnyCase, Finding, Outcome, Progress, RunOptions, Tier, Verdict, all_cases,
+    Case, CaseOptions, CaseOutcome, CaseProgress, CaseVerdict, Judgement, Tier, cases,
 };
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -29,17 +29,17 @@ pub fn validate(arguments: &ValidateArguments) -> Result<ExitCode, Failure> {
 }
 
 /// The cases of the tier and below, or those named.
-fn chosen(arguments: &ValidateArguments) -> Result<Vec<AnyCase>, Failure> {
+fn chosen(arguments: &ValidateArguments) -> Result<Vec<Case>, Failure> {
     let folder = arguments.folder.display();
     if !arguments.folder.is_dir() {
         return Err(Failure::new(ExitCode::InputOutput, format!("there is no folder `{folder}`"))
             .advise("run this at the top of the repository, or say --folder DIR"));
     }
-    let all = all_cases(&arguments.folder).map_err(|error| Failure::input(error.to_string()))?;
+    let all = cases(&arguments.folder).map_err(|error| Failure::input(error.to_string()))?;
     if let Some(unknown) =
-        arguments.cases.iter().find(|name| !all.iter().any(|c| c.name() == *name))
+        arguments.cases.iter().find(|name| !all.iter().any(|c| c.head.name == **name))
     {
-        let names: Vec<&str> = all.iter().map(AnyCase::name).collect();
+        let names: Vec<&str> = all.iter().map(|case| case.head.name.as_str()).collect();
         return Err(Failure::input(format!("there is no case `{unknown}` in `{folder}`"))
             .advise(format!("there are {}", names.join(", "))));
     }
@@ -48,33 +48,29 @@ fn chosen(arguments: &ValidateArguments) -> Result<Vec<AnyCase>, Failure> {
         TierChoice::Standard => Tier::Standard,
         TierChoice::Long => Tier::Long,
     };
-    let wanted = |case: &AnyCase| match arguments.cases.as_slice() {
-        [] => case.tier() <= largest,
-        names => names.iter().any(|name| name == case.name()),
+    let wanted = |case: &Case| match arguments.cases.as_slice() {
+        [] => case.head.tier <= largest,
+        names => names.contains(&case.head.name),
     };
     Ok(all.into_iter().filter(wanted).collect())
 }
 
-fn list(cases: &[AnyCase]) -> String {
+fn list(cases: &[Case]) -> String {
     let mut page = String::new();
     for case in cases {
-        let tier = match case.tier() {
-            Tier::Quick => "quick",
-            Tier::Standard => "standard",
-            Tier::Long => "long",
-        };
-        let _ = writeln!(page, "{:<28} {tier:<9} {}", case.name(), case.title());
+        let head = &case.head;
+        let _ = writeln!(page, "{:<28} {:<9} {}", head.name, head.tier.name(), head.title);
     }
     page
 }
 
 /// Runs one case behind a bar that only a terminal sees.
-fn timed(case: &AnyCase) -> (Verdict, Duration) {
+fn timed(case: &Case) -> (CaseVerdict, Duration) {
     let bar = ProgressBar::new(1000);
     let style = ProgressStyle::with_template("{bar:24} {percent:>3} %  {msg}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
     let start = Instant::now();
-    let verdict = case.run(&RunOptions::default(), &|progress: &Progress| {
+    let verdict = case.run(&CaseOptions::default(), &|progress: &CaseProgress| {
         bar.set_position((1000.0 * progress.fraction) as u64);
         bar.set_message(format!("{} {}", progress.case, progress.run));
     });
@@ -83,23 +79,23 @@ fn timed(case: &AnyCase) -> (Verdict, Duration) {
 }
 
 /// The verdict with one line for each expectation.
-fn page(verdict: &Verdict, duration: Duration) -> String {
+fn page(verdict: &CaseVerdict, duration: Duration) -> String {
     let mut page = format!(
         "{:<9} {}: {} ({})\n",
         verdict.outcome.word(),
-        verdict.case,
-        verdict.title,
+        verdict.case.name,
+        verdict.case.title,
         text::duration(duration)
     );
-    if let Outcome::Broken { reason } = &verdict.outcome {
+    if let CaseOutcome::Broken { reason } = &verdict.outcome {
         let _ = writeln!(page, "{}", text::wrap(reason, 100, "    "));
     }
-    verdict.findings.iter().for_each(|finding| page.push_str(&line(finding)));
+    verdict.judgements.iter().for_each(|finding| page.push_str(&line(finding)));
     page
 }
 
 /// `    ok  bar: final length 0.0215 m; within 0.0214 to 0.0217: 0 <= 0`.
-fn line(finding: &Finding) -> String {
+fn line(finding: &Judgement) -> String {
     let mark = match (finding.holds, &finding.known_gap) {
         (true, None) => "ok",
         (false, Some(_)) => "gap",
@@ -126,7 +122,7 @@ fn line(finding: &Finding) -> String {
 }
 
 /// How many cases ended how.
-fn total(verdicts: &[Verdict]) -> String {
+fn total(verdicts: &[CaseVerdict]) -> String {
     let count = |word: &str| verdicts.iter().filter(|v| v.outcome.word() == word).count();
     let words = ["passed", "known gap", "FAILED", "BROKEN"];
     let parts: Vec<String> = words

@@ -1,10 +1,9 @@
-//! From a diagnosis to findings.
+//! From a diagnosis to judgements.
 
-use super::Diagnosed;
-use crate::case::Metric;
+use super::JudgedDiagnosis;
 use crate::error::CaseError;
-use crate::judge::number;
-use crate::verdict::Finding;
+use crate::expectation::{Expected, Measure};
+use crate::verdict::Judgement;
 use serde::Deserialize;
 use sphcut_diagnose::{Cause, ClaimVerdict, HeldOutErrors, Part, WearGrowth};
 
@@ -44,32 +43,14 @@ pub enum DiagnosisMeasure {
     CuttingForceError,
 }
 
-/// What is expected of a diagnosis.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DiagnosisExpectation {
-    /// Name of the diagnosis.
-    pub of: String,
-    /// What is judged.
-    pub measure: DiagnosisMeasure,
-    /// The effect, by its key.
-    pub effect: Option<String>,
-    /// The channel, by its key.
-    pub channel: Option<String>,
-    /// The least value that holds.
-    pub at_least: Option<f64>,
-    /// The largest value that holds.
-    pub at_most: Option<f64>,
-    /// Why this limit.
-    pub because: String,
-    /// Why it is known not to hold yet.
-    pub known_gap: Option<String>,
-}
-
 impl DiagnosisMeasure {
     fn needs_effect(self) -> bool {
         matches!(self, Self::Named | Self::InSet | Self::Probability | Self::Estimate)
     }
+}
+
+impl Measure for DiagnosisMeasure {
+    const KEYS: &'static [&'static str] = &["of", "effect", "channel"];
 
     fn words(self) -> &'static str {
         match self {
@@ -92,62 +73,32 @@ impl DiagnosisMeasure {
     }
 }
 
-impl DiagnosisExpectation {
-    pub(super) fn check(&self) -> Result<(), String> {
-        let wrong = |reason: &str| Err(format!("expectation of `{}`: {reason}", self.of));
+impl Expected<DiagnosisMeasure> {
+    pub(super) fn check_diagnosis(&self) -> Result<(), String> {
         if self.measure.needs_effect() != self.effect.is_some() {
-            return wrong("this measure is one of an effect, or none is needed");
+            return Err(self.wrong("this measure is one of an effect, or none is needed"));
         }
-        if self.at_least.is_none() && self.at_most.is_none() {
-            return wrong("`at_least` or `at_most` is needed");
-        }
-        if self.because.trim().is_empty() {
-            return wrong("`because` is empty");
-        }
-        Ok(())
+        self.check()
     }
 
-    pub(super) fn judge(
+    pub(super) fn judge_diagnosis(
         &self,
-        all: &[Diagnosed],
+        all: &[JudgedDiagnosis],
         grown: &[(String, WearGrowth)],
-    ) -> Result<Finding, CaseError> {
-        let diagnosed = all.iter().find(|one| one.name == self.of);
-        let series = grown.iter().find(|(name, _)| *name == self.of);
+    ) -> Result<Judgement, CaseError> {
+        let of = self.of();
+        let diagnosed = all.iter().find(|one| one.name == of);
+        let series = grown.iter().find(|(name, _)| *name == of);
         let value = diagnosed
             .and_then(|one| self.value(one))
             .or_else(|| series.and_then(|(_, found)| self.of_series(found)));
-        let value = value.ok_or_else(|| CaseError::Unobservable {
-            observable: self.measure.words().to_owned(),
-            reason: format!("`{}` has no figure for it", self.of),
-        })?;
-        let above = self.at_least.is_none_or(|limit| value >= limit);
-        let below = self.at_most.is_none_or(|limit| value <= limit);
-        let (metric, reference) = match (self.at_least, self.at_most) {
-            (Some(low), Some(high)) => {
-                (Metric::Within, format!("{} to {}", number(low), number(high)))
-            }
-            (Some(low), None) => (Metric::AtLeast, number(low)),
-            (None, high) => (Metric::AtMost, number(high.unwrap_or(f64::NAN))),
-        };
         let about = [self.effect.as_deref(), self.channel.as_deref()].into_iter().flatten();
         let about: String = about.map(|key| format!("{key}: ")).collect();
-        Ok(Finding {
-            run: self.of.clone(),
-            observable: format!("{about}{}", self.measure.words()),
-            unit: String::new(),
-            metric,
-            values: vec![value],
-            reference,
-            result: value,
-            tolerance: 0.0,
-            holds: above && below,
-            known_gap: self.known_gap.clone(),
-            because: self.because.clone(),
-        })
+        let about = format!("{about}{}", self.measure.words());
+        self.judge(of, &about, value, &format!("`{of}` has no figure for it"))
     }
 
-    fn value(&self, one: &Diagnosed) -> Option<f64> {
+    fn value(&self, one: &JudgedDiagnosis) -> Option<f64> {
         let finding = &one.found.finding;
         let effect = || one.effect(self.effect.as_deref()?);
         let held = |part: Part| one.found.help.iter().find(|held| held.part == part);

@@ -1,8 +1,9 @@
 //! What a diagnosis said against what was concealed from it: after the fact, and only where the concealed columns are.
 
-use super::{Diagnosed, DiagnosesCase};
+use super::{Diagnoses, JudgedDiagnosis};
 use crate::error::CaseError;
-use crate::table::Table;
+use crate::head::CaseHead;
+use crate::table::ReferenceTable;
 use sphcut_diagnose::{Amount, Predictor};
 use std::fmt::Write;
 use std::path::Path;
@@ -19,10 +20,13 @@ const SEGMENT: f64 = 5.0;
 ///
 /// # Errors
 /// A diagnosis that cannot be made, a table that cannot be read.
-pub fn score_edge_radius(case: &DiagnosesCase, data: &Path) -> Result<String, CaseError> {
-    let cut = Table::read(&data.join("klippel_ti6al4v_forces.csv"))?;
+pub fn score_edge_radius(
+    (head, case): (&CaseHead, &Diagnoses),
+    data: &Path,
+) -> Result<String, CaseError> {
+    let cut = ReferenceTable::read(&data.join("klippel_ti6al4v_forces.csv"))?;
     let concealed_at = data.join("klippel_ti6al4v_concealed_columns.csv");
-    let concealed = Table::read(&concealed_at)?;
+    let concealed = ReferenceTable::read(&concealed_at)?;
     let invalid = |reason: String| CaseError::invalid(&concealed_at, reason);
     let thickness = cut.numbers("f_mm_per_rev_uncut_chip_thickness_mm").map_err(&invalid)?;
     let used: Vec<&str> = cut
@@ -50,7 +54,7 @@ pub fn score_edge_radius(case: &DiagnosesCase, data: &Path) -> Result<String, Ca
         used.len(),
         deviation.sqrt()
     );
-    for one in case.diagnosed()? {
+    for one in case.diagnosed(head)? {
         let said = said(&one).map_or_else(
             || "says no radius".to_owned(),
             |[value, low, high]| {
@@ -67,7 +71,7 @@ pub fn score_edge_radius(case: &DiagnosesCase, data: &Path) -> Result<String, Ca
 }
 
 /// The whole edge radius in um with its interval, if the repair has one.
-fn said(one: &Diagnosed) -> Option<[f64; 3]> {
+fn said(one: &JudgedDiagnosis) -> Option<[f64; 3]> {
     let fit = &one.found.fits[one.found.repair?];
     let effect = one.model.effects().iter().position(|effect| effect.key == "edge_radius")?;
     let all = one.found.estimates(&one.model, fit);
@@ -80,9 +84,9 @@ fn said(one: &Diagnosed) -> Option<[f64; 3]> {
 ///
 /// # Errors
 /// A table that cannot be read or has too little.
-pub fn score_wear(case: &DiagnosesCase, data: &Path) -> Result<String, CaseError> {
+pub fn score_wear((head, case): (&CaseHead, &Diagnoses), data: &Path) -> Result<String, CaseError> {
     let path = data.join("vicomtech_turning_concealed_wear.csv");
-    let table = Table::read(&path)?;
+    let table = ReferenceTable::read(&path)?;
     let invalid = |reason: String| CaseError::invalid(&path, reason);
     let [tools, seconds, wear] = ["tool", "segment_in_tool_1s", "Vb_um_unit_not_stated"];
     let tools = table.numbers(tools).map_err(&invalid)?;
@@ -97,7 +101,7 @@ pub fn score_wear(case: &DiagnosesCase, data: &Path) -> Result<String, CaseError
         own.iter().sum::<f64>() / own.len() as f64
     };
     let mut text = String::new();
-    for (name, found) in case.grown()? {
+    for (name, found) in case.grown(head)? {
         for tool in &found.left_out {
             let against = |of: fn(&Amount) -> f64| {
                 let own: Vec<(f64, f64)> =

@@ -1,4 +1,8 @@
-use super::*;
+use crate::{Case, CaseOptions, CaseOutcome};
+use sphcut_diagnose::{ClosedForm, Predictor, closed_form_cut};
+use sphcut_scenario::LoadOptions;
+use std::fs;
+use std::path::PathBuf;
 
 const EXPECTED: &str = r#"
 [[expect]]
@@ -56,18 +60,18 @@ fn folder(name: &str, expected: &str) -> PathBuf {
     fs::write(folder.join("asked.toml"), asked).unwrap();
     let head = "title = \"Blunt\"\nkind = \"verification\"\ntier = \"quick\"\nclaim = \"it is found\"\n\
                 [[diagnosis]]\nname = \"found\"\ntitle = \"t\"\nfile = \"asked.toml\"\n";
-    fs::write(folder.join(FILE), format!("{head}{expected}")).unwrap();
+    fs::write(folder.join("diagnoses.toml"), format!("{head}{expected}")).unwrap();
     folder
 }
 
 #[test]
 fn a_blunter_edge_is_found_and_judged() {
-    let case = DiagnosesCase::read(&folder("good", EXPECTED)).unwrap();
-    let verdict = case.judge();
-    assert_eq!(verdict.outcome, Outcome::KnownGap, "{verdict:?}");
-    let holds: Vec<bool> = verdict.findings.iter().map(|f| f.holds).collect();
+    let case = Case::read(&folder("good", EXPECTED)).unwrap();
+    let verdict = case.run(&CaseOptions::default(), &|_| ());
+    assert_eq!(verdict.outcome, CaseOutcome::KnownGap, "{verdict:?}");
+    let holds: Vec<bool> = verdict.judgements.iter().map(|f| f.holds).collect();
     assert_eq!(holds, [true, true, true, false]);
-    fs::remove_dir_all(&case.folder).unwrap();
+    fs::remove_dir_all(&case.head.folder).unwrap();
 }
 
 #[test]
@@ -79,7 +83,7 @@ fn what_is_not_well_formed_is_refused() {
         ("because = \"made so\"", "because = \"\"", "`because` is empty"),
     ] {
         let folder = folder("bad", &EXPECTED.replacen(from, to, 1));
-        let error = DiagnosesCase::read(&folder).unwrap_err().to_string();
+        let error = Case::read(&folder).unwrap_err().to_string();
         assert!(error.contains(told), "{error}");
         fs::remove_dir_all(&folder).unwrap();
     }

@@ -1,9 +1,10 @@
 //! What the fits of a case give, computed or kept.
 
-use super::{ComparisonSpecification, FitSpecification, GreyBoxCase, Watch};
-use crate::Progress;
+use super::{ComparisonSpecification, FitSpecification, GreyBoxFits};
 use crate::error::CaseError;
-use crate::store::Store;
+use crate::head::{CaseHead, text_of};
+use crate::options::{CaseProgress, ProgressWatch};
+use crate::store::CaseStore;
 use serde::{Deserialize, Serialize};
 use sphcut_greybox::regressor::Method;
 use sphcut_greybox::{
@@ -108,79 +109,83 @@ pub struct ForceCompared {
     pub bias_inside: Option<BootstrapEstimate>,
 }
 
-/// The kept figures of a fit if they belong to its tables, or if the tables are not there to be compared.
-pub(super) fn kept(
-    case: &GreyBoxCase,
-    specification: &FitSpecification,
-    store: &Store,
-) -> Result<Option<FitFigures>, CaseError> {
-    let Some(kept) = store.read_as::<FitFigures>(&case.name, &specification.name)? else {
-        return Ok(None);
-    };
-    let same = |path: &Path, hash: &str| {
-        let path = case.folder.join(path);
-        let absent = specification.made_by.is_some() && !path.is_file();
-        Ok::<bool, CaseError>(absent || table(&path)?.origin.sha256 == hash)
-    };
-    let mut belongs = same(&specification.simulated, &kept.simulated_table)?
-        && same(&specification.measured, &kept.measured_table)?;
-    let asked: Vec<_> = case.comparisons.iter().filter(|c| c.fit == specification.name).collect();
-    belongs &= asked.len() == kept.comparisons.len();
-    for (asked, found) in asked.iter().zip(&kept.comparisons) {
-        belongs = belongs
-            && asked.name == found.comparison
-            && same(&asked.simulated, &found.simulated_table)?
-            && same(&asked.measured, &found.measured_table)?;
+impl GreyBoxFits {
+    /// The kept figures of a fit if they belong to its tables, or if the tables are not there to be compared.
+    pub(super) fn kept(
+        &self,
+        head: &CaseHead,
+        specification: &FitSpecification,
+        store: &CaseStore,
+    ) -> Result<Option<FitFigures>, CaseError> {
+        let Some(kept) = store.read_as::<FitFigures>(&head.name, &specification.name)? else {
+            return Ok(None);
+        };
+        let same = |path: &Path, hash: &str| {
+            let path = head.folder.join(path);
+            let absent = specification.made_by.is_some() && !path.is_file();
+            Ok::<bool, CaseError>(absent || table(&path)?.origin.sha256 == hash)
+        };
+        let mut belongs = same(&specification.simulated, &kept.simulated_table)?
+            && same(&specification.measured, &kept.measured_table)?;
+        let asked: Vec<_> =
+            self.comparisons.iter().filter(|c| c.fit == specification.name).collect();
+        belongs &= asked.len() == kept.comparisons.len();
+        for (asked, found) in asked.iter().zip(&kept.comparisons) {
+            belongs = belongs
+                && asked.name == found.comparison
+                && same(&asked.simulated, &found.simulated_table)?
+                && same(&asked.measured, &found.measured_table)?;
+        }
+        Ok(belongs.then_some(kept))
     }
-    Ok(belongs.then_some(kept))
-}
 
-/// Kept figures, or those of a new fit; `None` if its tables are not in the repository and not there.
-pub(super) fn obtain(
-    case: &GreyBoxCase,
-    specification: &FitSpecification,
-    store: Option<&Store>,
-    progress: &Watch<'_>,
-) -> Result<Option<FitFigures>, CaseError> {
-    if let Some(store) = store
-        && let Some(kept) = kept(case, specification, store)?
-    {
-        return Ok(Some(kept));
+    /// Kept figures, or those of a new fit; `None` if its tables are not in the repository and not there.
+    pub(super) fn obtain(
+        &self,
+        head: &CaseHead,
+        specification: &FitSpecification,
+        store: Option<&CaseStore>,
+        progress: &ProgressWatch<'_>,
+    ) -> Result<Option<FitFigures>, CaseError> {
+        if let Some(store) = store
+            && let Some(kept) = self.kept(head, specification, store)?
+        {
+            return Ok(Some(kept));
+        }
+        let measured = head.folder.join(&specification.measured);
+        if specification.made_by.is_some() && !measured.is_file() {
+            return Ok(None);
+        }
+        let (simulated, measured) =
+            (table(&head.folder.join(&specification.simulated))?, table(&measured)?);
+        let mut options = FitOptions::default();
+        if let Some(methods) = &specification.regressors {
+            options.methods.clone_from(methods);
+        }
+        let tell = |fraction: f64, _: &str| {
+            progress(&CaseProgress { case: &head.name, run: &specification.name, fraction });
+        };
+        let found = fit(&simulated, &measured, &options, &tell)
+            .map_err(|error| CaseError::failed(&specification.name, error))?;
+        let model = GreyBox::of(&found);
+        let asked = self.comparisons.iter().filter(|c| c.fit == specification.name);
+        let comparisons = asked.map(|asked| compared(head, asked, &model, options.resamples));
+        let figures = FitFigures {
+            fit: specification.name.clone(),
+            version: found.version.to_owned(),
+            seed: options.seed,
+            simulated_table: simulated.origin.sha256,
+            measured_table: measured.origin.sha256,
+            rows: found.pairs.rows.len(),
+            conditions: found.pairs.conditions.len(),
+            forces: found.forces.iter().map(force_figures).collect(),
+            comparisons: comparisons.collect::<Result<_, _>>()?,
+        };
+        if let Some(store) = store {
+            store.write_as(&head.name, &specification.name, &figures)?;
+        }
+        Ok(Some(figures))
     }
-    let measured = case.folder.join(&specification.measured);
-    if specification.made_by.is_some() && !measured.is_file() {
-        return Ok(None);
-    }
-    let (simulated, measured) =
-        (table(&case.folder.join(&specification.simulated))?, table(&measured)?);
-    let mut options = FitOptions::default();
-    if let Some(methods) = &specification.regressors {
-        options.methods.clone_from(methods);
-    }
-    let failed = |reason: String| CaseError::RunFailed { run: specification.name.clone(), reason };
-    let tell = |fraction: f64, _: &str| {
-        progress(&Progress { case: &case.name, run: &specification.name, fraction });
-    };
-    let found =
-        fit(&simulated, &measured, &options, &tell).map_err(|error| failed(error.to_string()))?;
-    let model = GreyBox::of(&found);
-    let asked = case.comparisons.iter().filter(|c| c.fit == specification.name);
-    let comparisons = asked.map(|asked| compared(case, asked, &model, options.resamples));
-    let figures = FitFigures {
-        fit: specification.name.clone(),
-        version: found.version.to_owned(),
-        seed: options.seed,
-        simulated_table: simulated.origin.sha256,
-        measured_table: measured.origin.sha256,
-        rows: found.pairs.rows.len(),
-        conditions: found.pairs.conditions.len(),
-        forces: found.forces.iter().map(force_figures).collect(),
-        comparisons: comparisons.collect::<Result<_, _>>()?,
-    };
-    if let Some(store) = store {
-        store.write_as(&case.name, &specification.name, &figures)?;
-    }
-    Ok(Some(figures))
 }
 
 fn force_figures(force: &ForceFit) -> ForceFigures {
@@ -205,17 +210,15 @@ fn force_figures(force: &ForceFit) -> ForceFigures {
 }
 
 fn compared(
-    case: &GreyBoxCase,
+    head: &CaseHead,
     asked: &ComparisonSpecification,
     model: &GreyBox,
     resamples: usize,
 ) -> Result<ComparisonFigures, CaseError> {
-    let simulated = table(&case.folder.join(&asked.simulated))?;
-    let measured = table(&case.folder.join(&asked.measured))?;
-    let found: TableComparison =
-        compare(model, None, &simulated, &measured, resamples).map_err(|error| {
-            CaseError::RunFailed { run: asked.name.clone(), reason: error.to_string() }
-        })?;
+    let simulated = table(&head.folder.join(&asked.simulated))?;
+    let measured = table(&head.folder.join(&asked.measured))?;
+    let found: TableComparison = compare(model, None, &simulated, &measured, resamples)
+        .map_err(|error| CaseError::failed(&asked.name, error))?;
     let forces = found.forces.iter().map(|force| ForceCompared {
         force: force.force,
         method: force.method,
@@ -236,8 +239,7 @@ fn compared(
 }
 
 fn table(path: &Path) -> Result<ForceTable, CaseError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|error| CaseError::unreadable(path, &error))?;
+    let text = text_of(path)?;
     let rows = sphcut_input::read_force_table(&text)
         .map_err(|problem| CaseError::invalid(path, problem.to_string()))?;
     let rows = rows.into_iter().map(|row| ForceRow {

@@ -1,16 +1,15 @@
-//! From the figures of the fits to findings.
+//! From the figures of the fits to judgements.
 
-use super::{FitFigures, ForceCompared, ForceFigures, GreyBoxCase, GreyBoxExpectation};
-use crate::case::Metric;
+use super::{FitFigures, ForceCompared, ForceFigures, GreyBoxFits};
 use crate::error::CaseError;
-use crate::judge::number;
-use crate::verdict::Finding;
+use crate::expectation::{Expected, Measure};
+use crate::verdict::Judgement;
 use serde::Deserialize;
 
 /// What is judged of a fit or of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Measure {
+pub enum GreyBoxMeasure {
     /// Fit: 1 - MAE corrected / MAE simulated, conditions left out.
     MaeReduction,
     /// Fit: the same of the MSE.
@@ -27,27 +26,11 @@ pub enum Measure {
     BiasUpperEnd,
 }
 
-impl Measure {
+impl GreyBoxMeasure {
     /// Whether it is one of comparisons.
     #[must_use]
     pub fn is_of_comparison(self) -> bool {
         matches!(self, Self::MaeOverFit | Self::BiasUpperEnd)
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Self::MaeReduction => "MAE less by (share)",
-            Self::MseReduction => "MSE less by (share)",
-            Self::RelativeError => "mean relative error, corrected",
-            Self::MaeOverFloor => "MAE corrected over noise floor",
-            Self::IntervalRatio => "upper end of MAE corrected over lower end of MAE simulated",
-            Self::MaeOverFit => "MAE inside the hull over MAE of the fit",
-            Self::BiasUpperEnd => "upper end of measured minus corrected, inside the hull",
-        }
-    }
-
-    fn unit(self) -> &'static str {
-        if self == Self::BiasUpperEnd { "N" } else { "" }
     }
 
     fn of_fit(self, force: &ForceFigures) -> Option<f64> {
@@ -74,54 +57,49 @@ impl Measure {
     }
 }
 
-/// Judges every expectation of `case`.
-pub(super) fn judge(case: &GreyBoxCase, figures: &[FitFigures]) -> Result<Vec<Finding>, CaseError> {
-    case.expectations
-        .iter()
-        .map(|expectation| {
-            let value = value(expectation, figures).ok_or_else(|| CaseError::Unobservable {
-                observable: expectation.measure.words().to_owned(),
-                reason: format!("`{}` has no figure for it", expectation.of),
-            })?;
-            Ok(finding(expectation, value))
-        })
-        .collect()
+impl Measure for GreyBoxMeasure {
+    const KEYS: &'static [&'static str] = &["of", "force"];
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::MaeReduction => "MAE less by (share)",
+            Self::MseReduction => "MSE less by (share)",
+            Self::RelativeError => "mean relative error, corrected",
+            Self::MaeOverFloor => "MAE corrected over noise floor",
+            Self::IntervalRatio => "upper end of MAE corrected over lower end of MAE simulated",
+            Self::MaeOverFit => "MAE inside the hull over MAE of the fit",
+            Self::BiasUpperEnd => "upper end of measured minus corrected, inside the hull",
+        }
+    }
+
+    fn unit(self) -> &'static str {
+        if self == Self::BiasUpperEnd { "N" } else { "" }
+    }
 }
 
-fn value(expectation: &GreyBoxExpectation, figures: &[FitFigures]) -> Option<f64> {
-    let force = |forces: &[ForceFigures]| {
-        forces.iter().find(|found| found.force == expectation.force).cloned()
-    };
-    if let Some(fit) = figures.iter().find(|found| found.fit == expectation.of) {
-        return expectation.measure.of_fit(&force(&fit.forces)?);
+impl GreyBoxFits {
+    /// Judges every expectation.
+    pub(super) fn judge(&self, figures: &[FitFigures]) -> Result<Vec<Judgement>, CaseError> {
+        let judged = self.expectations.iter().map(|expectation| {
+            let of = expectation.of();
+            let force = expectation.force.map_or("", |force| force.symbol());
+            let about = format!("{force}: {}", expectation.measure.words());
+            let missing = format!("`{of}` has no figure for it");
+            expectation.judge(of, &about, value(expectation, figures), &missing)
+        });
+        judged.collect()
+    }
+}
+
+fn value(expectation: &Expected<GreyBoxMeasure>, figures: &[FitFigures]) -> Option<f64> {
+    let (of, force) = (expectation.of(), expectation.force?);
+    let own = |forces: &'_ [ForceFigures]| forces.iter().position(|found| found.force == force);
+    if let Some(fit) = figures.iter().find(|found| found.fit == of) {
+        return expectation.measure.of_fit(&fit.forces[own(&fit.forces)?]);
     }
     figures.iter().find_map(|fit| {
-        let found = fit.comparisons.iter().find(|found| found.comparison == expectation.of)?;
-        let compared = found.forces.iter().find(|found| found.force == expectation.force)?;
-        expectation.measure.of_comparison(compared, &force(&fit.forces)?)
+        let found = fit.comparisons.iter().find(|found| found.comparison == of)?;
+        let compared = found.forces.iter().find(|found| found.force == force)?;
+        expectation.measure.of_comparison(compared, &fit.forces[own(&fit.forces)?])
     })
-}
-
-fn finding(expectation: &GreyBoxExpectation, value: f64) -> Finding {
-    // Reading a case refuses expectations with no limit or with two.
-    let (metric, limit, holds) = match (expectation.at_least, expectation.at_most) {
-        (Some(limit), _) => (Metric::AtLeast, limit, value >= limit),
-        (None, limit) => {
-            let limit = limit.unwrap_or(f64::NAN);
-            (Metric::AtMost, limit, value <= limit)
-        }
-    };
-    Finding {
-        run: expectation.of.clone(),
-        observable: format!("{}: {}", expectation.force.symbol(), expectation.measure.words()),
-        unit: expectation.measure.unit().to_owned(),
-        metric,
-        values: vec![value],
-        reference: number(limit),
-        result: value,
-        tolerance: 0.0,
-        holds,
-        known_gap: expectation.known_gap.clone(),
-        because: expectation.because.clone(),
-    }
 }

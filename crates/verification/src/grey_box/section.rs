@@ -1,8 +1,9 @@
 //! The tables of a grey-box case in the ledger: errors before and after, beyond the plan, and against other
 //! measurements.
 
-use super::{FitFigures, ForceFigures, GreyBoxCase};
-use crate::judge::number;
+use super::{FitFigures, ForceFigures, GreyBoxFits};
+use crate::head::CaseHead;
+use crate::metric::number;
 use sphcut_greybox::{BootstrapEstimate, ForceKind, Scores};
 use std::fmt::Write;
 
@@ -27,46 +28,49 @@ const PUBLISHED: [Published; 2] = [
     Published { force: ForceKind::Feed, simulated: [149.65, 30_748.0], corrected: [7.60, 104.65] },
 ];
 
-/// All tables as Markdown.
-pub(super) fn tables(case: &GreyBoxCase, figures: &[FitFigures]) -> String {
-    let mut text = String::new();
-    interpolation(&mut text, case, figures);
-    extrapolation(&mut text, case, figures);
-    comparisons(&mut text, case, figures);
-    text.push_str("\nTables and commands:\n\n");
-    let folder = format!("validation/{}", case.name);
-    for fit in &case.fits {
-        let (simulated, measured) = (fit.simulated.display(), fit.measured.display());
-        let command = match &fit.made_by {
-            Some(how) => format!("`{how}`, then `sphcut greybox fit` with its tables"),
-            None => format!(
-                "`sphcut greybox fit --simulated {folder}/{simulated} --measured {folder}/{measured} --out DIR`"
-            ),
-        };
-        let _ = writeln!(text, "- {}: {}; {command}", fit.name, fit.title);
+impl GreyBoxFits {
+    /// Tables of errors before and after, beyond the plan and of the comparisons, as Markdown.
+    #[must_use]
+    pub fn tables(&self, head: &CaseHead, figures: &[FitFigures]) -> String {
+        let mut text = String::new();
+        interpolation(&mut text, self, figures);
+        extrapolation(&mut text, self, figures);
+        comparisons(&mut text, self, figures);
+        text.push_str("\nTables and commands:\n\n");
+        let folder = format!("validation/{}", head.name);
+        for fit in &self.fits {
+            let (simulated, measured) = (fit.simulated.display(), fit.measured.display());
+            let command = match &fit.made_by {
+                Some(how) => format!("`{how}`, then `sphcut greybox fit` with its tables"),
+                None => format!(
+                    "`sphcut greybox fit --simulated {folder}/{simulated} --measured {folder}/{measured} --out DIR`"
+                ),
+            };
+            let _ = writeln!(text, "- {}: {}; {command}", fit.name, fit.title);
+        }
+        for other in &self.comparisons {
+            let (simulated, measured) = (other.simulated.display(), other.measured.display());
+            let _ = writeln!(
+                text,
+                "- {}: {}; `sphcut greybox compare --model DIR --simulated {folder}/{simulated} --measured \
+                 {folder}/{measured} --out OTHER`, DIR that of the fit \"{}\"",
+                other.name, other.title, other.fit
+            );
+        }
+        text
     }
-    for other in &case.comparisons {
-        let (simulated, measured) = (other.simulated.display(), other.measured.display());
-        let _ = writeln!(
-            text,
-            "- {}: {}; `sphcut greybox compare --model DIR --simulated {folder}/{simulated} --measured \
-             {folder}/{measured} --out OTHER`, DIR that of the fit \"{}\"",
-            other.name, other.title, other.fit
-        );
-    }
-    text
 }
 
 /// The forces of all fits, each with the name of its fit.
 fn forces<'a>(
-    case: &'a GreyBoxCase,
+    case: &'a GreyBoxFits,
     figures: &'a [FitFigures],
 ) -> impl Iterator<Item = (&'a FitFigures, &'a ForceFigures)> {
     let in_order = case.fits.iter().filter_map(|fit| figures.iter().find(|f| f.fit == fit.name));
     in_order.flat_map(|fit| fit.forces.iter().map(move |force| (fit, force)))
 }
 
-fn interpolation(text: &mut String, case: &GreyBoxCase, figures: &[FitFigures]) {
+fn interpolation(text: &mut String, case: &GreyBoxFits, figures: &[FitFigures]) {
     text.push_str(
         "\n**Interpolation:** errors of conditions left out (nested ten-fold, the choice of the regressor included), 95 % \
          intervals in brackets; floor: the error that the scatter of repeats leaves to a perfect model, below it is \
@@ -115,7 +119,7 @@ fn interpolation(text: &mut String, case: &GreyBoxCase, figures: &[FitFigures]) 
     }
 }
 
-fn extrapolation(text: &mut String, case: &GreyBoxCase, figures: &[FitFigures]) {
+fn extrapolation(text: &mut String, case: &GreyBoxFits, figures: &[FitFigures]) {
     text.push_str(
         "\n**Beyond the plan:** errors of the regressor to use where all conditions of one speed or one thickness were left out. \
          At the lowest and the highest level that is extrapolation.\n\n\
@@ -152,7 +156,7 @@ fn extrapolation(text: &mut String, case: &GreyBoxCase, figures: &[FitFigures]) 
     }
 }
 
-fn comparisons(text: &mut String, case: &GreyBoxCase, figures: &[FitFigures]) {
+fn comparisons(text: &mut String, case: &GreyBoxFits, figures: &[FitFigures]) {
     if case.comparisons.is_empty() {
         return;
     }

@@ -1,5 +1,7 @@
-use super::*;
+use crate::{Case, CaseBody, CaseOptions, CaseOutcome, CaseStore};
 use std::fmt::Write;
+use std::fs;
+use std::path::PathBuf;
 use std::sync::Mutex;
 
 const CASE: &str = r#"
@@ -52,7 +54,7 @@ fn folder(name: &str, case: &str) -> PathBuf {
         line(&mut measured, [force + error, force / 2.0 + error]);
         line(&mut later, [force + error - 10.0, force / 2.0 + error - 10.0]);
     }
-    fs::write(folder.join(FILE), case).unwrap();
+    fs::write(folder.join("grey_box.toml"), case).unwrap();
     for (name, text) in [("simulated", simulated), ("measured", measured), ("later", later)] {
         fs::write(folder.join(format!("{name}.csv")), text).unwrap();
     }
@@ -62,20 +64,21 @@ fn folder(name: &str, case: &str) -> PathBuf {
 #[test]
 fn a_case_is_run_kept_judged_and_shown() {
     let folder = folder("grey_box_case", CASE);
-    let case = GreyBoxCase::read(&folder).unwrap();
-    let store = Store::new(&std::env::temp_dir());
-    assert_eq!(case.stored(&store).unwrap(), []);
-    assert_eq!(case.judge_stored(&[]), None);
-    let options = RunOptions { store: Some(store.clone()), ..RunOptions::default() };
+    let case = Case::read(&folder).unwrap();
+    let store = CaseStore::new(&std::env::temp_dir());
+    let CaseBody::GreyBox(fits) = &case.body else { panic!("a case of the grey box") };
+    let stored = || fits.stored(&case.head, &store).unwrap();
+    assert_eq!(stored(), []);
+    assert_eq!(case.judge_stored(&store), Ok(None));
+    let options = CaseOptions { store: Some(store.clone()), ..CaseOptions::default() };
     let told = Mutex::new(0);
     let verdict = case.run(&options, &|_| *told.lock().unwrap() += 1);
-    assert_eq!(verdict.outcome, Outcome::Passed, "{:?}", verdict.findings);
+    assert_eq!(verdict.outcome, CaseOutcome::Passed, "{:?}", verdict.judgements);
     assert!(*told.lock().unwrap() > 0);
-    let bias = verdict.findings[1].values[0];
+    let bias = verdict.judgements[1].values[0];
     assert!((bias + 10.0).abs() < 1e-3, "{bias}");
-    let figures = case.stored(&store).unwrap();
-    assert_eq!(case.judge_stored(&figures), Some(verdict));
-    let shown = case.tables(&figures);
+    assert_eq!(case.judge_stored(&store), Ok(Some(verdict)));
+    let shown = case.shown_beside(None, &store).unwrap();
     assert!(shown.contains("| plan, 25 rows, 25 conditions | F_c |"), "{shown}");
     assert!(shown.contains("| plan | later | F_f | 25, 25 |"), "{shown}");
     // Kept figures belong to their tables.
@@ -84,7 +87,7 @@ fn a_case_is_run_kept_judged_and_shown() {
     assert_eq!(*again.lock().unwrap(), 0);
     let measured = fs::read_to_string(folder.join("measured.csv")).unwrap();
     fs::write(folder.join("measured.csv"), measured.replacen("100,", "101,", 1)).unwrap();
-    assert_eq!(case.stored(&store).unwrap(), []);
+    assert_eq!(stored(), []);
     fs::remove_dir_all(folder).unwrap();
 }
 
@@ -93,7 +96,7 @@ fn what_makes_no_sense_is_refused() {
     for (from, to, expected) in [
         ("fit = \"plan\"", "fit = \"none\"", "comparison `later`: no fit `none`"),
         ("of = \"plan\"", "of = \"none\"", "no fit or comparison has this name"),
-        ("at_most = -9.99", "", "one of `at_least` and `at_most` is needed"),
+        ("at_most = -9.99", "", "`at_least` or `at_most` is needed"),
         ("measure = \"mae_reduction\"", "measure = \"mae_over_fit\"", "not one of a fit"),
         ("name = \"later\"", "name = \"plan\"", "a name of its own"),
         ("regressors = [\"linear\"]", "made_by = \"hand\"", "shown, not judged"),
@@ -102,7 +105,7 @@ fn what_makes_no_sense_is_refused() {
     ] {
         assert!(CASE.contains(from), "{from}");
         let folder = folder("grey_box_wrong", &CASE.replacen(from, to, 1));
-        let message = GreyBoxCase::read(&folder).unwrap_err().to_string();
+        let message = Case::read(&folder).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}\nnot: {expected}");
         fs::remove_dir_all(folder).unwrap();
     }
@@ -112,8 +115,8 @@ fn what_makes_no_sense_is_refused() {
 fn tables_that_are_not_there_leave_the_kept_figures_standing() {
     let absent = CASE.replacen("regressors = [\"linear\"]", "regressors = [\"linear\"]\n[[fit]]\nname = \"more\"\ntitle = \"elsewhere\"\nmeasured = \"none.csv\"\nmade_by = \"hand\"", 1);
     let folder = folder("grey_box_absent", &absent);
-    let case = GreyBoxCase::read(&folder).unwrap();
-    let verdict = case.run(&RunOptions::default(), &|_| ());
-    assert_eq!(verdict.outcome, Outcome::Passed, "{verdict:?}");
+    let case = Case::read(&folder).unwrap();
+    let verdict = case.run(&CaseOptions::default(), &|_| ());
+    assert_eq!(verdict.outcome, CaseOutcome::Passed, "{verdict:?}");
     fs::remove_dir_all(folder).unwrap();
 }

@@ -24,7 +24,7 @@ pub struct Observable {
     /// What can be set.
     pub arguments: &'static [Argument],
     /// Computes it, or says what is missing.
-    pub evaluate: fn(&Evidence, &Arguments) -> Result<f64, String>,
+    pub evaluate: fn(&Evidence, &ObservableArguments) -> Result<f64, String>,
 }
 
 impl PartialEq for Observable {
@@ -145,12 +145,12 @@ pub fn find(name: &str) -> Option<&'static Observable> {
 
 /// Checked arguments of an observable.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Arguments {
+pub struct ObservableArguments {
     given: BTreeMap<&'static str, f64>,
     all: BTreeMap<&'static str, f64>,
 }
 
-impl Arguments {
+impl ObservableArguments {
     /// Resolves `given` against the table of `observable`.
     ///
     /// # Errors
@@ -218,11 +218,15 @@ mod tests {
     #[test]
     fn arguments_are_checked() {
         let one = BTreeMap::from([("axis".to_owned(), 1.0)]);
-        let arguments = Arguments::resolve(&solid::body_extent::BODY_LENGTH, &one).unwrap();
+        let arguments =
+            ObservableArguments::resolve(&solid::body_extent::BODY_LENGTH, &one).unwrap();
         assert_eq!(arguments.index("axis"), 1);
         assert_eq!(arguments.label(&solid::body_extent::BODY_LENGTH), "body_length (axis = 1)");
         let wrong = BTreeMap::from([("axes".to_owned(), 1.0)]);
-        assert!(Arguments::resolve(&solid::body_extent::BODY_LENGTH, &wrong).is_err());
-        assert!(Arguments::resolve(&solid::body_extent::BODY_LENGTH, &BTreeMap::new()).is_err());
+        assert!(ObservableArguments::resolve(&solid::body_extent::BODY_LENGTH, &wrong).is_err());
+        assert!(
+            ObservableArguments::resolve(&solid::body_extent::BODY_LENGTH, &BTreeMap::new())
+                .is_err()
+        );
     }
 }

@@ -1,11 +1,10 @@
-//! From the forces of a sweep to findings.
+//! From the forces of a sweep to judgements.
 
-use crate::case::Metric;
 use crate::error::CaseError;
-use crate::judge::number;
-use crate::verdict::Finding;
+use crate::expectation::{Expected, Measure};
+use crate::metric::number;
+use crate::verdict::Judgement;
 use serde::Deserialize;
-use sphcut_greybox::ForceKind;
 use sphcut_sweep::{Estimate, ForcePoint, line_over_thickness, power_law};
 
 /// What is judged of the forces.
@@ -36,30 +35,6 @@ pub enum SweepMeasure {
     MeanAbsoluteError,
 }
 
-/// What is expected of a sweep.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SweepExpectation {
-    /// F_c or F_f.
-    pub force: ForceKind,
-    /// What is judged.
-    pub measure: SweepMeasure,
-    /// In m/min, for a line over h.
-    pub cutting_speed: Option<f64>,
-    /// A value of others.
-    pub reference: Option<f64>,
-    /// How far from the reference, as a share of it.
-    pub tolerance: Option<f64>,
-    /// The least value that holds.
-    pub at_least: Option<f64>,
-    /// The largest value that holds.
-    pub at_most: Option<f64>,
-    /// Why this limit.
-    pub because: String,
-    /// Why it is known not to hold yet.
-    pub known_gap: Option<String>,
-}
-
 impl SweepMeasure {
     fn needs_measured(self) -> bool {
         matches!(
@@ -73,26 +48,6 @@ impl SweepMeasure {
 
     fn needs_speed(self) -> bool {
         matches!(self, Self::SlopeOverThickness | Self::SlopeHalfWidth | Self::DepartureFromLine)
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Self::SlopeOverThickness => "change per mm of h",
-            Self::SlopeHalfWidth => "half width of the change per mm of h, relative",
-            Self::DepartureFromLine => "largest departure from a line over h, of the mean",
-            Self::ExponentOfSpeed => "exponent of v_c",
-            Self::ExponentOfSpeedLower => "lower end of the exponent of v_c",
-            Self::ExponentOfSpeedUpper => "upper end of the exponent of v_c",
-            Self::ExponentOfThickness => "exponent of h",
-            Self::ExponentOfSpeedAgainstMeasured => "exponent of v_c, simulated minus measured",
-            Self::ExponentOfThicknessAgainstMeasured => "exponent of h, simulated minus measured",
-            Self::MeanRatio => "simulated over measured, minus 1, mean",
-            Self::MeanAbsoluteError => "mean absolute error over mean measured",
-        }
-    }
-
-    fn unit(self) -> &'static str {
-        if self == Self::SlopeOverThickness { "N/mm" } else { "" }
     }
 
     fn of(
@@ -159,67 +114,53 @@ fn mean(pairs: &[(f64, f64)], of: impl Fn((f64, f64)) -> f64) -> Option<f64> {
     (!pairs.is_empty()).then(|| sum / pairs.len() as f64)
 }
 
-impl SweepExpectation {
-    pub(super) fn check(&self, has_measured: bool) -> Result<(), String> {
-        let wrong = |reason: &str| Err(format!("`{}`: {reason}", self.measure.words()));
-        let limits = [self.reference, self.at_least, self.at_most];
-        if limits.iter().flatten().count() != 1
-            || self.reference.is_some() != self.tolerance.is_some()
-        {
-            return wrong(
-                "one of `at_least`, `at_most` and `reference` with `tolerance` is needed",
-            );
+impl Measure for SweepMeasure {
+    const KEYS: &'static [&'static str] = &["force", "cutting_speed"];
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::SlopeOverThickness => "change per mm of h",
+            Self::SlopeHalfWidth => "half width of the change per mm of h, relative",
+            Self::DepartureFromLine => "largest departure from a line over h, of the mean",
+            Self::ExponentOfSpeed => "exponent of v_c",
+            Self::ExponentOfSpeedLower => "lower end of the exponent of v_c",
+            Self::ExponentOfSpeedUpper => "upper end of the exponent of v_c",
+            Self::ExponentOfThickness => "exponent of h",
+            Self::ExponentOfSpeedAgainstMeasured => "exponent of v_c, simulated minus measured",
+            Self::ExponentOfThicknessAgainstMeasured => "exponent of h, simulated minus measured",
+            Self::MeanRatio => "simulated over measured, minus 1, mean",
+            Self::MeanAbsoluteError => "mean absolute error over mean measured",
         }
-        if self.measure.needs_speed() != self.cutting_speed.is_some() {
-            return wrong("`cutting_speed` belongs to lines over h, and they need it");
-        }
-        if self.measure.needs_measured() && !has_measured {
-            return wrong("there are no measured forces");
-        }
-        if self.because.trim().is_empty() { wrong("`because` is empty") } else { Ok(()) }
     }
 
-    pub(super) fn judge(
+    fn unit(self) -> &'static str {
+        if self == Self::SlopeOverThickness { "N/mm" } else { "" }
+    }
+}
+
+impl Expected<SweepMeasure> {
+    pub(super) fn check_trend(&self, has_measured: bool) -> Result<(), String> {
+        self.check()?;
+        if self.measure.needs_speed() != self.cutting_speed.is_some() {
+            return Err(self.wrong("`cutting_speed` belongs to lines over h, and they need it"));
+        }
+        if self.measure.needs_measured() && !has_measured {
+            return Err(self.wrong("there are no measured forces"));
+        }
+        Ok(())
+    }
+
+    pub(super) fn judge_trend(
         &self,
         simulated: &[Vec<ForcePoint>; 2],
         measured: &[Vec<ForcePoint>; 2],
-    ) -> Result<Finding, CaseError> {
-        let index = usize::from(self.force == ForceKind::Feed);
+    ) -> Result<Judgement, CaseError> {
+        let index = self.force_index();
         let value = self.measure.of(self.cutting_speed, &simulated[index], &measured[index]);
-        let value =
-            value.filter(|value| value.is_finite()).ok_or_else(|| CaseError::Unobservable {
-                observable: self.measure.words().to_owned(),
-                reason: "the table has too few conditions for it".to_owned(),
-            })?;
-        // Checked when the case was read: one of the three.
-        let (metric, limit, result, holds) = match (self.at_least, self.at_most, self.reference) {
-            (Some(limit), ..) => (Metric::AtLeast, limit, value, value >= limit),
-            (_, Some(limit), _) => (Metric::AtMost, limit, value, value <= limit),
-            (.., reference) => {
-                let reference = reference.unwrap_or(f64::NAN);
-                let error = value / reference - 1.0;
-                let holds = error.abs() <= self.tolerance.unwrap_or(0.0);
-                (Metric::RelativeError, reference, error, holds)
-            }
-        };
         let at = self.cutting_speed.map(|speed| format!(" at {} m/min", number(speed)));
-        Ok(Finding {
-            run: "all".to_owned(),
-            observable: format!(
-                "{}: {}{}",
-                self.force.symbol(),
-                self.measure.words(),
-                at.unwrap_or_default()
-            ),
-            unit: self.measure.unit().to_owned(),
-            metric,
-            values: vec![value],
-            reference: number(limit),
-            result,
-            tolerance: self.tolerance.unwrap_or(0.0),
-            holds,
-            known_gap: self.known_gap.clone(),
-            because: self.because.clone(),
-        })
+        let force = self.force.map_or("", |force| force.symbol());
+        let about = format!("{force}: {}{}", self.measure.words(), at.unwrap_or_default());
+        let value = value.filter(|value| value.is_finite());
+        self.judge("all", &about, value, "the table has too few conditions for it")
     }
 }

@@ -6,35 +6,23 @@
 
 mod judge;
 
-pub use judge::{SweepExpectation, SweepMeasure};
+pub use judge::SweepMeasure;
 
-use crate::case::{Kind, Tier};
 use crate::error::CaseError;
-use crate::table::Table;
-use crate::verdict::{Outcome, Verdict};
+use crate::expectation::Expected;
+use crate::head::{CaseHead, CaseKind, Tier, toml_of};
+use crate::table::ReferenceTable;
+use crate::verdict::Judgement;
 use serde::Deserialize;
 use sphcut_sweep::ForcePoint;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Name of the file in the folder of a case.
-const FILE: &str = "trends.toml";
 /// The condensed table of the sweep.
 const SIMULATED: &str = "simulated.csv";
 
-/// A case of a sweep, read and checked.
+/// The forces of a sweep and what is expected of them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SweepCase {
-    /// Name of the folder.
-    pub name: String,
-    /// The folder.
-    pub folder: PathBuf,
-    /// Title.
-    pub title: String,
-    /// Kind of evidence.
-    pub kind: Kind,
-    /// What it claims.
-    pub claim: String,
+pub struct SweepTrends {
     /// The command that makes the table.
     pub command: String,
     /// What it took, on which machine.
@@ -42,7 +30,7 @@ pub struct SweepCase {
     /// Version of the solver's results in the table.
     pub results_version: u32,
     /// Its expectations.
-    pub expectations: Vec<SweepExpectation>,
+    pub expectations: Vec<Expected<SweepMeasure>>,
     simulated: [Vec<ForcePoint>; 2],
     measured: [Vec<ForcePoint>; 2],
 }
@@ -51,103 +39,43 @@ pub struct SweepCase {
 #[serde(deny_unknown_fields)]
 struct RawCase {
     title: String,
-    kind: Kind,
+    kind: CaseKind,
     claim: String,
     command: String,
     took: String,
     results_version: u32,
     measured: Option<PathBuf>,
-    expect: Vec<SweepExpectation>,
+    expect: Vec<Expected<SweepMeasure>>,
 }
 
-/// All cases of sweeps below `root`, by name.
-///
-/// # Errors
-/// A folder that cannot be read, the first case that is not well formed.
-pub fn sweep_cases(root: &Path) -> Result<Vec<SweepCase>, CaseError> {
-    let entries = fs::read_dir(root).map_err(|error| CaseError::unreadable(root, &error))?;
-    let mut folders = Vec::new();
-    for entry in entries {
-        let path = entry.map_err(|error| CaseError::unreadable(root, &error))?.path();
-        if path.join(FILE).is_file() {
-            folders.push(path);
-        }
-    }
-    folders.sort();
-    folders.iter().map(|folder| SweepCase::read(folder)).collect()
-}
-
-impl SweepCase {
-    /// How long judging it takes: the runs are not repeated.
-    pub const TIER: Tier = Tier::Quick;
-
-    /// Reads and checks one folder.
-    ///
-    /// # Errors
-    /// A missing or malformed file; a table without forces; an expectation without a limit or about measured forces where there are none.
-    pub fn read(folder: &Path) -> Result<Self, CaseError> {
-        let path = folder.join(FILE);
-        let text =
-            fs::read_to_string(&path).map_err(|error| CaseError::unreadable(&path, &error))?;
-        let raw: RawCase =
-            toml::from_str(&text).map_err(|error| CaseError::invalid(&path, error.to_string()))?;
-        let simulated = forces(&folder.join(SIMULATED))?;
+impl SweepTrends {
+    /// Reads and checks `trends.toml`. Judging takes no time: the runs are not repeated.
+    pub(crate) fn read(path: &Path) -> Result<(CaseHead, Self), CaseError> {
+        let raw: RawCase = toml_of(path)?;
+        let head = CaseHead::new(path, raw.title, raw.kind, Tier::Quick, raw.claim);
         let measured = match &raw.measured {
-            Some(file) => forces(&folder.join(file))?,
-            None => [Vec::new(), Vec::new()],
+            Some(file) => forces(&head.folder.join(file))?,
+            None => Default::default(),
         };
         let case = Self {
-            name: folder
-                .file_name()
-                .map(|name| name.to_string_lossy().into_owned())
-                .unwrap_or_default(),
-            folder: folder.to_owned(),
-            title: raw.title,
-            kind: raw.kind,
-            claim: raw.claim,
             command: raw.command,
             took: raw.took,
             results_version: raw.results_version,
             expectations: raw.expect,
-            simulated,
+            simulated: forces(&head.folder.join(SIMULATED))?,
             measured,
         };
         case.expectations
             .iter()
-            .try_for_each(|expectation| expectation.check(raw.measured.is_some()))
-            .map_err(|reason| CaseError::invalid(&path, reason))?;
-        Ok(case)
+            .try_for_each(|expectation| expectation.check_trend(raw.measured.is_some()))
+            .map_err(|reason| CaseError::invalid(path, reason))?;
+        Ok((head, case))
     }
 
     /// Judges the table.
-    #[must_use]
-    pub fn judge(&self) -> Verdict {
-        let findings: Result<Vec<_>, _> = self
-            .expectations
-            .iter()
-            .map(|expectation| expectation.judge(&self.simulated, &self.measured))
-            .collect();
-        let (findings, outcome) = match findings {
-            Ok(findings) => {
-                let outcome = Verdict::outcome_of(&findings);
-                (findings, outcome)
-            }
-            Err(error) => (Vec::new(), Outcome::Broken { reason: error.to_string() }),
-        };
-        Verdict {
-            case: self.name.clone(),
-            title: self.title.clone(),
-            kind: self.kind,
-            tier: Self::TIER,
-            claim: self.claim.clone(),
-            findings,
-            earlier: if self.results_version == sphcut_sph::RESULTS_VERSION {
-                Vec::new()
-            } else {
-                vec!["the table".to_owned()]
-            },
-            outcome,
-        }
+    pub(crate) fn judge(&self) -> Result<Vec<Judgement>, CaseError> {
+        let judge = |one: &Expected<SweepMeasure>| one.judge_trend(&self.simulated, &self.measured);
+        self.expectations.iter().map(judge).collect()
     }
 
     /// How the table came about, as Markdown.
@@ -165,7 +93,7 @@ impl SweepCase {
 
 /// F_c and F_f in N over v_c in m/s and h in m, of a table with `v_c [m/min],h [mm],F_c [N],F_f [N]` among its columns.
 fn forces(path: &Path) -> Result<[Vec<ForcePoint>; 2], CaseError> {
-    let table = Table::read(path)?;
+    let table = ReferenceTable::read(path)?;
     let column =
         |name: &str| table.numbers(name).map_err(|reason| CaseError::invalid(path, reason));
     let (speeds, thicknesses) = (column("v_c [m/min]")?, column("h [mm]")?);

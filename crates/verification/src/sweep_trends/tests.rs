@@ -1,4 +1,7 @@
-use super::*;
+use super::SIMULATED;
+use crate::{Case, CaseOptions, CaseOutcome, CaseVerdict};
+use std::fs;
+use std::path::PathBuf;
 
 const CASE: &str = r#"
 title = "A sweep"
@@ -44,32 +47,36 @@ fn folder(name: &str, case: &str) -> PathBuf {
     };
     fs::write(folder.join(SIMULATED), table(1.0)).unwrap();
     fs::write(folder.join("measured.csv"), table(1.0 / 1.1)).unwrap();
-    fs::write(folder.join(FILE), case).unwrap();
+    fs::write(folder.join("trends.toml"), case).unwrap();
     folder
+}
+
+fn judged(case: &Case) -> CaseVerdict {
+    case.run(&CaseOptions::default(), &|_| ())
 }
 
 #[test]
 fn trends_are_judged() {
-    let case = SweepCase::read(&folder("judged", CASE)).unwrap();
-    let verdict = case.judge();
-    assert_eq!(verdict.outcome, Outcome::KnownGap, "{verdict:#?}");
-    assert!((verdict.findings[0].values[0] - 2000.0).abs() < 1e-6);
-    assert!((verdict.findings[1].values[0] + 0.2).abs() < 1e-6);
-    assert!((verdict.findings[2].values[0] - 0.1).abs() < 1e-9);
-    assert_eq!(verdict.findings[0].observable, "F_c: change per mm of h at 150 m/min");
-    let closed = SweepCase::read(&folder("closed", &CASE.replace("0.05", "0.2"))).unwrap();
-    assert_eq!(closed.judge().outcome, Outcome::Failed, "a gap that is closed");
-    let steep = SweepCase::read(&folder("steep", &CASE.replace("2000.0", "2100.0"))).unwrap();
-    assert_eq!(steep.judge().outcome, Outcome::Failed);
+    let case = Case::read(&folder("judged", CASE)).unwrap();
+    let verdict = judged(&case);
+    assert_eq!(verdict.outcome, CaseOutcome::KnownGap, "{verdict:#?}");
+    assert!((verdict.judgements[0].values[0] - 2000.0).abs() < 1e-6);
+    assert!((verdict.judgements[1].values[0] + 0.2).abs() < 1e-6);
+    assert!((verdict.judgements[2].values[0] - 0.1).abs() < 1e-9);
+    assert_eq!(verdict.judgements[0].observable, "F_c: change per mm of h at 150 m/min");
+    let closed = Case::read(&folder("closed", &CASE.replace("0.05", "0.2"))).unwrap();
+    assert_eq!(judged(&closed).outcome, CaseOutcome::Failed, "a gap that is closed");
+    let steep = Case::read(&folder("steep", &CASE.replace("2000.0", "2100.0"))).unwrap();
+    assert_eq!(judged(&steep).outcome, CaseOutcome::Failed);
 }
 
 #[test]
 fn cases_that_make_no_sense_are_refused() {
     let refused = |name: &str, from: &str, to: &str, expected: &str| {
-        let error = SweepCase::read(&folder(name, &CASE.replace(from, to))).unwrap_err();
+        let error = Case::read(&folder(name, &CASE.replace(from, to))).unwrap_err();
         assert!(error.to_string().contains(expected), "{error}");
     };
-    refused("no_limit", "at_most = -0.19\n", "", "one of `at_least`");
+    refused("no_limit", "at_most = -0.19\n", "", "`at_least` or `at_most` is needed");
     refused("no_tolerance", "tolerance = 0.01\n", "", "`reference` with `tolerance`");
     refused("no_speed", "cutting_speed = 150.0\n", "", "they need it");
     refused("no_measured", "measured = \"measured.csv\"\n", "", "no measured forces");

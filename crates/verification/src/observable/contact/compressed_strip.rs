@@ -3,7 +3,7 @@
 
 use super::rough_plates;
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 use sphcut_sph::ChannelId;
 use sphcut_sph::setup::Shape;
 
@@ -41,7 +41,10 @@ pub(crate) const SLIDING_PLATES_RATIO: Observable = Observable {
     evaluate: sliding_plates_ratio,
 };
 
-fn sliding_plates_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn sliding_plates_ratio(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+) -> Result<f64, String> {
     let tool = evidence.setup.tool.as_ref().ok_or("there is no wall")?;
     let coefficient = tool.friction_values.get("friction_coefficient");
     let (width, height) = quarter(evidence)?;
@@ -67,7 +70,7 @@ fn quarter(evidence: &Evidence) -> Result<(f64, f64), String> {
 /// Sum of the forces over that of the limits `pressure(w/h)` in 2k.
 fn force_ratio(
     evidence: &Evidence,
-    arguments: &Arguments,
+    arguments: &ObservableArguments,
     pressure: impl Fn(f64) -> f64,
 ) -> Result<f64, String> {
     let tool = evidence.setup.tool.as_ref().ok_or("there is no wall")?;

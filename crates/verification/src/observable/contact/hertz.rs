@@ -5,7 +5,7 @@
 //! contact; s runs along the feed direction.
 
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Vector;
 use std::f64::consts::PI;
@@ -77,7 +77,7 @@ struct Touching {
 
 fn mean(
     evidence: &Evidence,
-    arguments: &Arguments,
+    arguments: &ObservableArguments,
     ratio: impl Fn(&Contact) -> f64,
 ) -> Result<f64, String> {
     let start = (1.0 - arguments.get("share")) * evidence.last()?.time;

@@ -1,7 +1,7 @@
 //! A flat punch in a rigid-plastic half plane.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use sphcut_sph::ChannelId;
 use std::f64::consts::PI;
 
@@ -20,7 +20,7 @@ pub(crate) const PRANDTL_RATIO: Observable = Observable {
     evaluate: prandtl_ratio,
 };
 
-fn prandtl_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn prandtl_ratio(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let window = arguments.get("from")..=arguments.get("to");
     let forces: Vec<f64> = evidence
         .samples

@@ -17,7 +17,7 @@
 
 use super::pressed_cylinder::{Phases, Recovery, compliance, logarithm_of_cells, mean, touched};
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 use sphcut_sph::Snapshot;
 use std::f64::consts::PI;
 
@@ -94,7 +94,7 @@ pub(crate) const DENT_REVERSE_FLOW: Observable = Observable {
     },
 };
 
-fn dent(evidence: &Evidence, arguments: &Arguments) -> Result<Recovery, String> {
+fn dent(evidence: &Evidence, arguments: &ObservableArguments) -> Result<Recovery, String> {
     let surface = Surface::of(evidence, arguments)?;
     let weights = surface
         .touched
@@ -122,7 +122,7 @@ struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    fn of(evidence: &'a Evidence, arguments: &Arguments) -> Result<Self, String> {
+    fn of(evidence: &'a Evidence, arguments: &ObservableArguments) -> Result<Self, String> {
         let phases = Phases::of(evidence, arguments)?;
         let (first, spacing) = (evidence.first()?, evidence.setup.particle_spacing);
         let top = first.position.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max);

@@ -21,7 +21,7 @@
 //! forces of the particles, each spread evenly over its spacing.
 
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_sph::Snapshot;
 use std::f64::consts::PI;
@@ -96,7 +96,10 @@ pub(crate) struct Phases<'a> {
 }
 
 impl<'a> Phases<'a> {
-    pub(crate) fn of(evidence: &'a Evidence, arguments: &Arguments) -> Result<Self, String> {
+    pub(crate) fn of(
+        evidence: &'a Evidence,
+        arguments: &ObservableArguments,
+    ) -> Result<Self, String> {
         let hold = arguments.get("loaded_from")..=arguments.get("loaded_to");
         let released = arguments.get("released");
         let of = |wanted: &dyn Fn(f64) -> bool| -> Vec<&Snapshot> {
@@ -174,7 +177,7 @@ pub(crate) fn touched(phases: &Phases<'_>) -> Result<Vec<usize>, String> {
     if touched.is_empty() { Err("the wall does not touch".to_owned()) } else { Ok(touched) }
 }
 
-fn side(evidence: &Evidence, arguments: &Arguments) -> Result<Recovery, String> {
+fn side(evidence: &Evidence, arguments: &ObservableArguments) -> Result<Recovery, String> {
     let phases = Phases::of(evidence, arguments)?;
     let (first, spacing) = (evidence.first()?, evidence.setup.particle_spacing);
     let edge = arguments.get("radius") - spacing;
@@ -206,7 +209,7 @@ fn side(evidence: &Evidence, arguments: &Arguments) -> Result<Recovery, String> 
     Ok(Recovery { found, exact })
 }
 
-fn crown(evidence: &Evidence, arguments: &Arguments) -> Result<Recovery, String> {
+fn crown(evidence: &Evidence, arguments: &ObservableArguments) -> Result<Recovery, String> {
     let phases = Phases::of(evidence, arguments)?;
     let (radius, spacing) = (arguments.get("radius"), evidence.setup.particle_spacing);
     let touched = touched(&phases)?;

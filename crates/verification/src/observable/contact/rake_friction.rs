@@ -6,7 +6,7 @@
 //! root 3 of the particles that touch (they yield).
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Vector;
 use std::collections::BTreeMap;
@@ -103,7 +103,7 @@ fn face(evidence: &Evidence, snapshot: &Snapshot) -> Result<Face, String> {
         .ok_or("the tool has no face towards the cut".to_owned())
 }
 
-fn bins(evidence: &Evidence, arguments: &Arguments) -> Result<Vec<Bin>, String> {
+fn bins(evidence: &Evidence, arguments: &ObservableArguments) -> Result<Vec<Bin>, String> {
     let spacing = evidence.setup.particle_spacing;
     let start = (1.0 - arguments.get("share")) * evidence.last()?.time;
     let mut bins: BTreeMap<i64, Bin> = BTreeMap::new();

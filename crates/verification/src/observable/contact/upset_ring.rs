@@ -9,7 +9,7 @@
 //! squares at the start is taken off.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Shape;
 
@@ -62,7 +62,7 @@ impl Ring {
     }
 }
 
-fn ring_inner_change(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn ring_inner_change(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let ring = ring(evidence)?;
     let wanted = arguments.get("reduction");
     let first = means(evidence.first()?);

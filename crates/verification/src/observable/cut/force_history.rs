@@ -1,7 +1,7 @@
 //! A force history against a reference history.
 
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 use sphcut_sph::ChannelId;
 
 const ARGUMENTS: &[Argument] =
@@ -32,7 +32,7 @@ pub(crate) const FEED_FORCE_DEVIATION: Observable = Observable {
 
 fn deviation(
     evidence: &Evidence,
-    arguments: &Arguments,
+    arguments: &ObservableArguments,
     channel: ChannelId,
     column: &str,
 ) -> Result<f64, String> {

@@ -1,7 +1,7 @@
 //! Mean forces over the last part of a run.
 
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 use sphcut_sph::ChannelId;
 
 const ARGUMENTS: &[Argument] =
@@ -48,13 +48,17 @@ pub(crate) const FEED_FORCE_INTERVAL: Observable = Observable {
     evaluate: |evidence, arguments| interval(evidence, arguments, ChannelId::FeedForce),
 };
 
-fn tail(evidence: &Evidence, arguments: &Arguments, channel: ChannelId) -> Vec<f64> {
+fn tail(evidence: &Evidence, arguments: &ObservableArguments, channel: ChannelId) -> Vec<f64> {
     let series = evidence.series(channel);
     let count = (series.len() as f64 * arguments.get("share")).round() as usize;
     series[series.len() - count.min(series.len())..].to_vec()
 }
 
-fn mean(evidence: &Evidence, arguments: &Arguments, channel: ChannelId) -> Result<f64, String> {
+fn mean(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+    channel: ChannelId,
+) -> Result<f64, String> {
     let tail = tail(evidence, arguments, channel);
     if tail.is_empty() {
         return Err("the run closed no sampling interval".to_owned());
@@ -62,7 +66,11 @@ fn mean(evidence: &Evidence, arguments: &Arguments, channel: ChannelId) -> Resul
     Ok(tail.iter().sum::<f64>() / tail.len() as f64)
 }
 
-fn interval(evidence: &Evidence, arguments: &Arguments, channel: ChannelId) -> Result<f64, String> {
+fn interval(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+    channel: ChannelId,
+) -> Result<f64, String> {
     let tail = tail(evidence, arguments, channel);
     let length = tail.len() / BATCHES;
     if length == 0 {

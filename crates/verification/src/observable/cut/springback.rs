@@ -3,7 +3,7 @@
 //! `sigma_yy = -F / width`, `sigma_xx = 0`, whatever happens at the ends.
 
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_postprocess::springback::outer_heights;
 use sphcut_sph::{ChannelId, Snapshot};
@@ -84,7 +84,7 @@ fn nearest(evidence: &Evidence, time: f64) -> Result<&Snapshot, String> {
 /// over initial coordinates.
 fn strain(
     evidence: &Evidence,
-    arguments: &Arguments,
+    arguments: &ObservableArguments,
     snapshot: &Snapshot,
     axis: usize,
 ) -> Result<f64, String> {
@@ -105,7 +105,7 @@ fn strain(
 }
 
 /// Force of the wall over the present width of the middle part.
-fn pressure(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn pressure(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let time = arguments.get("loaded");
     let sample = evidence
         .samples
@@ -122,7 +122,7 @@ fn pressure(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
     Ok(sample.get(ChannelId::FeedForce) / (width * stretch))
 }
 
-fn springback_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn springback_ratio(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let at = nearest(evidence, arguments.get("loaded"))?;
     let loaded = strain(evidence, arguments, at, 1)?;
     // The elastic law is one of the Kirchhoff stress. Plane strain: J from the strains in the plane.
@@ -144,7 +144,10 @@ fn springback_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, S
     Ok((sum / count - loaded) * modulus / stress)
 }
 
-fn surface_springback_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn surface_springback_error(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+) -> Result<f64, String> {
     let (lowest, held) = (arguments.get("lowest_y"), arguments.get("held_y"));
     let between = [arguments.get("from_x"), arguments.get("to_x")];
     let mut heights = Vec::new();
@@ -170,7 +173,10 @@ fn surface_springback_error(evidence: &Evidence, arguments: &Arguments) -> Resul
     Ok((found - exact) / evidence.setup.particle_spacing)
 }
 
-fn plastic_pressure_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn plastic_pressure_ratio(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+) -> Result<f64, String> {
     let material = &evidence.setup.materials[0];
     let law = &material.flow_stress_values;
     if material.flow_stress.key != "linear_hardening" {

@@ -1,7 +1,7 @@
 //! Temperature of the workpiece where it touches the tool.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 
 /// Mean temperature of the touching particles over the last part of the run.
 pub(crate) const CONTACT_TEMPERATURE: Observable = Observable {
@@ -13,7 +13,10 @@ pub(crate) const CONTACT_TEMPERATURE: Observable = Observable {
     evaluate: contact_temperature,
 };
 
-fn contact_temperature(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn contact_temperature(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+) -> Result<f64, String> {
     let start = (1.0 - arguments.get("share")) * evidence.last()?.time;
     let (mut weight, mut sum) = (0.0, 0.0);
     for snapshot in evidence.snapshots.iter().filter(|snapshot| snapshot.time >= start) {

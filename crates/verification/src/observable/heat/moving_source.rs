@@ -1,7 +1,7 @@
 //! Temperature around a moving heat source.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable};
+use crate::observable::{Observable, ObservableArguments};
 use sphcut_sph::setup::{HeatSourceForm, Vector};
 use std::f64::consts::TAU;
 
@@ -62,7 +62,7 @@ impl Track {
     }
 }
 
-fn moving_source_error(evidence: &Evidence, _: &Arguments) -> Result<f64, String> {
+fn moving_source_error(evidence: &Evidence, _: &ObservableArguments) -> Result<f64, String> {
     let source = evidence.setup.heat_sources.first().ok_or("the case needs a heat source")?;
     let HeatSourceForm::Gaussian { centre, standard_deviation } = &source.form else {
         return Err("the heat source has to be Gaussian".to_owned());

@@ -2,7 +2,7 @@
 //! of Heat in Solids, 1959, sections 2.15 and 3.2).
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use sphcut_sph::setup::{Material, Shape, Support};
 use std::f64::consts::PI;
 
@@ -42,7 +42,10 @@ fn material_of(evidence: &Evidence, body: usize) -> Result<&Material, String> {
     Ok(&evidence.setup.materials[body.material])
 }
 
-fn contact_profile_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn contact_profile_error(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+) -> Result<f64, String> {
     let materials = [material_of(evidence, 0)?, material_of(evidence, 1)?];
     let start = [evidence.setup.bodies[0].temperature, evidence.setup.bodies[1].temperature];
     let effusivity = materials.map(|material| {
@@ -69,7 +72,10 @@ fn contact_profile_error(evidence: &Evidence, arguments: &Arguments) -> Result<f
     Ok(mean.sqrt() / (start[1] - start[0]).abs())
 }
 
-fn steady_profile_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn steady_profile_error(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+) -> Result<f64, String> {
     let [left, right, ..] = evidence.setup.supports.as_slice() else {
         return Err("the case needs two supports".to_owned());
     };

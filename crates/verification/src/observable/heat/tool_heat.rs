@@ -3,7 +3,7 @@
 
 use super::temperature_profile::error_function;
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use sphcut_physics::TemperatureTable;
 use sphcut_sph::{ChannelId, Snapshot};
 use sphcut_tool_heat::{OuterBoundary, ThermalMaterial, ToolHeat};
@@ -89,7 +89,7 @@ fn root_mean_square(squares: &[f64]) -> Result<f64, String> {
     Ok((squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
 }
 
-fn tool_contact_error(evidence: &Evidence, _: &Arguments) -> Result<f64, String> {
+fn tool_contact_error(evidence: &Evidence, _: &ObservableArguments) -> Result<f64, String> {
     let heat = heat_of(evidence)?;
     let body = evidence.setup.bodies.first().ok_or("the case needs a body")?;
     let material = &evidence.setup.materials[body.material];
@@ -117,7 +117,7 @@ fn tool_contact_error(evidence: &Evidence, _: &Arguments) -> Result<f64, String>
     Ok(root_mean_square(&squares)? / (start[0] - start[1]).abs())
 }
 
-fn tool_steady_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn tool_steady_error(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let heat = heat_of(evidence)?;
     let support = evidence.setup.supports.first().ok_or("the case needs a support")?;
     let hot = support.temperature.ok_or("the support has to hold a temperature")?;

@@ -1,7 +1,7 @@
 //! How much of a vibration is left.
 
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 
 pub(crate) const PROBE: [Argument; 4] = [
     argument("x", None, "x of the probe in m"),
@@ -25,7 +25,7 @@ pub(crate) const AMPLITUDE_RATIO: Observable = Observable {
     evaluate: amplitude_ratio,
 };
 
-fn amplitude_ratio(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn amplitude_ratio(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let probe = evidence.nearest(["x", "y", "z"].map(|key| arguments.get(key)))?;
     let (axis, from) = (arguments.index("axis"), arguments.get("from"));
     let speed = |snapshot: &sphcut_sph::Snapshot| snapshot.velocity[probe][axis].abs();

@@ -1,7 +1,7 @@
 //! Lengths and radii of a deformed body. A particle reaches half a spacing beyond its centre.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use std::f64::consts::TAU;
 
 /// Extent of all particles along an axis.
@@ -23,7 +23,7 @@ pub(crate) const RADIUS_AT: Observable = Observable {
     evaluate: radius_at,
 };
 
-fn body_length(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn body_length(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let axis = arguments.index("axis");
     let positions = evidence.last()?.position.iter().map(|position| position[axis]);
     let (low, high) = positions
@@ -53,7 +53,7 @@ pub(crate) const ROUNDNESS: Observable = Observable {
     evaluate: |evidence, _| roundness(evidence),
 };
 
-fn radius_at(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn radius_at(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let (positions, spacing) = (&evidence.last()?.position, evidence.setup.particle_spacing);
     let height = lowest(positions) + arguments.get("height");
     let radius = positions

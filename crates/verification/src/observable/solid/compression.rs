@@ -2,7 +2,7 @@
 //! independent integration of the same equations.
 
 use crate::evidence::Evidence;
-use crate::observable::{Argument, Arguments, Observable, argument};
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
 use sphcut_physics::radial_return::TrialState;
 use sphcut_sph::setup::Material;
 
@@ -48,7 +48,7 @@ fn heating(evidence: &Evidence, material: &Material) -> f64 {
 }
 
 /// Steps the radial return as a solver would.
-fn implicit(evidence: &Evidence, arguments: &Arguments) -> Point {
+fn implicit(evidence: &Evidence, arguments: &ObservableArguments) -> Point {
     let material = &evidence.setup.materials[0];
     let law = (material.flow_stress.build)(&material.flow_stress_values);
     let heating = heating(evidence, material);
@@ -92,7 +92,7 @@ fn plastic_rate(material: &Material, point: &Point) -> f64 {
 }
 
 /// Classical fourth-order Runge-Kutta over the total strain.
-fn explicit(evidence: &Evidence, arguments: &Arguments) -> Point {
+fn explicit(evidence: &Evidence, arguments: &ObservableArguments) -> Point {
     let material = &evidence.setup.materials[0];
     let (three_g, heating) = (3.0 * material.moduli.shear, heating(evidence, material));
     let (rate, strain) = (arguments.get("strain_rate"), arguments.get("strain"));
@@ -126,7 +126,7 @@ fn explicit(evidence: &Evidence, arguments: &Arguments) -> Point {
     point
 }
 
-fn compression_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn compression_error(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     if evidence.setup.materials[0].flow_stress.key != "johnson_cook" {
         return Err("the first material does not follow Johnson-Cook".to_owned());
     }
@@ -137,7 +137,10 @@ fn compression_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, 
     Ok(stress.max(rise))
 }
 
-fn adiabatic_rise_error(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn adiabatic_rise_error(
+    evidence: &Evidence,
+    arguments: &ObservableArguments,
+) -> Result<f64, String> {
     let material = &evidence.setup.materials[0];
     let value = |key| material.flow_stress_values.get(key);
     if value("hardening_modulus") != 0.0 || value("rate_coefficient") != 0.0 {

@@ -1,7 +1,7 @@
 //! How long and how hard a body touches a wall.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use sphcut_sph::ChannelId;
 
 /// Share of the largest force below which there is no contact.
@@ -51,7 +51,7 @@ fn contact_duration(evidence: &Evidence) -> Result<f64, String> {
     Ok(forces[*last].0 - start)
 }
 
-fn plateau_force(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn plateau_force(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let (from, to) = (arguments.get("from"), arguments.get("to"));
     let inside: Vec<f64> = forces(evidence)
         .into_iter()

@@ -1,7 +1,7 @@
 //! Into how many pieces a body has fallen.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use std::collections::HashMap;
 
 /// Number of connected pieces of a body at the end.
@@ -17,7 +17,7 @@ pub(crate) const FRAGMENTS: Observable = Observable {
     evaluate: fragments,
 };
 
-fn fragments(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn fragments(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let snapshot = evidence.last()?;
     let body = arguments.index("body");
     let points: Vec<[f64; 3]> = (0..snapshot.id.len())

@@ -2,7 +2,7 @@
 
 use super::amplitude_ratio::PROBE;
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable};
+use crate::observable::{Observable, ObservableArguments};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::VelocityField;
 
@@ -42,12 +42,12 @@ pub(crate) const WAVE_SPEED: Observable = Observable {
     },
 };
 
-fn velocity_period(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn velocity_period(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let (probe, axis) = probe(evidence, arguments)?;
     period(evidence, 0, |snapshot| snapshot.velocity[probe][axis])
 }
 
-fn probe(evidence: &Evidence, arguments: &Arguments) -> Result<(usize, usize), String> {
+fn probe(evidence: &Evidence, arguments: &ObservableArguments) -> Result<(usize, usize), String> {
     let point = ["x", "y", "z"].map(|key| arguments.get(key));
     Ok((evidence.nearest(point)?, arguments.index("axis")))
 }

@@ -1,7 +1,7 @@
 //! How fast bodies part after a collision.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use sphcut_sph::Snapshot;
 
 /// Speed of separation over speed of approach of the first two bodies.
@@ -29,7 +29,7 @@ pub(crate) const REBOUND: Observable = Observable {
     evaluate: rebound,
 };
 
-fn rebound(evidence: &Evidence, arguments: &Arguments) -> Result<f64, String> {
+fn rebound(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let axis = arguments.index("axis");
     Ok(-mean_velocity(evidence.last()?, 0, axis) / mean_velocity(evidence.first()?, 0, axis))
 }

@@ -1,7 +1,7 @@
 //! A plane shock that runs along x from the plane x = 0 where two plates met.
 
 use crate::evidence::Evidence;
-use crate::observable::{Arguments, Observable, argument};
+use crate::observable::{Observable, ObservableArguments, argument};
 use sphcut_sph::Snapshot;
 
 /// Speed of the shock through the undeformed material.
@@ -109,7 +109,7 @@ fn front(evidence: &Evidence, snapshot: &Snapshot) -> Result<f64, String> {
 
 fn mean(
     evidence: &Evidence,
-    arguments: &Arguments,
+    arguments: &ObservableArguments,
     value: fn(&Snapshot, usize) -> f64,
 ) -> Result<f64, String> {
     let snapshot = evidence.last()?;

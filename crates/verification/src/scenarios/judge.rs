@@ -1,10 +1,11 @@
-//! From values to findings: one function per metric.
+//! From the values of runs to judgements.
 
-use crate::case::{Case, Expectation, Metric, Reference};
+use super::replicates::{Difference, differences, summary};
+use super::{Expectation, ScenarioRuns, variants};
 use crate::error::CaseError;
-use crate::replicates::{Difference, differences, summary};
-use crate::variants;
-use crate::verdict::Finding;
+use crate::head::CaseHead;
+use crate::metric::{Metric, ReferenceValue, band, number};
+use crate::verdict::Judgement;
 
 /// What one run contributes to the judgement.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,72 +17,63 @@ pub(crate) struct RunValues {
 }
 
 /// Judges every expectation of `case` on the values of its runs (in the order of the runs).
-pub(crate) fn judge(case: &Case, runs: &[RunValues]) -> Result<Vec<Finding>, CaseError> {
-    let mut findings = Vec::new();
+pub(super) fn judge(
+    case: &ScenarioRuns,
+    head: &CaseHead,
+    runs: &[RunValues],
+) -> Result<Vec<Judgement>, CaseError> {
+    let mut judged = Vec::new();
     for (index, expectation) in case.expectations.iter().enumerate() {
         let mut points = Vec::new();
         for run in &expectation.runs {
-            let value = runs[*run].values[index].ok_or_else(|| CaseError::Unobservable {
-                observable: expectation.observable.name.to_owned(),
-                reason: format!("no value for run `{}`", case.runs[*run].name),
-            })?;
-            points.push(Point { run: *run, spacing: runs[*run].spacing, value });
+            let name = case.runs[*run].name.as_str();
+            let missing = || {
+                let reason = format!("no value for run `{name}`");
+                CaseError::unobservable(expectation.observable.name, reason)
+            };
+            let value = runs[*run].values[index].ok_or_else(missing)?;
+            points.push(ValueOfRun { run: name, spacing: runs[*run].spacing, value });
         }
         if expectation.metric.joins_runs() {
-            findings.push(joint_finding(case, expectation, points));
+            judged.push(judge_together(expectation, points));
         } else {
             for point in points {
-                findings.push(single_finding(case, expectation, &point)?);
+                judged.push(judge_one(case, head, expectation, &point)?);
             }
         }
     }
-    Ok(findings)
+    Ok(judged)
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Point {
-    run: usize,
+struct ValueOfRun<'a> {
+    run: &'a str,
     spacing: f64,
     value: f64,
 }
 
-fn single_finding(
-    case: &Case,
+fn judge_one(
+    case: &ScenarioRuns,
+    head: &CaseHead,
     expectation: &Expectation,
-    point: &Point,
-) -> Result<Finding, CaseError> {
-    let run = &case.runs[point.run].name;
+    point: &ValueOfRun<'_>,
+) -> Result<Judgement, CaseError> {
     let (low, high) = match &expectation.reference {
-        Reference::Number(number) => (*number, *number),
-        Reference::Band(low, high) => (*low, *high),
-        Reference::Column(column) => {
-            let number = case
-                .reference
-                .lookup("run", variants::stem(run), column)
-                .map_err(|reason| CaseError::invalid(case.folder.join("reference.csv"), reason))?;
+        ReferenceValue::Number(number) => (*number, *number),
+        ReferenceValue::Band(low, high) => (*low, *high),
+        ReferenceValue::Column(column) => {
+            let found = case.reference.lookup("run", variants::stem(point.run), column);
+            let wrong = |reason| CaseError::invalid(head.folder.join("reference.csv"), reason);
+            let number = found.map_err(wrong)?;
             (number, number)
         }
-        Reference::None => (f64::NAN, f64::NAN),
+        ReferenceValue::None => (f64::NAN, f64::NAN),
     };
-    let (value, tolerance) = (point.value, expectation.tolerance);
-    let result = match expectation.metric {
-        Metric::RelativeError => (value - low) / low.abs(),
-        Metric::AbsoluteError => value - low,
-        Metric::Within => (value - high).max(0.0) + (value - low).min(0.0),
-        _ => value,
-    };
-    let holds = match expectation.metric {
-        Metric::AtMost => value <= low + tolerance,
-        Metric::AtLeast => value >= low - tolerance,
-        Metric::Shown => true,
-        _ => result.abs() <= tolerance,
-    };
-    let reference =
-        if low == high { number(low) } else { format!("{}..{}", number(low), number(high)) };
-    Ok(finding(expectation, run.clone(), vec![value], reference, result, holds))
+    let compared = expectation.metric.compare(point.value, (low, high), expectation.tolerance);
+    Ok(judgement(expectation, point.run.to_owned(), vec![point.value], band(low, high), compared))
 }
 
-fn joint_finding(case: &Case, expectation: &Expectation, mut points: Vec<Point>) -> Finding {
+fn judge_together(expectation: &Expectation, mut points: Vec<ValueOfRun<'_>>) -> Judgement {
     let by_spacing = matches!(
         expectation.metric,
         Metric::ConvergenceOrder | Metric::FallingError | Metric::Rising
@@ -91,11 +83,12 @@ fn joint_finding(case: &Case, expectation: &Expectation, mut points: Vec<Point>)
     }
     let values: Vec<f64> = points.iter().map(|point| point.value).collect();
     let spacings: Vec<f64> = points.iter().map(|point| point.spacing).collect();
-    let known = if let Reference::Number(number) = expectation.reference { number } else { 0.0 };
+    let known =
+        if let ReferenceValue::Number(number) = expectation.reference { number } else { 0.0 };
     let errors: Vec<f64> = values.iter().map(|value| (value - known).abs()).collect();
     let tolerance = expectation.tolerance;
-    let names: Vec<&str> = points.iter().map(|point| case.runs[point.run].name.as_str()).collect();
-    let (result, holds) = match expectation.metric {
+    let names: Vec<&str> = points.iter().map(|point| point.run).collect();
+    let compared = match expectation.metric {
         Metric::ConvergenceOrder => {
             let order = order(&spacings, &errors);
             (order, order >= tolerance)
@@ -128,27 +121,26 @@ fn joint_finding(case: &Case, expectation: &Expectation, mut points: Vec<Point>)
         }
     };
     let reference = match expectation.reference {
-        Reference::Number(known) => number(known),
+        ReferenceValue::Number(known) => number(known),
         _ => "the runs among themselves".to_owned(),
     };
     if expectation.metric.needs_replicates() {
         let (groups, means) = summary(&names, &values);
-        return finding(expectation, groups.join(", "), means, reference, result, holds);
+        return judgement(expectation, groups.join(", "), means, reference, compared);
     }
-    finding(expectation, names.join(", "), values, reference, result, holds)
+    judgement(expectation, names.join(", "), values, reference, compared)
 }
 
-fn finding(
+fn judgement(
     expectation: &Expectation,
     run: String,
     values: Vec<f64>,
     reference: String,
-    result: f64,
-    holds: bool,
-) -> Finding {
-    Finding {
+    (result, holds): (f64, bool),
+) -> Judgement {
+    Judgement {
         run,
-        observable: expectation.arguments.label(expectation.observable),
+        observable: expectation.label(),
         unit: expectation.observable.unit.to_owned(),
         metric: expectation.metric,
         values,
@@ -189,24 +181,6 @@ fn spread(values: &[f64]) -> f64 {
     (largest - smallest) / mean.abs()
 }
 
-/// A number with four significant digits.
-pub(crate) fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e5).contains(&magnitude) {
-        let digits = (3 - magnitude.log10().floor() as i32).max(0) as usize;
-        let text = format!("{value:.digits$}");
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        } else {
-            text
-        }
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -222,14 +196,5 @@ mod tests {
     #[test]
     fn spread_is_relative_to_the_mean() {
         assert_relative_eq!(spread(&[9.0, 11.0, 10.0]), 0.2, max_relative = 1e-12);
-    }
-
-    #[test]
-    fn numbers_carry_four_digits() {
-        assert_eq!(number(0.254_12), "0.2541");
-        assert_eq!(number(1234.567), "1235");
-        assert_eq!(number(2.0), "2");
-        assert_eq!(number(1.23456e-9), "1.235e-9");
-        assert_eq!(number(0.0), "0");
     }
 }

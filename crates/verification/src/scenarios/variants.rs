@@ -4,9 +4,9 @@
 //! column of the reference is evaluated for them too, and the ledger shows both side by side; the runs of the case
 //! itself are judged, and those of a variant that an expectation names.
 
-use crate::case::{Case, Expectation, Metric, Reference, RunSpecification};
-use crate::judge::number;
-use crate::verdict::Finding;
+use super::{Expectation, RunSpecification, ScenarioRuns};
+use crate::metric::{Metric, ReferenceValue, number};
+use crate::verdict::Judgement;
 use serde::Deserialize;
 use std::fmt::Write;
 
@@ -82,7 +82,7 @@ pub(crate) fn shown(expectation: &Expectation, runs: &[RunSpecification]) -> Opt
         is_variant(run) && expectation.runs.iter().any(|of| runs[*of].name == stem(&run.name))
     };
     let indices: Vec<usize> = (0..runs.len()).filter(is_meant).collect();
-    let measured = matches!(expectation.reference, Reference::Column(_));
+    let measured = matches!(expectation.reference, ReferenceValue::Column(_));
     (measured && !indices.is_empty()).then(|| Expectation {
         runs: indices,
         metric: Metric::Shown,
@@ -92,7 +92,7 @@ pub(crate) fn shown(expectation: &Expectation, runs: &[RunSpecification]) -> Opt
 }
 
 /// Variants beside the judged runs, as a table; nothing for a case without.
-pub(crate) fn table(case: &Case, findings: &[Finding]) -> String {
+pub(crate) fn table(case: &ScenarioRuns, findings: &[Judgement]) -> String {
     let mut text = String::new();
     if case.variants.is_empty() {
         return text;
@@ -105,7 +105,7 @@ pub(crate) fn table(case: &Case, findings: &[Finding]) -> String {
     let names: Vec<&str> = case.variants.iter().map(|variant| variant.name.as_str()).collect();
     let _ = writeln!(text, "\n| run | observable | measured | as above | {} |", names.join(" | "));
     let _ = writeln!(text, "|---|---|---|---|{}", "---|".repeat(names.len()));
-    let with = |finding: &Finding, run: &str| {
+    let with = |finding: &Judgement, run: &str| {
         findings.iter().find(|other| other.run == run && other.observable == finding.observable)
     };
     for finding in findings {
@@ -130,7 +130,7 @@ pub(crate) fn table(case: &Case, findings: &[Finding]) -> String {
 }
 
 /// Value and deviation from the reference.
-fn cell(finding: &Finding) -> String {
+fn cell(finding: &Judgement) -> String {
     let value = finding.values[0];
     match finding.reference.parse::<f64>() {
         Ok(measured) if measured != 0.0 => {
@@ -143,7 +143,7 @@ fn cell(finding: &Finding) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::Mode;
+    use crate::evidence::RunMode;
 
     fn run(name: &str) -> RunSpecification {
         RunSpecification {
@@ -151,7 +151,7 @@ mod tests {
             scenario: "scenario.toml".into(),
             changes: toml::toml! { "a" = 1 },
             threads: None,
-            mode: Mode::Simulate,
+            mode: RunMode::Simulate,
         }
     }
 
