@@ -1,6 +1,5 @@
 //! The result of a run in a few lines.
 
-use crate::progress::seconds_to_duration;
 use crate::text;
 use sphcut_postprocess::{Force, ProcessResult};
 use sphcut_record::{Outcome, Performance, Run};
@@ -100,7 +99,7 @@ fn cost(performance: &Performance) -> String {
         "cost               {} particles, {} steps in {} ({})",
         text::grouped(performance.particles as u64),
         text::grouped(performance.steps),
-        text::duration(seconds_to_duration(performance.wall_seconds)),
+        text::seconds(performance.wall_seconds),
         text::updates(performance.updates_per_second()),
     )
 }

@@ -1,7 +1,10 @@
 //! Exit codes and what is said when a command fails.
 
-use crate::terminal::note;
-use std::fmt::Display;
+use sphcut_record::RunError;
+use sphcut_sweep::slurm::SlurmError;
+use sphcut_sweep::{PlanError, StoreError};
+use std::fmt::{Display, Formatter};
+use std::path::Path;
 
 /// The exit codes of `sphcut`, as listed in its help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +79,24 @@ impl Failure {
         Self::new(ExitCode::InputOutput, format!("{what}: {error}"))
     }
 
+    /// The failure of a run, with its exit code and what can be done.
+    pub fn of_run(error: &RunError, folder: &Path) -> Self {
+        let failure = Self::new(code_of(error), error.to_string());
+        match error {
+            RunError::Diverged { .. } => failure.advise(format!(
+                "`sphcut report {}` shows the run until then; a smaller `courant` in [numerics] or a \
+                 finer `particle_spacing` often helps",
+                folder.display()
+            )),
+            RunError::Mismatch { .. } => {
+                failure.advise("use --force to start again, or --out for another folder")
+            }
+            RunError::Damaged { .. } => failure
+                .advise("`--resume` goes on from the last good checkpoint, `--force` starts again"),
+            _ => failure,
+        }
+    }
+
     /// A text that is complete already, each mistake with its own `error:`.
     pub fn rendered(code: ExitCode, message: String) -> Self {
         Self { code, prefix: "", message, advice: None }
@@ -96,12 +117,54 @@ impl Failure {
     pub fn message(&self) -> &str {
         &self.message
     }
+}
 
-    /// Says on standard error what happened.
-    pub fn explain(&self) {
-        note(&format!("{}{}", self.prefix, self.message.trim_end()));
-        if let Some(advice) = &self.advice {
-            note(&format!("  help: {advice}"));
+impl Display for Failure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}", self.prefix, self.message.trim_end())?;
+        self.advice.iter().try_for_each(|advice| write!(f, "\n  help: {advice}"))
+    }
+}
+
+/// A store that cannot be used.
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        Self::new(ExitCode::InputOutput, error.to_string())
+    }
+}
+
+/// A sweep that cannot run.
+impl From<PlanError> for Failure {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Unfit(_) => Self::rendered(ExitCode::BadInput, error.to_string()),
+            _ => Self::input(error.to_string()),
         }
+    }
+}
+
+/// Why a cluster does not do what was asked.
+impl From<SlurmError> for Failure {
+    fn from(error: SlurmError) -> Self {
+        let failure = Self::new(ExitCode::NoCluster, error.to_string());
+        match error {
+            SlurmError::Absent(_) => {
+                failure.advise("without --executor the sweep runs on this machine")
+            }
+            _ => failure,
+        }
+    }
+}
+
+fn code_of(error: &RunError) -> ExitCode {
+    match error {
+        RunError::Diverged { .. } => ExitCode::Diverged,
+        RunError::Exists { .. } | RunError::Mismatch { .. } | RunError::Setup(_) => {
+            ExitCode::BadInput
+        }
+        RunError::Io { .. }
+        | RunError::InUse { .. }
+        | RunError::Foreign { .. }
+        | RunError::Damaged { .. } => ExitCode::InputOutput,
     }
 }

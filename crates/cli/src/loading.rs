@@ -1,6 +1,6 @@
 //! From a file name to a scenario, and to the threads that compute it.
 
-use crate::arguments::{PatchableArguments, ScenarioArguments};
+use crate::common_arguments::{PatchableArguments, ScenarioArguments};
 use crate::failure::{ExitCode, Failure};
 use sphcut_diagnose::DiagnosisFile;
 use sphcut_identify::Identification;

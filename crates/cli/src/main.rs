@@ -2,8 +2,10 @@
 
 mod arguments;
 mod commands;
+mod common_arguments;
 mod digest;
 mod failure;
+mod files;
 mod interrupt;
 mod loading;
 mod outcome;
@@ -21,7 +23,7 @@ fn main() -> std::process::ExitCode {
     match execute(arguments.command) {
         Ok(code) => code.into(),
         Err(failure) => {
-            failure.explain();
+            terminal::note(&failure.to_string());
             failure.exit_code().into()
         }
     }
@@ -32,9 +34,9 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
     match command {
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::Check(arguments) => commands::check::check(&arguments),
-        Command::Export { run, to, force } => commands::export::export(&run, to.as_deref(), force),
+        Command::Export(arguments) => commands::export::export(&arguments),
         Command::Validate(arguments) => commands::validate::validate(&arguments),
-        Command::Report { run } => commands::report::report(&run),
+        Command::Report(arguments) => commands::report::report(&arguments),
         Command::Springback(arguments) => commands::springback::springback(&arguments),
         Command::Identify(arguments) => commands::identify::identify(&arguments),
         Command::Diagnose(arguments) => commands::diagnose::diagnose(&arguments),
@@ -47,7 +49,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         }
         Command::Greybox(arguments) => commands::greybox::greybox(&arguments),
         Command::Schema(arguments) => commands::schema::schema(&arguments),
-        Command::Catalogue { name } => commands::catalogue::print(name.as_deref()),
+        Command::Catalogue(arguments) => commands::catalogue::print(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "sphcut", &mut script);

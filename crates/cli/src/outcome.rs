@@ -1,18 +1,16 @@
 //! What is said before and after a run.
 
 use crate::digest::digest;
-use crate::failure::{ExitCode, Failure};
+use crate::failure::Failure;
 use crate::progress::{Style, emit};
-use crate::terminal::note;
-
 use crate::results::Results;
+use crate::terminal::note;
 use crate::{terminal, text};
 use serde_json::{Value, json};
 use sphcut_postprocess::summary_json;
+use sphcut_record::Run;
 use sphcut_record::driver::RunOptions;
-use sphcut_record::{Run, RunError};
 use sphcut_scenario::Scenario;
-use std::path::Path;
 
 /// Says what starts, and what the user should know before trusting it.
 pub fn announce(scenario: &Scenario, options: &RunOptions, style: Style) {
@@ -36,37 +34,6 @@ pub fn announce(scenario: &Scenario, options: &RunOptions, style: Style) {
         for warning in &scenario.warnings {
             note(&format!("warning: {warning}"));
         }
-    }
-}
-
-/// The failure of a run, with its exit code and what can be done.
-pub fn failed(error: &RunError, folder: &Path) -> Failure {
-    let failure = Failure::new(exit_code(error), error.to_string());
-    match error {
-        RunError::Diverged { .. } => failure.advise(format!(
-            "`sphcut report {}` shows the run until then; a smaller `courant` in [numerics] or a \
-             finer `particle_spacing` often helps",
-            folder.display()
-        )),
-        RunError::Mismatch { .. } => {
-            failure.advise("use --force to start again, or --out for another folder")
-        }
-        RunError::Damaged { .. } => failure
-            .advise("`--resume` goes on from the last good checkpoint, `--force` starts again"),
-        _ => failure,
-    }
-}
-
-fn exit_code(error: &RunError) -> ExitCode {
-    match error {
-        RunError::Diverged { .. } => ExitCode::Diverged,
-        RunError::Exists { .. } | RunError::Mismatch { .. } | RunError::Setup(_) => {
-            ExitCode::BadInput
-        }
-        RunError::Io { .. }
-        | RunError::InUse { .. }
-        | RunError::Foreign { .. }
-        | RunError::Damaged { .. } => ExitCode::InputOutput,
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is written after a run: `summary.json` and the report.
 
 use crate::failure::{ExitCode, Failure};
-use crate::outcome;
+use crate::files::save;
 use sphcut_postprocess::{ProcessResult, evaluate, summary_json};
 use sphcut_record::Run;
 use std::path::{Path, PathBuf};
@@ -18,21 +18,11 @@ pub struct Results {
     pub page: PathBuf,
 }
 
-/// Evaluates the runwrites its summary and its report into `folder`.
+/// Evaluates the run and writes its summary and its report into `folder`.
 pub fn write(run: &Run, folder: &Path) -> Result<Results, Failure> {
-    let result = evaluate(run).map_err(|error| outcome::failed(&error, folder))?;
+    let result = evaluate(run).map_err(|error| Failure::of_run(&error, folder))?;
     save(&folder.join(SUMMARY), summary_json(&result).as_bytes())?;
     let page = sphcut_report::write_report(run, &result, folder)
         .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
     Ok(Results { result, page })
-}
-
-/// Writes beside the target and renames: a full disk leaves the old file whole.
-pub fn save(path: &Path, content: &[u8]) -> Result<(), Failure> {
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".new");
-    let beside = PathBuf::from(beside);
-    std::fs::write(&beside, content)
-        .and_then(|()| std::fs::rename(&beside, path))
-        .map_err(|error| Failure::output(format!("cannot write `{}`", path.display()), &error))
 }

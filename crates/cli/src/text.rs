@@ -37,6 +37,11 @@ pub fn duration(duration: Duration) -> String {
     }
 }
 
+/// The same of seconds that came out of a division: never negative, never infinite.
+pub fn seconds(seconds: f64) -> String {
+    duration(Duration::try_from_secs_f64(seconds.max(0.0)).unwrap_or(Duration::MAX))
+}
+
 /// Bytes as `512 kB`, `3.4 MB`, `1.2 GB` (powers of 1000).
 pub fn bytes(count: u64) -> String {
     let value = count as f64;

@@ -2,9 +2,24 @@
 
 use crate::failure::{ExitCode, Failure};
 use crate::{terminal, text};
+use clap::Args;
 use sphcut_physics::{Parameter, catalogue};
 use sphcut_sph::options;
 use std::fmt::Write as _;
+
+const HELP: &str = "\
+Examples:
+  sphcut catalogue                  everything, one line each
+  sphcut catalogue johnson_cook     one law: equation, parameters, ranges, source
+  sphcut catalogue materials        the materials shipped in scenarios/materials";
+
+/// Arguments of `catalogue`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct CatalogueArguments {
+    /// A kind (`materials`, `flow_stress`, `friction`, ...) or one entry (`johnson_cook`).
+    name: Option<String>,
+}
 
 /// Width of the text.
 const WIDTH: usize = 100;
@@ -26,9 +41,9 @@ enum Content {
 }
 
 /// Prints everything in short, a kind, or one entry in full.
-pub fn print(name: Option<&str>) -> Result<ExitCode, Failure> {
+pub fn print(arguments: &CatalogueArguments) -> Result<ExitCode, Failure> {
     let entries = entries();
-    let page = match name {
+    let page = match &arguments.name {
         None => overview(&entries),
         Some(name) => select(&entries, name)?,
     };

@@ -1,9 +1,9 @@
 //! `sphcut check`: what a scenario would do, without doing it.
 
-use crate::arguments::CheckArguments;
+use crate::common_arguments::PatchableArguments;
 use crate::failure::{ExitCode, Failure};
-use crate::progress::seconds_to_duration;
 use crate::{loading, terminal, text};
+use clap::Args;
 use sphcut_input::{Origin, ResolvedEntry};
 use sphcut_scenario::Scenario;
 use sphcut_sph::setup::{Dimension, Setup};
@@ -11,7 +11,26 @@ use sphcut_sph::{Estimate, Simulation};
 use sphcut_sweep::CROWDING;
 use sphcut_tool_heat::ToolMeshFacts;
 use std::fmt::Write as _;
+use std::num::NonZeroUsize;
 use std::time::Duration;
+
+const HELP: &str = "\
+`check` runs a few dozen steps to measure the speed of this machine; --no-measure skips that.";
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct CheckArguments {
+    /// The scenario.
+    #[command(flatten)]
+    pub scenario: PatchableArguments,
+    /// Threads for the measurement [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Do not measure the speed; no expected duration then.
+    #[arg(long)]
+    pub no_measure: bool,
+}
 
 /// Wall-clock time of the measurement.
 const MEASUREMENT: Duration = Duration::from_millis(1500);
@@ -153,9 +172,9 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, more_steps: 
         let _ = writeln!(
             page,
             "  about {}{} on {threads} thread{} ({}, measured now)",
-            text::duration(seconds_to_duration(updates / speed)),
+            text::seconds(updates / speed),
             if more_steps > 1.0 {
-                format!(" to {}", text::duration(seconds_to_duration(more_steps * updates / speed)))
+                format!(" to {}", text::seconds(more_steps * updates / speed))
             } else {
                 String::new()
             },

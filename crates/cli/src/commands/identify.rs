@@ -1,14 +1,36 @@
 //! `sphcut identify`: flow-stress laws and material files from material tests.
 
-use crate::arguments::IdentifyArguments;
+use crate::common_arguments::FileArguments;
 use crate::failure::{ExitCode, Failure};
-use crate::{loading, results, terminal};
+use crate::{files, loading, terminal};
+use clap::Args;
 use sphcut_identify::{
     Curve, CurvePoint, Cylinder, Identification, LawChoice, LawFit, LoadPath, PressureBar, Pulses,
     References, TestCurve, compare, fit, identification_json, material_toml, points_of,
     residuals_csv, sequence, table_csv, tabulate,
 };
 use sphcut_report::{IdentificationPage, identification_words, render_identification};
+
+const HELP: &str = "\
+Example:
+  sphcut identify scenarios/identification/example.toml --out steel
+
+What appears in the output folder:
+  identification.html   one page: parameters with intervals, where the law cannot follow, other laws
+  identification.json   the same as numbers      residuals.csv   every point with what the laws say
+  johnson_cook.toml, tanh_johnson_cook.toml, tabulated.toml (with tabulated.csv)
+                        material files for scenarios: material = \"johnson_cook.toml\"
+
+See docs/howto/identify.md, and docs/identification_keys.md for all keys.";
+
+/// Arguments of `identify`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct IdentifyArguments {
+    /// File and folder.
+    #[command(flatten)]
+    pub file: FileArguments,
+}
 
 const FILES: [&str; 7] = [
     "identification.html",
@@ -26,14 +48,9 @@ const PLAIN_START: [f64; 4] = [1.0, 0.3, 0.02, 1.0];
 
 /// Identifies the laws and writes page, numbers and material files into the output folder.
 pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
-    let out = &arguments.out;
-    if let Some(old) = FILES.iter().map(|name| out.join(name)).find(|path| path.exists())
-        && !arguments.force
-    {
-        let message = format!("`{}` exists: use --force to replace it", old.display());
-        return Err(Failure::input(message));
-    }
-    let plan = loading::identification(&arguments.scene)?;
+    let out = &arguments.file.out;
+    files::unless_there(FILES.map(|name| out.join(name)), arguments.file.force)?;
+    let plan = loading::identification(&arguments.file.scene)?;
     let curves: Vec<Curve> = plan.tests.iter().map(|test| curve(test, &plan)).collect();
     let points = points_of(&curves, plan.smallest_strain)
         .map_err(|error| Failure::input(error.to_string()))?;
@@ -73,11 +90,7 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
         material(&base, Some(FILES[6])),
         table_csv(&table),
     ];
-    std::fs::create_dir_all(out)
-        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
-    for (name, content) in FILES.iter().zip(&texts) {
-        results::save(&out.join(name), content.as_bytes())?;
-    }
+    files::save_all(out, &FILES, &texts)?;
     identification_words(&page).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("report             {}", out.join(FILES[0]).display()));
     Ok(ExitCode::Done)

@@ -3,19 +3,28 @@
 use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
 use crate::{outcome, results};
+use clap::Args;
 use sphcut_record::{Run, RunFiles, recover};
-use std::path::Path;
+use std::path::PathBuf;
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// Folder of the run, with `run.h5` inside.
+    run: PathBuf,
+}
 
 /// Evaluates the run in `folder` and writes its summary and report. Of a run that died without
 /// a record, what it had saved is put together first; it can still be resumed.
-pub fn report(folder: &Path) -> Result<ExitCode, Failure> {
+pub fn report(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
+    let folder = arguments.run.as_path();
     let files = RunFiles::in_dir(folder);
     let run = if !files.record().exists() && files.partial().exists() {
         recover(folder)
     } else {
         Run::load(&files.record())
     };
-    let run = run.map_err(|error| outcome::failed(&error, folder))?;
+    let run = run.map_err(|error| Failure::of_run(&error, folder))?;
     let results = results::write(&run, folder)?;
     outcome::finished(&run, &results, Style::Human);
     Ok(ExitCode::Done)

@@ -1,23 +1,62 @@
 //! `sphcut run`: a scenario from its file to its report.
 
-use crate::arguments::RunArguments;
+use crate::common_arguments::{PatchableArguments, ToldArguments};
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{Display, Forces, Status, Style, Travel};
 use crate::{interrupt, loading, outcome, results};
+use clap::Args;
 use sphcut_postprocess::steady::{Series, SteadyOptions, detect};
 use sphcut_record::driver::{self, Control, Export, Moment, Process, Progress, RunOptions, Start};
 use sphcut_record::{Outcome, Run};
 use sphcut_scenario::{Scenario, Steady};
 use sphcut_sph::ChannelId;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+const HELP: &str = "\
+What appears in the output folder (out/<scenario> unless --out says otherwise):
+  report.html    one page: setup, pictures, forces, balances, warnings
+  summary.json   the results as numbers
+  forces.csv     forces, energies and temperatures over time, units in the header
+  run.h5         everything: channels, particles, scenario text, checkpoint
+
+Ctrl-C stops after the current step and writes a checkpoint; run the same command with --resume
+to go on. The results are the same, bit for bit, as without the interruption and for any number
+of threads.
+
+--patch scenario.patch.toml runs the scenario with what `sphcut diagnose` found to be missing.";
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct RunArguments {
+    /// The scenario.
+    #[command(flatten)]
+    pub scenario: PatchableArguments,
+    /// Output folder [default: out/<name of the scenario>].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Go on from the last checkpoint in the output folder.
+    #[arg(long, conflicts_with = "force")]
+    pub resume: bool,
+    /// Replace an existing result.
+    #[arg(long)]
+    pub force: bool,
+    /// What is told.
+    #[command(flatten)]
+    pub told: ToldArguments,
+}
 
 /// The test for a steady state looks at the whole record: once in this many samples is enough.
 const SAMPLES_BETWEEN_STEADY_TESTS: usize = 10;
 
 /// Runs the scenario.
 pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
-    let style = style(arguments);
+    let style = arguments.told.style();
     let result = follow(arguments, style);
     if let (Err(failure), Style::Json) = (&result, style) {
         outcome::emit_error(failure);
@@ -39,14 +78,6 @@ fn follow(arguments: &RunArguments, style: Style) -> Result<ExitCode, Failure> {
     let results = results::write(&run, &options.out_dir)?;
     outcome::finished(&run, &results, style);
     Ok(ExitCode::Done)
-}
-
-fn style(arguments: &RunArguments) -> Style {
-    match (arguments.json, arguments.quiet) {
-        (true, _) => Style::Json,
-        (false, true) => Style::Quiet,
-        (false, false) => Style::Human,
-    }
 }
 
 fn options(arguments: &RunArguments, scenario: &Scenario) -> RunOptions {
@@ -84,7 +115,7 @@ pub fn compute(scenario: &Scenario, options: &RunOptions, style: Style) -> Resul
         })
     });
     display.finish();
-    run.map_err(|error| outcome::failed(&error, &options.out_dir))
+    run.map_err(|error| Failure::of_run(&error, &options.out_dir))
 }
 
 /// Whether the run goes on.

@@ -1,8 +1,27 @@
 //! `sphcut schema`: what an editor needs to complete and check scenario files.
 
-use crate::arguments::SchemaArguments;
 use crate::failure::{ExitCode, Failure};
-use crate::terminal;
+use crate::{files, terminal};
+use clap::Args;
+use std::path::PathBuf;
+
+const HELP: &str = "\
+Examples:
+  sphcut schema > scenario.schema.json    the schema alone
+  sphcut schema --write                   scenario.schema.json and .taplo.toml in this folder:
+                                          editors with Taplo complete and check scenarios/*.toml";
+
+/// Arguments of `schema`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct SchemaArguments {
+    /// Write `scenario.schema.json` and `.taplo.toml` into a folder instead of printing.
+    #[arg(long, value_name = "DIR", num_args = 0..=1, default_missing_value = ".")]
+    pub write: Option<PathBuf>,
+    /// Replace existing files.
+    #[arg(long, requires = "write")]
+    pub force: bool,
+}
 
 /// Name of the schema file.
 const SCHEMA: &str = "scenario.schema.json";
@@ -15,13 +34,9 @@ pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, Failure> {
     let Some(folder) = &arguments.write else {
         return terminal::answer(&schema);
     };
-    let files = [(SCHEMA, schema), (TAPLO, sphcut_scenario::taplo(SCHEMA))];
-    let existing = files.iter().map(|(name, _)| folder.join(name)).find(|path| path.exists());
-    if let Some(path) = existing.filter(|_| !arguments.force) {
-        let message = format!("`{}` exists: use --force to replace it", path.display());
-        return Err(Failure::input(message));
-    }
-    for (name, content) in &files {
+    let written = [(SCHEMA, schema), (TAPLO, sphcut_scenario::taplo(SCHEMA))];
+    files::unless_there(written.iter().map(|(name, _)| folder.join(name)), arguments.force)?;
+    for (name, content) in &written {
         let path = folder.join(name);
         std::fs::write(&path, content).map_err(|error| {
             Failure::output(format!("cannot write `{}`", path.display()), &error)

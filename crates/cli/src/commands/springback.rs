@@ -1,8 +1,8 @@
 //! `sphcut springback`: springback and residual stress of finished cuts, beside measurements.
 
-use crate::arguments::SpringbackArguments;
 use crate::failure::{ExitCode, Failure};
-use crate::{outcome, results, terminal, text};
+use crate::{files, terminal, text};
+use clap::Args;
 use sphcut_postprocess::springback::{
     Measurement, Springback, SpringbackEntry, SpringbackError, measure, springback_csv,
     springback_json,
@@ -13,17 +13,43 @@ use sphcut_report::{SpringbackRun, render_springback};
 use sphcut_sweep::results_of;
 use std::path::{Path, PathBuf};
 
+const HELP: &str = "\
+Examples:
+  sphcut springback out/cut --out springback              one run
+  sphcut springback out/v150 out/v300 out/v450 --measured turning.csv --out springback
+
+What appears in the output folder:
+  springback.html   one page: figures, error bars, residual stress, and what can be said in words
+  springback.json   the same as numbers      springback.csv   one line per run
+
+--measured is a table with a header: v_c [m/min],springback [um],uncertainty [um],F_c [N],F_n [N]
+(other units and any order; the forces may be left out). Springback is a tenth of a particle
+spacing: give the runs many snapshots ([output] snapshots = 200) and see docs/howto/springback.md.";
+
+/// Arguments of `springback`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct SpringbackArguments {
+    /// Folders of the runs, each with `run.h5` inside, or output folders of sweeps.
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// Measured springback (CSV with units in the header).
+    #[arg(long, value_name = "FILE")]
+    pub measured: Option<PathBuf>,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Replace an existing springback report.
+    #[arg(long)]
+    pub force: bool,
+}
+
 const FILES: [&str; 3] = ["springback.html", "springback.json", "springback.csv"];
 
 /// Measures the runs and writes page, numbers and table into the output folder.
 pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
-    if let Some(old) = FILES.iter().map(|name| out.join(name)).find(|path| path.exists())
-        && !arguments.force
-    {
-        let message = format!("`{}` exists: use --force to replace it", old.display());
-        return Err(Failure::input(message));
-    }
+    files::unless_there(FILES.map(|name| out.join(name)), arguments.force)?;
     // The table first: a mistake in it is told at once.
     let measurements = arguments.measured.as_deref().map(read).transpose()?.unwrap_or_default();
     let mut runs = Vec::new();
@@ -37,8 +63,6 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
             }
         }
     }
-    std::fs::create_dir_all(out)
-        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
     let entries: Vec<SpringbackEntry<'_>> = runs
         .iter()
         .map(|run| SpringbackEntry {
@@ -61,9 +85,7 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
         springback_json(&entries, &measurements),
         springback_csv(&entries, &measurements),
     ];
-    for (name, content) in FILES.iter().zip(&texts) {
-        results::save(&out.join(name), content.as_bytes())?;
-    }
+    files::save_all(out, &FILES, &texts)?;
     for run in &runs {
         terminal::line(&line(run));
     }
@@ -80,8 +102,7 @@ fn sweep_in(folder: &Path) -> Result<Option<Vec<(String, PathBuf)>>, Failure> {
     if folder.join("run.h5").exists() || !table.is_file() {
         return Ok(None);
     }
-    let text = std::fs::read_to_string(&table)
-        .map_err(|error| Failure::output(format!("cannot read `{}`", table.display()), &error))?;
+    let text = files::read(&table)?;
     results_of(&text)
         .map(Some)
         .ok_or_else(|| Failure::input(format!("`{}` is no table of a sweep", table.display())))
@@ -117,7 +138,7 @@ struct Measured {
 impl Measured {
     /// The inner error is that of a run without springback.
     fn load(name: &str, folder: &Path) -> Result<Result<Self, SpringbackError>, Failure> {
-        let explain = |error| outcome::failed(&error, folder);
+        let explain = |error| Failure::of_run(&error, folder);
         let run = Run::load(&RunFiles::in_dir(folder).record()).map_err(explain)?;
         let result = evaluate(&run).map_err(explain)?;
         match measure(&run, &result) {
@@ -155,8 +176,7 @@ fn line(run: &Measured) -> String {
 }
 
 fn read(path: &Path) -> Result<Vec<Measurement>, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
+    let text = files::read(path)?;
     let rows = sphcut_input::read_measured_springback(&text)
         .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
     Ok(rows

@@ -1,14 +1,51 @@
 //! `sphcut validate`: the cases under `validation/`, run and judged.
 
-use crate::arguments::{TierChoice, ValidateArguments};
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, terminal, text};
+use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use sphcut_verification::{
     Case, CaseOptions, CaseOutcome, CaseProgress, CaseVerdict, Judgement, Tier, cases,
 };
 use std::fmt::Write as _;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
+
+const HELP: &str = "\
+Tiers: quick takes seconds and runs in the tests; standard takes minutes; long takes hours.
+A case marked as a known gap is shown as such and never counts as passed.";
+
+/// How much of the validation is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TierChoice {
+    /// Seconds per case.
+    Quick,
+    /// Minutes per case.
+    Standard,
+    /// Hours per case.
+    Long,
+}
+
+/// Arguments of `validate`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct ValidateArguments {
+    /// Names of single cases [default: all of the tier].
+    pub cases: Vec<String>,
+    /// Largest tier to run.
+    #[arg(long, default_value = "quick")]
+    pub tier: TierChoice,
+    /// Folder with the cases.
+    #[arg(long, value_name = "DIR", default_value = "validation")]
+    pub folder: PathBuf,
+    /// Threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// List the cases without running them.
+    #[arg(long)]
+    pub list: bool,
+}
 
 /// Runs the chosen cases and prints their verdicts.
 pub fn validate(arguments: &ValidateArguments) -> Result<ExitCode, Failure> {

@@ -1,11 +1,45 @@
 //! `sphcut wear`: what grows while tools cut.
 
-use crate::arguments::WearArguments;
 use crate::failure::{ExitCode, Failure};
-use crate::{results, terminal};
+use crate::{files, terminal};
+use clap::Args;
 use sphcut_diagnose::{WearSegment, grows, growth_csv, growth_json, growth_words};
 use sphcut_input::read_series_table;
 use sphcut_report::{WearPage, render_wear};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+const HELP: &str = "\
+Example:
+  sphcut wear validation/diagnosis_wear/reference.csv --out wear
+
+The table: tool,time [s],F_c [N],F_f [N],F_p [N]; a segment per line, the tools in the order in which they cut, all under the
+same conditions.
+
+What appears in the output folder:
+  wear.json   the causes with their probabilities, each tool left out in turn
+  wear.csv    the normal force of wear on every segment, with its interval, as the other tools predict,
+              and its isotonic fit
+  wear.html   both as curves, tool by tool, and the limits
+
+See docs/howto/wear.md.";
+
+/// Arguments of `wear`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct WearArguments {
+    /// Forces of the tools over their time in cut (CSV with units in the header).
+    pub table: PathBuf,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Segments at the beginning of each tool in which nothing has grown yet.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub fresh: NonZeroUsize,
+    /// Replace an existing result.
+    #[arg(long)]
+    pub force: bool,
+}
 
 const NUMBERS: &str = "wear.json";
 const AMOUNTS: &str = "wear.csv";
@@ -14,15 +48,9 @@ const PAGE: &str = "wear.html";
 /// Says what grows, and writes it with the amount on every segment.
 pub fn wear(arguments: &WearArguments) -> Result<ExitCode, Failure> {
     let files = [NUMBERS, AMOUNTS, PAGE].map(|name| arguments.out.join(name));
-    if let Some(old) = files.iter().find(|path| path.exists())
-        && !arguments.force
-    {
-        let message = format!("`{}` exists: use --force to replace it", old.display());
-        return Err(Failure::input(message));
-    }
+    files::unless_there(files.clone(), arguments.force)?;
     let table = arguments.table.display().to_string();
-    let text = std::fs::read_to_string(&arguments.table)
-        .map_err(|error| Failure::input(format!("cannot read `{table}`: {error}")))?;
+    let text = files::read(&arguments.table)?;
     let rows = read_series_table(&text)
         .map_err(|problem| Failure::input(format!("`{table}`: {problem}")))?;
     let segments: Vec<WearSegment> = rows
@@ -32,12 +60,11 @@ pub fn wear(arguments: &WearArguments) -> Result<ExitCode, Failure> {
     let found = grows(&segments, arguments.fresh.get())
         .map_err(|error| Failure::input(format!("`{table}`: {error}")))?;
     let (out, version) = (&arguments.out, env!("CARGO_PKG_VERSION"));
-    std::fs::create_dir_all(out)
-        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
-    results::save(&files[0], growth_json(&found, version).as_bytes())?;
-    results::save(&files[1], growth_csv(&found).as_bytes())?;
+    files::create_folder(out)?;
+    files::save(&files[0], growth_json(&found, version).as_bytes())?;
+    files::save(&files[1], growth_csv(&found).as_bytes())?;
     let page = WearPage { table: &table, growth: &found, version };
-    results::save(&files[2], render_wear(&page).as_bytes())?;
+    files::save(&files[2], render_wear(&page).as_bytes())?;
     growth_words(&found).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("amounts  {}", files[1].display()));
     terminal::line(&format!("report   {}", files[2].display()));

@@ -7,7 +7,6 @@ mod lines;
 use crate::text;
 pub use json::emit;
 use std::io::IsTerminal;
-use std::time::Duration;
 
 /// Where a run is, in the units shown to the user.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,17 +77,12 @@ impl Status {
             parts.push(forces.to_string());
         }
         if let Some(seconds) = self.remaining_seconds {
-            parts.push(format!("{} left", text::duration(seconds_to_duration(seconds))));
+            parts.push(format!("{} left", text::seconds(seconds)));
         }
         parts.push(text::updates(self.updates_per_second));
         parts.push(format!("{:.3e} s", self.time));
         parts.join(", ")
     }
-}
-
-/// A duration from seconds that came out of a division: never negative, never infinite.
-pub fn seconds_to_duration(seconds: f64) -> Duration {
-    Duration::try_from_secs_f64(seconds.max(0.0)).unwrap_or(Duration::MAX)
 }
 
 /// How progress is shown.

@@ -3,10 +3,11 @@
 mod scan;
 mod trials;
 
-use crate::arguments::CalibrateArguments;
+use crate::common_arguments::{PatchableArguments, ToldArguments};
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{Style, emit};
-use crate::{interrupt, loading, outcome, results, terminal, text};
+use crate::{files, interrupt, loading, outcome, terminal, text};
+use clap::Args;
 use scan::Grid;
 use serde_json::json;
 use sphcut_physics::friction::FrictionEntry;
@@ -16,19 +17,70 @@ use sphcut_postprocess::calibration::{
 use sphcut_report::{calibration_words, render_calibration};
 use sphcut_scenario::{LoadOptions, Scenario};
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::path::Path;
+use std::path::PathBuf;
 use trials::Workbench;
+
+const HELP: &str = "\
+The coefficient of the scenario's friction law is varied at the highest cutting speed of the measured
+table; the one with the least error of F_c and F_f is then fixed and run at the other speeds.
+
+Examples:
+  sphcut calibrate-friction cut.toml --measured turning.csv --out mu
+  sphcut calibrate-friction cut.toml --measured turning.csv --out mu --points 4 --refine 3
+
+What appears in the output folder:
+  calibration.html   one page: errors, forces, predictions, and what can be said in words
+  calibration.json   the same as numbers      calibration.csv   one line per run
+  calibrated.toml    the scenario with the coefficient found
+  runs/              every run; they are used again, and an interrupted scan goes on with the same command
+
+--measured is a table with a header: v_c [m/min],F_c [N],F_n [N] (other units and any order; the columns of
+`sphcut springback` may be there too). See docs/howto/calibrate-friction.md.";
+
+/// Arguments of `calibrate-friction`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct CalibrateArguments {
+    /// The scenario.
+    #[command(flatten)]
+    pub scenario: PatchableArguments,
+    /// Measured forces (CSV with units in the header).
+    #[arg(long, value_name = "FILE")]
+    pub measured: PathBuf,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Smallest coefficient.
+    #[arg(long, value_name = "MU", default_value_t = 0.1)]
+    pub from: f64,
+    /// Largest coefficient.
+    #[arg(long, value_name = "MU", default_value_t = 1.0)]
+    pub to: f64,
+    /// Coefficients of the scan, evenly spaced.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub points: u32,
+    /// Times the step is halved around the best coefficient.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
+    pub refine: u32,
+    /// Threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Replace the pages of an earlier calibration, and runs whose scenario has changed.
+    #[arg(long)]
+    pub force: bool,
+    /// What is told.
+    #[command(flatten)]
+    pub told: ToldArguments,
+}
 
 const FILES: [&str; 4] =
     ["calibration.html", "calibration.json", "calibration.csv", "calibrated.toml"];
 
 /// Scans, predicts and writes pages, numbers and the scenario with the coefficient found.
 pub fn calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
-    let style = match (arguments.json, arguments.quiet) {
-        (true, _) => Style::Json,
-        (false, true) => Style::Quiet,
-        (false, false) => Style::Human,
-    };
+    let style = arguments.told.style();
     let result = follow(arguments, style);
     if let (Err(failure), Style::Json) = (&result, style) {
         outcome::emit_error(failure);
@@ -38,12 +90,8 @@ pub fn calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
 
 fn follow(arguments: &CalibrateArguments, style: Style) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
-    if let Some(old) = FILES.iter().map(|name| out.join(name)).find(|path| path.exists())
-        && !arguments.force
-    {
-        let message = format!("`{}` exists: use --force to replace it", old.display());
-        return Err(Failure::input(message).advise("finished runs are used again"));
-    }
+    files::unless_there(FILES.map(|name| out.join(name)), arguments.force)
+        .map_err(|failure| failure.advise("finished runs are used again"))?;
     let scenario = loading::scenario(&arguments.scenario)?;
     let law = friction_law(&scenario)?;
     let grid = grid(arguments, &scenario, law)?;
@@ -189,9 +237,7 @@ fn write(
         calibration_csv(calibration),
         patched,
     ];
-    for (name, content) in FILES.iter().zip(&texts) {
-        results::save(&arguments.out.join(name), content.as_bytes())?;
-    }
+    files::save_all(&arguments.out, &FILES, &texts)?;
     let page = arguments.out.join(FILES[0]);
     match style {
         Style::Json => emit(&json!({
@@ -225,8 +271,7 @@ fn warn_of_files(path: &Path) {
 }
 
 fn read(path: &Path) -> Result<Vec<MeasuredForces>, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
+    let text = files::read(path)?;
     let rows = sphcut_input::read_measured_forces(&text)
         .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
     Ok(rows

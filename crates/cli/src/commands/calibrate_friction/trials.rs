@@ -1,12 +1,11 @@
 //! One run of a calibration: computed, gone on with, or used again.
 
-use crate::arguments::CalibrateArguments;
+use super::CalibrateArguments;
 use crate::commands::run;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
-use crate::results;
 use crate::terminal::note;
-use crate::{loading, outcome, text};
+use crate::{loading, results, text};
 use sphcut_postprocess::calibration::{MeasuredForces, Trial};
 use sphcut_postprocess::evaluate;
 use sphcut_record::driver::{Export, Process, RunOptions, Start};
@@ -49,7 +48,7 @@ impl Workbench<'_> {
         if run.outcome == Outcome::Interrupted {
             return Ok(None);
         }
-        let result = evaluate(&run).map_err(|error| outcome::failed(&error, &folder))?;
+        let result = evaluate(&run).map_err(|error| Failure::of_run(&error, &folder))?;
         Ok(Some(Trial::new(format!("runs/{name}"), coefficient, measured, &result)))
     }
 

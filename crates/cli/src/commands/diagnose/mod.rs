@@ -3,9 +3,10 @@
 mod runs;
 mod series;
 
-use crate::arguments::DiagnoseArguments;
+use crate::common_arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
-use crate::{loading, results, terminal};
+use crate::{files, loading, terminal};
+use clap::Args;
 use runs::{Ended, Paired};
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{
@@ -15,7 +16,55 @@ use sphcut_diagnose::{
 use sphcut_report::{
     DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
 };
-use std::path::{Path, PathBuf};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+const HELP: &str = "\
+Examples:
+  sphcut diagnose scenarios/diagnosis/example.toml --out missing --closed-form
+  sphcut diagnose CASE.toml --out missing --dry-run       what it takes with the particle solver
+  sphcut diagnose CASE.toml --out missing --store kept    the runs are kept for the next diagnosis
+
+What appears in the output folder:
+  diagnosis.html        one page: residual pattern, candidates, correction, validation, limits, next experiment
+  diagnosis.json        the same as numbers
+  held_out.csv          every held-out value with its predictions
+  lines.csv             with [series]: lines in the spectra of the forces, and what they follow
+  trends.csv            with [series]: trend, run-in and zero of every force in every cut
+  scenario.patch.toml   the missing effect with its parameters, where one is named
+  runs/                 what each effect changes: a sweep of the particle solver with its table and page
+
+Without --closed-form every effect is tried in paired runs of the particle solver, some two hundred. Ctrl-C writes
+checkpoints; the same command goes on. Runs that are in the store already are not computed again.
+
+See docs/howto/diagnose.md, and docs/diagnosis_keys.md for all keys.";
+
+/// Arguments of `diagnose`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct DiagnoseArguments {
+    /// The file of the diagnosis (TOML).
+    #[command(flatten)]
+    pub scene: ScenarioArguments,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Explain with the closed-form model instead of runs of the particle solver.
+    #[arg(long)]
+    pub closed_form: bool,
+    /// Folder that keeps the runs of the particle solver, also for other diagnoses of the same scenario [default: DIR/runs/store].
+    #[arg(long, value_name = "DIR", conflicts_with = "closed_form")]
+    pub store: Option<PathBuf>,
+    /// Say how many runs it takes and how long, and compute nothing.
+    #[arg(long, conflicts_with = "closed_form")]
+    pub dry_run: bool,
+    /// Threads [default: all].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Replace an existing result.
+    #[arg(long)]
+    pub force: bool,
+}
 
 const PAGE: &str = "diagnosis.html";
 const NUMBERS: &str = "diagnosis.json";
@@ -28,12 +77,7 @@ const TRENDS: &str = "trends.csv";
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
     let files = [PAGE, NUMBERS, PATCH, HELD_OUT, LINES, TRENDS].map(|name| out.join(name));
-    if let Some(old) = files.iter().find(|path| path.exists())
-        && !arguments.force
-    {
-        let message = format!("`{}` exists: use --force to replace it", old.display());
-        return Err(Failure::input(message));
-    }
+    files::unless_there(files.clone(), arguments.force)?;
     let file = loading::diagnosis(&arguments.scene)?;
     let pool = loading::pool(loading::threads(arguments.threads))?;
     if arguments.dry_run {
@@ -48,6 +92,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let series = plan.map(|plan| pool.install(|| series::diagnose(&file, plan))).transpose()?;
     let Some(case) = file.case.as_deref() else {
         let found = series.expect("a file without means has series");
+        files::create_folder(out)?;
         return series_alone(&files, &file, &found);
     };
     let mistaken = |error: DiagnoseError| Failure::input(error.to_string());
@@ -75,7 +120,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
             }
         }
     }
-    create_folder(&files[0])?;
+    files::create_folder(out)?;
     let provenance = DiagnosisProvenance {
         title: &case.title,
         source: &case.source,
@@ -90,13 +135,13 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         predictor: model,
         series: series.as_ref(),
     };
-    results::save(&files[0], render_diagnosis(&page).as_bytes())?;
+    files::save(&files[0], render_diagnosis(&page).as_bytes())?;
     let numbers = diagnosis_json(&provenance, &found, &recordings, model);
     let numbers = match &series {
         Some(series) => with_series(&numbers, series),
         None => numbers,
     };
-    results::save(&files[1], numbers.as_bytes())?;
+    files::save(&files[1], numbers.as_bytes())?;
     let texts = [
         patch(&provenance, case, &found, model).map_err(mistaken)?,
         Some(held_out_csv(&found, &recordings)),
@@ -118,8 +163,7 @@ fn series_alone(
 ) -> Result<ExitCode, Failure> {
     let version = env!("CARGO_PKG_VERSION");
     let page = SeriesPage { title: &file.title, source: &file.source, version, series: found };
-    create_folder(&files[0])?;
-    results::save(&files[0], render_series(&page).as_bytes())?;
+    files::save(&files[0], render_series(&page).as_bytes())?;
     let numbers = serde_json::json!({
         "schema_version": "1.0",
         "program_version": version,
@@ -128,24 +172,18 @@ fn series_alone(
         "seed": file.seed,
         "series": series_json(found),
     });
-    results::save(&files[1], format!("{numbers}\n").as_bytes())?;
+    files::save(&files[1], format!("{numbers}\n").as_bytes())?;
     write_or_remove(&files[2..], &[None, None, Some(series_csv(found)), Some(trends_csv(found))])?;
     series_summary(found).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("report  {}", files[0].display()));
     Ok(ExitCode::Done)
 }
 
-fn create_folder(file: &Path) -> Result<(), Failure> {
-    let folder = file.parent().unwrap_or(file);
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::output(format!("cannot create `{}`", folder.display()), &error))
-}
-
 /// Writes what there is, and removes what an earlier diagnosis has left of the rest: an old patch beside a new verdict would be believed.
 fn write_or_remove(files: &[PathBuf], texts: &[Option<String>]) -> Result<(), Failure> {
     for (file, text) in files.iter().zip(texts) {
         match text {
-            Some(text) => results::save(file, text.as_bytes())?,
+            Some(text) => files::save(file, text.as_bytes())?,
             None if file.exists() => std::fs::remove_file(file).map_err(|error| {
                 Failure::output(format!("cannot remove `{}`", file.display()), &error)
             })?,

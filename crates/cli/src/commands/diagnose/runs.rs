@@ -1,18 +1,17 @@
 //! The paired runs of a diagnosis, through a store like any sweep.
 
-use crate::arguments::DiagnoseArguments;
-use crate::commands::sweep;
+use super::DiagnoseArguments;
+use crate::commands::sweep::{dry_run, local, tables};
 use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
-use crate::{interrupt, loading, results, terminal};
+use crate::{files, interrupt, loading, terminal};
 use sphcut_diagnose::{
     Change, DiagnoseError, Diagnosis, DiagnosisCase, Fit, PairedRun, PairedRuns, PairedScenario,
     Predictor, STATES, changes, rerun_changes, rerun_conditions, scenario_patch, support,
     unseen_fits,
 };
 use sphcut_physics::{Channel, CuttingCondition};
-use sphcut_sweep::{Execution, Needs, Plan, Retry, Row, State, Store, Sweep, Table};
-use std::path::{Path, PathBuf};
+use sphcut_sweep::{Execution, Plan, Retry, Row, State, Store, Sweep, Table};
 
 /// Folder of the runs in the output folder.
 const FOLDER: &str = "runs";
@@ -90,10 +89,10 @@ impl Paired {
     /// What it would take.
     pub fn dry_run(&self, arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         let threads = loading::threads(arguments.threads);
-        let plan = sweep::planned(&self.sweep, threads)?;
-        let speed = sweep::dry_run::speed(&self.sweep, &plan)?;
-        let total = sweep::dry_run::total(&plan, Some(speed), threads);
-        let warnings = sweep::dry_run::warnings(&plan);
+        let plan = local::planned(&self.sweep, threads)?;
+        let speed = local::speed(&self.sweep, &plan)?;
+        let total = dry_run::total(&plan, Some(speed), threads);
+        let warnings = dry_run::warnings(&plan);
         terminal::answer(&format!("{}\n{total}{warnings}", self.sweep.title))
     }
 
@@ -140,18 +139,16 @@ impl Paired {
     /// Computes what the store does not have.
     pub fn run(&self, arguments: &DiagnoseArguments) -> Result<Ended, Failure> {
         let threads = loading::threads(arguments.threads);
-        let plan = sweep::planned(&self.sweep, threads)?;
+        let plan = local::planned(&self.sweep, threads)?;
         let folder = arguments.out.join(FOLDER).join(&self.sweep.name);
-        std::fs::create_dir_all(&folder).map_err(|error| {
-            Failure::output(format!("cannot create `{}`", folder.display()), &error)
-        })?;
+        files::create_folder(&folder)?;
         if !self.patch.is_empty() {
-            results::save(&folder.join(super::PATCH), self.patch.as_bytes())?;
+            files::save(&folder.join(super::PATCH), self.patch.as_bytes())?;
         }
         let root =
             arguments.store.clone().unwrap_or_else(|| arguments.out.join(FOLDER).join("store"));
-        let store = Store::create(&root).map_err(|error| sweep::broken(&error))?;
-        note_needs(&store, &folder, &plan)?;
+        let store = Store::create(&root)?;
+        local::note_needs(&store, &folder, &plan)?;
         interrupt::install();
         let left = missing(&plan, &store);
         if left > 0 {
@@ -164,12 +161,12 @@ impl Paired {
         }
         let execution = Execution { threads, retry: Retry::Never };
         let style = if left > 0 { Style::Human } else { Style::Quiet };
-        let states = sweep::run(&self.sweep, &plan, &store, execution, style)?;
-        sweep::tables::write(&folder, &self.sweep, &plan, &store, (&states, &[]))?;
+        let states = local::run(&self.sweep, &plan, &store, execution, style)?;
+        tables::write(&folder, &self.sweep, &plan, &store, (&states, &[]))?;
         if states.iter().any(|state| matches!(state, State::Stopped)) {
             return Ok(Ended::Interrupted);
         }
-        let table = Table::new(&self.sweep, &plan, &store, &states, &sweep::tables::summary);
+        let table = Table::new(&self.sweep, &plan, &store, &states, &tables::summary);
         let failed = states.iter().filter(|state| matches!(state, State::Failed(_))).count();
         if failed > 0 {
             terminal::note(&format!(
@@ -200,13 +197,6 @@ pub fn model(case: &DiagnosisCase, runs: &[PairedRun]) -> Result<PairedRuns, Fai
             "too few of the runs without an effect have a result: there is nothing to compare with",
         )
     })
-}
-
-fn note_needs(store: &Store, folder: &Path, plan: &Plan) -> Result<(), Failure> {
-    let folder: PathBuf = std::fs::canonicalize(folder)
-        .map_err(|error| Failure::output(format!("cannot find `{}`", folder.display()), &error))?;
-    let needs = Needs { folder, addresses: plan.runs.iter().map(|run| run.address).collect() };
-    store.note_needs(&needs).map_err(|error| sweep::broken(&error))
 }
 
 fn missing(plan: &Plan, store: &Store) -> usize {

@@ -1,9 +1,9 @@
 //! `sphcut greybox compare`.
 
 use super::arguments::CompareArguments;
-use super::{create, method, model, refused, table, unless_there};
+use super::tables::{method, model, refused, table};
 use crate::failure::{ExitCode, Failure};
-use crate::{results, terminal, text};
+use crate::{files, terminal, text};
 use sphcut_greybox::{comparison_json, predictions_csv};
 use sphcut_report::render_comparison;
 
@@ -14,13 +14,12 @@ const RESAMPLES: usize = 1000;
 /// Compares a stored correction with measurements.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
-    unless_there(&FILES.map(|name| out.join(name)), arguments.force)?;
+    files::unless_there(FILES.map(|name| out.join(name)), arguments.force)?;
     let method = method(arguments.regressor.as_deref())?;
     let model = model(&arguments.model)?;
     let (simulated, measured) = (table(&arguments.simulated)?, table(&arguments.measured)?);
     let found = sphcut_greybox::compare(&model, method, &simulated, &measured, RESAMPLES)
         .map_err(|error| refused(&arguments.measured, &error))?;
-    create(out)?;
     let inputs = found.pairs.inputs();
     let rows: Vec<_> = inputs
         .into_iter()
@@ -29,9 +28,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
         .collect();
     let texts =
         [render_comparison(&model, &found), comparison_json(&found), predictions_csv(&rows)];
-    for (name, content) in FILES.iter().zip(&texts) {
-        results::save(&out.join(name), content.as_bytes())?;
-    }
+    files::save_all(out, &FILES, &texts)?;
     if found.same_measurements {
         terminal::note("warning: these are the very measurements the correction was fitted to");
     }

@@ -1,9 +1,9 @@
 //! `sphcut greybox fit`.
 
 use super::arguments::FitArguments;
-use super::{MODEL, create, method, refused, table, unless_there};
+use super::tables::{MODEL, method, refused, table};
 use crate::failure::{ExitCode, Failure};
-use crate::{loading, results, terminal, text};
+use crate::{files, loading, terminal, text};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sphcut_greybox::regressor::Method;
 use sphcut_greybox::{FitOptions, ForceFit, GreyBox, GreyBoxFit, fit_json, points_csv};
@@ -15,7 +15,7 @@ const TICKS: u64 = 1000;
 /// Fits and writes page, numbers, points and models.
 pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
-    unless_there(&FILES.map(|name| out.join(name)), arguments.force)?;
+    files::unless_there(FILES.map(|name| out.join(name)), arguments.force)?;
     let options =
         FitOptions { seed: arguments.seed, methods: methods(arguments)?, ..FitOptions::default() };
     let (simulated, measured) = (table(&arguments.simulated)?, table(&arguments.measured)?);
@@ -29,16 +29,13 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
     });
     bar.finish_and_clear();
     let found = found.map_err(|error| refused(&arguments.measured, &error))?;
-    create(out)?;
     let texts = [
         render_greybox(&found),
         fit_json(&found),
         points_csv(&found),
         GreyBox::of(&found).to_json(),
     ];
-    for (name, content) in FILES.iter().zip(&texts) {
-        results::save(&out.join(name), content.as_bytes())?;
-    }
+    files::save_all(out, &FILES, &texts)?;
     if !arguments.quiet {
         say(&found);
         terminal::line(&format!("report  {}", out.join(FILES[0]).display()));

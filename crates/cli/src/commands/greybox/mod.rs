@@ -4,14 +4,12 @@ mod arguments;
 mod compare;
 mod fit;
 mod predict;
+mod tables;
 
 pub use arguments::GreyboxArguments;
 
 use crate::failure::{ExitCode, Failure};
 use arguments::GreyboxCommand;
-use sphcut_greybox::regressor::Method;
-use sphcut_greybox::{ForceRow, ForceTable, GreyBox, GreyBoxError};
-use std::path::{Path, PathBuf};
 
 /// Runs one of its commands.
 pub fn greybox(arguments: &GreyboxArguments) -> Result<ExitCode, Failure> {
@@ -20,65 +18,4 @@ pub fn greybox(arguments: &GreyboxArguments) -> Result<ExitCode, Failure> {
         GreyboxCommand::Predict(arguments) => predict::predict(arguments),
         GreyboxCommand::Compare(arguments) => compare::compare(arguments),
     }
-}
-
-/// Name of the stored corrections in the folder of a fit.
-const MODEL: &str = "model.json";
-
-/// Reads a table of forces.
-fn table(path: &Path) -> Result<ForceTable, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
-    let rows = sphcut_input::read_force_table(&text)
-        .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
-    let rows = rows
-        .into_iter()
-        .map(|row| ForceRow {
-            cutting_speed: row.cutting_speed,
-            uncut_chip_thickness: row.uncut_chip_thickness,
-            forces: [row.cutting_force, row.feed_force],
-            deviations: [row.cutting_force_deviation, row.feed_force_deviation],
-            count: row.count,
-        })
-        .collect();
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    Ok(ForceTable::new(&name, &text, rows))
-}
-
-/// Reads the corrections from a file or from the folder of a fit.
-fn model(path: &Path) -> Result<GreyBox, Failure> {
-    let path = if path.is_dir() { path.join(MODEL) } else { path.to_path_buf() };
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
-    GreyBox::from_json(&text)
-        .map_err(|error| Failure::input(format!("`{}`: {error}", path.display())))
-}
-
-/// The regressor of a name.
-fn method(key: Option<&str>) -> Result<Option<Method>, Failure> {
-    let Some(key) = key else { return Ok(None) };
-    Method::from_key(key).map(Some).ok_or_else(|| {
-        let known: Vec<&str> = Method::ALL.iter().map(|method| method.key()).collect();
-        Failure::input(format!("there is no regressor `{key}`; there are {}", known.join(", ")))
-    })
-}
-
-/// Mistakes of tables that were paired.
-fn refused(measured: &Path, error: &GreyBoxError) -> Failure {
-    Failure::input(format!("`{}`: {error}", measured.display()))
-}
-
-/// Refuses to replace what is there.
-fn unless_there(paths: &[PathBuf], force: bool) -> Result<(), Failure> {
-    match paths.iter().find(|path| path.exists()) {
-        Some(old) if !force => {
-            Err(Failure::input(format!("`{}` exists: use --force to replace it", old.display())))
-        }
-        _ => Ok(()),
-    }
-}
-
-fn create(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::output(format!("cannot create `{}`", folder.display()), &error))
 }

@@ -1,14 +1,14 @@
 //! `sphcut greybox predict`.
 
 use super::arguments::PredictArguments;
-use super::{method, model, table, unless_there};
+use super::tables::{method, model, table};
 use crate::failure::{ExitCode, Failure};
-use crate::{results, terminal};
+use crate::{files, terminal};
 use sphcut_greybox::{ForceKind, predictions_csv};
 
 /// Corrects a table of simulated forces.
 pub fn predict(arguments: &PredictArguments) -> Result<ExitCode, Failure> {
-    unless_there(std::slice::from_ref(&arguments.out), arguments.force)?;
+    files::unless_there([arguments.out.clone()], arguments.force)?;
     let method = method(arguments.regressor.as_deref())?;
     let (model, simulated) = (model(&arguments.model)?, table(&arguments.simulated)?);
     let mut rows = Vec::with_capacity(simulated.rows.len());
@@ -29,7 +29,7 @@ pub fn predict(arguments: &PredictArguments) -> Result<ExitCode, Failure> {
             rows.len()
         ));
     }
-    results::save(&arguments.out, predictions_csv(&rows).as_bytes())?;
+    files::save(&arguments.out, predictions_csv(&rows).as_bytes())?;
     terminal::line(&format!("{} conditions  {}", rows.len(), arguments.out.display()));
     Ok(ExitCode::Done)
 }

@@ -2,9 +2,10 @@
 
 mod series_file;
 
-use crate::arguments::RecordingsArguments;
+use crate::common_arguments::FileArguments;
 use crate::failure::{ExitCode, Failure};
-use crate::{loading, results, terminal};
+use crate::{files, loading, terminal};
+use clap::Args;
 use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
 use sphcut_recordings::{
     ComponentResult, CutResult, Pooled, RawColumn, RawTable, RecordingFormat, RecordingPlan,
@@ -14,6 +15,28 @@ use sphcut_report::{RecordingsPage, recordings_words, render_recordings};
 use std::io::Read;
 use std::path::Path;
 
+const HELP: &str = "\
+Example:
+  sphcut recordings scenarios/recordings/example.toml --out forces
+
+What appears in the output folder:
+  recordings.html   one page: forces, every cut with its window and spectrum, what was noticed
+  forces.csv        one line per set of conditions: v_c, h, forces, standard deviation, n, order
+  cuts.csv          one line per record, with everything that was noticed
+  recordings.json   the same as numbers      recordings.h5   the series
+
+Gaps, clipping, missing numbers, unequal clocks, a wrong sign, a missing trigger are named; such a
+record gives no force. See docs/howto/recordings.md, and docs/recordings_keys.md for all keys.";
+
+/// Arguments of `recordings`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct RecordingsArguments {
+    /// File and folder.
+    #[command(flatten)]
+    pub file: FileArguments,
+}
+
 const FILES: [&str; 5] =
     ["recordings.html", "recordings.json", "forces.csv", "cuts.csv", "recordings.h5"];
 /// Largest file that is read, in bytes.
@@ -21,14 +44,9 @@ const LARGEST: u64 = 2 << 30;
 
 /// Evaluates the records and writes page, tables and series into the output folder.
 pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> {
-    let out = &arguments.out;
-    if let Some(old) = FILES.iter().map(|name| out.join(name)).find(|path| path.exists())
-        && !arguments.force
-    {
-        let message = format!("`{}` exists: use --force to replace it", old.display());
-        return Err(Failure::input(message));
-    }
-    let plan = loading::recordings(&arguments.scene)?;
+    let out = &arguments.file.out;
+    files::unless_there(FILES.map(|name| out.join(name)), arguments.file.force)?;
+    let plan = loading::recordings(&arguments.file.scene)?;
     let mut cuts = Vec::new();
     for cut in &plan.cuts {
         let table = read_record((&cut.path, &cut.group), plan.format)?;
@@ -40,8 +58,6 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
         cuts.push(found);
     }
     let pooled = pool(&cuts);
-    std::fs::create_dir_all(out)
-        .map_err(|error| Failure::output(format!("cannot create `{}`", out.display()), &error))?;
     let low_pass = plan.settings.low_pass.map_or_else(String::new, |(order, cut_off)| {
         format!("Low-pass at {cut_off} Hz, order {order}, without a shift in time.")
     });
@@ -58,9 +74,7 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
         forces_csv(&pooled),
         cuts_csv(&cuts),
     ];
-    for (name, content) in FILES.iter().zip(&texts) {
-        results::save(&out.join(name), content.as_bytes())?;
-    }
+    files::save_all(out, &FILES, &texts)?;
     write_series(&out.join(FILES[4]), &plan, &cuts, &pooled)?;
     recordings_words(&page).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("report             {}", out.join(FILES[0]).display()));

@@ -4,9 +4,7 @@ mod arguments;
 
 pub use arguments::StoreArguments;
 
-use crate::commands::sweep::broken;
 use crate::failure::{ExitCode, Failure};
-use crate::progress::seconds_to_duration;
 use crate::{terminal, text};
 use arguments::{GcArguments, StoreCommand, VerifyArguments};
 use serde_json::json;
@@ -24,11 +22,11 @@ pub fn store(arguments: &StoreArguments) -> Result<ExitCode, Failure> {
 }
 
 fn open(folder: &Path) -> Result<Store, Failure> {
-    Store::open(folder).map_err(|error| broken(&error))
+    Ok(Store::open(folder)?)
 }
 
 fn list(store: &Store, as_json: bool) -> Result<ExitCode, Failure> {
-    let found = store.list().map_err(|error| broken(&error))?;
+    let found = store.list()?;
     let entries: Vec<&Entry> = found.results.iter().flatten().collect();
     if as_json {
         let results: Vec<_> = entries
@@ -69,7 +67,7 @@ fn list(store: &Store, as_json: bool) -> Result<ExitCode, Failure> {
             entry.address.short(),
             text::grouped(entry.particles),
             text::grouped(entry.steps),
-            text::duration(seconds_to_duration(entry.wall_seconds)),
+            text::seconds(entry.wall_seconds),
             text::bytes(entry.bytes()),
             entry.title
         );
@@ -92,7 +90,7 @@ fn list(store: &Store, as_json: bool) -> Result<ExitCode, Failure> {
         "{} results, {} of files, {} of processor time; {} failures, {} unfinished",
         text::grouped(entries.len() as u64),
         text::bytes(bytes),
-        text::duration(seconds_to_duration(seconds)),
+        text::seconds(seconds),
         found.failures.len(),
         found.unfinished.len()
     );
@@ -100,8 +98,8 @@ fn list(store: &Store, as_json: bool) -> Result<ExitCode, Failure> {
 }
 
 fn verify(store: &Store, arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
-    let folders = store.result_folders().map_err(|error| broken(&error))?;
-    let found = store.list().map_err(|error| broken(&error))?;
+    let folders = store.result_folders()?;
+    let found = store.list()?;
     let mut damaged = Vec::new();
     for (folder, result) in folders.iter().zip(&found.results) {
         let verdict = match result {
@@ -118,7 +116,7 @@ fn verify(store: &Store, arguments: &VerifyArguments) -> Result<ExitCode, Failur
     }
     if arguments.remove {
         for folder in &damaged {
-            store.remove(folder).map_err(|error| broken(&error))?;
+            store.remove(folder)?;
         }
     }
     terminal::line(&format!("{} results, {} damaged", folders.len(), damaged.len()));
@@ -134,8 +132,8 @@ fn verify(store: &Store, arguments: &VerifyArguments) -> Result<ExitCode, Failur
 }
 
 fn collect(store: &Store, arguments: &GcArguments) -> Result<ExitCode, Failure> {
-    let needs = store.needs().map_err(|error| broken(&error))?;
-    let leftovers = store.leftovers().map_err(|error| broken(&error))?;
+    let needs = store.needs()?;
+    let leftovers = store.leftovers()?;
     for needs in &needs {
         terminal::line(&format!(
             "{} needs {} runs",
@@ -147,7 +145,7 @@ fn collect(store: &Store, arguments: &GcArguments) -> Result<ExitCode, Failure> 
         let size = text::bytes(leftover.bytes);
         terminal::line(&format!("{}: {}, {size}", leftover.path.display(), leftover.reason));
         if arguments.remove {
-            store.remove(&leftover.path).map_err(|error| broken(&error))?;
+            store.remove(&leftover.path)?;
         }
     }
     let bytes: u64 = leftovers.iter().map(|leftover| leftover.bytes).sum();

@@ -1,6 +1,6 @@
 //! The arguments of `sphcut sweep`.
 
-use crate::arguments::PatchableArguments;
+use crate::common_arguments::{PatchableArguments, ToldArguments};
 use clap::{ArgMatches, Args, Command, Error, FromArgMatches, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -142,10 +142,14 @@ pub struct SweepArguments {
     /// Run again what failed in an earlier sweep.
     #[arg(long)]
     pub retry_failed: bool,
-    /// Say nothing but warnings and errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
-    /// Progress and result as one JSON object per line on standard output.
-    #[arg(long)]
-    pub json: bool,
+    /// What is told.
+    #[command(flatten)]
+    pub told: ToldArguments,
+}
+
+impl SweepArguments {
+    /// Folder of the store of results.
+    pub fn store_folder(&self) -> PathBuf {
+        self.store.clone().unwrap_or_else(|| self.out.join("store"))
+    }
 }

@@ -1,13 +1,10 @@
 //! `sphcut sweep --dry-run`: the runs, their cost and the total.
 
-use super::arguments::Executor;
-use super::{SweepArguments, slurm};
-use crate::commands::check;
+use super::arguments::{Executor, SweepArguments};
+use super::{local, slurm};
 use crate::failure::{ExitCode, Failure};
-use crate::progress::seconds_to_duration;
-use crate::{loading, terminal, text};
-use sphcut_sph::Simulation;
-use sphcut_sweep::{Plan, PlannedRun, Sweep};
+use crate::{terminal, text};
+use sphcut_sweep::{Plan, Sweep};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -18,7 +15,7 @@ pub fn dry_run(
     plan: &Plan,
     threads: usize,
 ) -> Result<ExitCode, Failure> {
-    let speed = if arguments.no_measure { None } else { Some(speed(sweep, plan)?) };
+    let speed = if arguments.no_measure { None } else { Some(local::speed(sweep, plan)?) };
     let on_cluster = arguments.executor == Executor::Slurm;
     let mut page = format!("{}\n\n", sweep.title);
     page.push_str(&table(sweep, plan, speed));
@@ -31,21 +28,6 @@ pub fn dry_run(
     }
     page.push_str(&warnings(plan));
     terminal::answer(&page)
-}
-
-/// Particle updates per second of one thread, in the run of middling cost.
-pub fn speed(sweep: &Sweep, plan: &Plan) -> Result<f64, Failure> {
-    let mut order: Vec<&PlannedRun> = plan.runs.iter().collect();
-    order.sort_by(|a, b| a.cost.updates().total_cmp(&b.cost.updates()));
-    let middle = order[order.len() / 2];
-    let values: Vec<&str> = middle.values.iter().map(String::as_str).collect();
-    // It was read and built when the sweep was planned.
-    let scenario = sweep.scenario(&values).map_err(|unfit| Failure::input(unfit.settings))?;
-    loading::pool(1)?.install(|| {
-        let mut simulation =
-            Simulation::new(scenario.setup).map_err(|error| Failure::input(error.to_string()))?;
-        check::speed(&mut simulation)
-    })
 }
 
 /// One line per run.
@@ -68,7 +50,7 @@ fn table(sweep: &Sweep, plan: &Plan, speed: Option<f64>) -> String {
 
 /// `12 s to 26 s`.
 fn span([least, most]: [f64; 2]) -> String {
-    let shown = |seconds| text::duration(seconds_to_duration(seconds));
+    let shown = |seconds| text::seconds(seconds);
     if most > least { format!("{} to {}", shown(least), shown(most)) } else { shown(least) }
 }
 

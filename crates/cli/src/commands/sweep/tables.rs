@@ -1,7 +1,7 @@
 //! Table and page of a sweep.
 
 use crate::failure::{ExitCode, Failure};
-use crate::results;
+use crate::{files, results};
 use serde_json::Value;
 use sphcut_postprocess::{SCHEMA_VERSION, evaluate, summary_json};
 use sphcut_record::{Run, RunFiles};
@@ -12,8 +12,7 @@ use std::path::{Path, PathBuf};
 /// v_c in m/s, h in m, F_c and F_f in N of the measured cuts; none without `--measured`.
 pub fn measured(path: Option<&Path>) -> Result<Vec<[f64; 4]>, Failure> {
     let Some(path) = path else { return Ok(Vec::new()) };
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::output(format!("cannot read `{}`", path.display()), &error))?;
+    let text = files::read(path)?;
     let rows = sphcut_input::read_force_table(&text)
         .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
     let row = |row: &sphcut_input::ForceTableRow| {
@@ -31,20 +30,20 @@ pub fn write(
     (states, measured): (&[State], &[[f64; 4]]),
 ) -> Result<PathBuf, Failure> {
     let table = Table::new(sweep, plan, store, states, &summary);
-    results::save(&out.join("table.csv"), table.csv(out).as_bytes())?;
+    files::save(&out.join("table.csv"), table.csv(out).as_bytes())?;
     let version = env!("CARGO_PKG_VERSION");
     table
         .write_h5(&out.join("table.h5"), &sweep.text, version)
         .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
     if let Some(simulated) = table.simulated_csv() {
-        results::save(&out.join("simulated.csv"), simulated.as_bytes())?;
+        files::save(&out.join("simulated.csv"), simulated.as_bytes())?;
     }
     let page =
         SweepPage { table: &table, left_out: &plan.left_out, measured, text: &sweep.text, version };
     let text = render_sweep(&page)
         .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
     let path = out.join("sweep.html");
-    results::save(&path, text.as_bytes())?;
+    files::save(&path, text.as_bytes())?;
     Ok(path)
 }
 

@@ -1,6 +1,5 @@
 //! Where a sweep is: the state of every run, how much is left.
 
-use crate::progress::seconds_to_duration;
 use crate::text;
 use sphcut_sweep::{News, Plan, State};
 use std::fmt::Write as _;
@@ -109,7 +108,7 @@ impl Tally {
     pub fn line(&self, elapsed: f64) -> String {
         let mut line = self.counts();
         if let Some(seconds) = self.remaining(elapsed).filter(|seconds| *seconds > 0.0) {
-            let _ = write!(line, "; {} left", text::duration(seconds_to_duration(seconds)));
+            let _ = write!(line, "; {} left", text::seconds(seconds));
         }
         line
     }

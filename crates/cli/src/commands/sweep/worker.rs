@@ -1,7 +1,7 @@
 //! Computes one run of a sweep in this process.
 
 use crate::commands::run;
-use crate::{interrupt, loading, results};
+use crate::{files, interrupt, loading, results};
 use sphcut_postprocess::{evaluate, summary_json};
 use sphcut_record::driver::{self, Export, Process, RunOptions, Start};
 use sphcut_record::{Outcome, Run, RunError};
@@ -35,7 +35,7 @@ impl Worker for Here {
         }
         let passing = |reason: String| Trouble::Passing(reason);
         let result = evaluate(&run).map_err(|error| passing(error.to_string()))?;
-        results::save(&folder.join(results::SUMMARY), summary_json(&result).as_bytes())
+        files::save(&folder.join(results::SUMMARY), summary_json(&result).as_bytes())
             .map_err(|failure| passing(failure.message().to_owned()))?;
         Ok(Computed::Finished {
             particles: run.performance.particles,

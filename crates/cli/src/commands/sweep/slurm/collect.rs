@@ -1,8 +1,9 @@
 //! Table and page of a submitted sweep, from what the store has.
 
-use super::super::{broken, planned, tables};
+use super::super::local::planned;
+use super::super::tables;
+use super::submitted::{state, store, sweep, tasks};
 use super::task::check_unchanged;
-use super::{state, store, sweep, tasks};
 use crate::failure::{ExitCode, Failure};
 use crate::{loading, terminal, text};
 use sphcut_sweep::Sweep;
@@ -15,7 +16,7 @@ pub fn collect(mut submission: Submission) -> Result<ExitCode, Failure> {
     note_ends(&mut submission)?;
     let sweep = sweep(&submission)?;
     let plan = planned(&sweep, loading::threads(None))?;
-    check_unchanged(&plan, &submission.shares().map_err(|error| broken(&error))?)?;
+    check_unchanged(&plan, &submission.shares()?)?;
     let store = store(&submission)?;
     write(&submission, (&sweep, &plan, &store))
 }
@@ -30,7 +31,7 @@ fn note_ends(submission: &mut Submission) -> Result<(), Failure> {
     for task in tasks {
         *submission.ended.entry(task.state).or_insert(0) += 1;
     }
-    submission.write().map_err(|error| broken(&error))
+    Ok(submission.write()?)
 }
 
 /// Writes table and page of everything that is there.

@@ -1,9 +1,7 @@
 //! `sphcut sweep status`: what the store has, what the queue does.
 
-use super::super::broken;
-use super::{refused, state, store, tasks};
+use super::submitted::{state, store, tasks};
 use crate::failure::{ExitCode, Failure};
-use crate::progress::seconds_to_duration;
 use crate::{terminal, text};
 use serde_json::json;
 use sphcut_sweep::slurm::{Queued, Submission};
@@ -30,14 +28,12 @@ impl Standing {
         let (finished, failed) = (submission.there, submission.failing);
         let mut standing = Self { finished, failed, ..Self::default() };
         let (mut updates, mut seconds) = (0.0, 0.0);
-        for share in submission.shares().map_err(|error| broken(&error))? {
+        for share in submission.shares()? {
             match state(store, &share.address)? {
                 State::Failed(_) => standing.failed += 1,
                 State::Reused => {
                     standing.finished += 1;
-                    if let Some(entry) =
-                        store.entry(&share.address).map_err(|error| broken(&error))?
-                    {
+                    if let Some(entry) = store.entry(&share.address)? {
                         updates += share.updates;
                         seconds += entry.wall_seconds * entry.threads as f64;
                     }
@@ -70,7 +66,7 @@ impl Standing {
 /// Says how far it is.
 pub fn status(submission: &Submission, as_json: bool) -> Result<ExitCode, Failure> {
     let standing = Standing::new(submission, &store(submission)?)?;
-    let tasks = tasks(submission).map_err(|error| refused(&error))?;
+    let tasks = tasks(submission)?;
     let running = tasks.iter().filter(|task| task.state == "RUNNING").count();
     let living = tasks.iter().filter(|task| task.is_alive()).count();
     let remaining = standing.remaining(running * submission.threads);
@@ -111,7 +107,7 @@ pub fn status(submission: &Submission, as_json: bool) -> Result<ExitCode, Failur
     page.push_str(&array(submission, &tasks, &states, living));
     if let Some(seconds) = remaining {
         let plural = if running == 1 { "" } else { "s" };
-        let left = text::duration(seconds_to_duration(seconds));
+        let left = text::seconds(seconds);
         let _ = writeln!(page, "about {left} left with {running} task{plural} running");
     }
     if living == 0 && standing.missing() > 0 {

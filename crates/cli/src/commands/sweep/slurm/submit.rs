@@ -1,9 +1,11 @@
 //! A sweep becomes a job array.
 
-use super::super::arguments::Executor;
-use super::super::{STORE, SweepArguments, broken, dry_run};
-use super::{collect, refused, state, tasks};
+use super::super::arguments::{Executor, SweepArguments};
+use super::super::{local, tables};
+use super::collect;
+use super::submitted::{state, tasks};
 use crate::failure::{ExitCode, Failure};
+use crate::files::absolute;
 use crate::progress::{Style, emit};
 use crate::{terminal, text};
 use serde_json::json;
@@ -14,7 +16,7 @@ use sphcut_sweep::slurm::{
 use sphcut_sweep::{Plan, State, Store};
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Options of the cluster that make no sense here.
 pub fn check_options(arguments: &SweepArguments) -> Result<(), Failure> {
@@ -34,7 +36,7 @@ pub fn check_options(arguments: &SweepArguments) -> Result<(), Failure> {
         return Err(Failure::input(reason));
     }
     // A machine that is none of a cluster is told before anything is written.
-    if arguments.dry_run { Ok(()) } else { slurm::is_possible().map_err(|error| refused(&error)) }
+    if arguments.dry_run { Ok(()) } else { Ok(slurm::is_possible()?) }
 }
 
 /// How the missing runs become tasks.
@@ -96,12 +98,8 @@ impl Array {
 
 /// What a submission would ask for.
 pub fn announced(arguments: &SweepArguments, plan: &Plan, speed: f64) -> Result<String, Failure> {
-    let root = arguments.store.clone().unwrap_or_else(|| arguments.out.join(STORE));
-    let store = if root.exists() {
-        Some(Store::open(&root).map_err(|error| broken(&error))?)
-    } else {
-        None
-    };
+    let root = arguments.store_folder();
+    let store = if root.exists() { Some(Store::open(&root)?) } else { None };
     let array = arranged(arguments, plan, store.as_ref(), speed)?;
     Ok(format!("on Slurm: {}; {} runs there already\n", array.told(), array.there))
 }
@@ -114,21 +112,21 @@ pub fn submit(
     store: &Store,
     style: Style,
 ) -> Result<ExitCode, Failure> {
-    super::super::tables::measured(arguments.measured.as_deref())?;
+    tables::measured(arguments.measured.as_deref())?;
     refuse_second(&arguments.out)?;
     if arguments.retry_failed {
         for run in &plan.runs {
-            store.forget_failure(&run.address).map_err(|error| broken(&error))?;
+            store.forget_failure(&run.address)?;
         }
     }
-    let speed = dry_run::speed(sweep, plan)?;
+    let speed = local::speed(sweep, plan)?;
     let array = arranged(arguments, plan, Some(store), speed)?;
     let mut submission = recorded(arguments, sweep, store, &array)?;
     if array.tasks.is_empty() {
         say(style, "nothing to submit: every run has its result, or is known to fail");
         return collect::write(&submission, (sweep, plan, store));
     }
-    submission.folder = Submission::prepare(&submission.out).map_err(|error| broken(&error))?;
+    submission.folder = Submission::prepare(&submission.out)?;
     let sent = send(arguments, sweep, &mut submission, &shares(&array, plan), array.request);
     if let Err(failure) = sent {
         // Nothing of it is left in the queue.
@@ -141,10 +139,10 @@ pub fn submit(
 
 /// Two arrays for the same folder would wait for each other.
 fn refuse_second(out: &Path) -> Result<(), Failure> {
-    let Some(earlier) = Submission::last(out).map_err(|error| broken(&error))? else {
+    let Some(earlier) = Submission::last(out)? else {
         return Ok(());
     };
-    let queued = tasks(&earlier).map_err(|error| refused(&error))?;
+    let queued = tasks(&earlier)?;
     let living = queued.iter().filter(|task| task.is_alive()).count();
     if living == 0 {
         return Ok(());
@@ -178,11 +176,6 @@ fn recorded(
         tasks: array.tasks.len(),
         ..Submission::default()
     })
-}
-
-fn absolute(path: &Path) -> Result<PathBuf, Failure> {
-    std::fs::canonicalize(path)
-        .map_err(|error| Failure::output(format!("cannot find `{}`", path.display()), &error))
 }
 
 fn shares(array: &Array, plan: &Plan) -> Vec<Share> {
@@ -220,19 +213,19 @@ fn send(
         request,
         options: arguments.slurm_option.clone(),
     };
-    let kept = |submission: &Submission| submission.write().map_err(|error| broken(&error));
+    let kept = |submission: &Submission| submission.write().map_err(Failure::from);
     let put = |submission: &Submission, name, text: String| {
-        submission.write_script(name, &text).map_err(|error| broken(&error))
+        submission.write_script(name, &text).map_err(Failure::from)
     };
-    submission.write_shares(shares).map_err(|error| broken(&error))?;
+    submission.write_shares(shares)?;
     let array = put(submission, "array.sh", array_script(&script))?;
     let collecting = put(submission, "collect.sh", collecting_script(&script, &submission.out))?;
     // Before the first task can start.
     kept(submission)?;
-    let number = slurm::submit(&array, None).map_err(|error| refused(&error))?;
+    let number = slurm::submit(&array, None)?;
     submission.array = Some(number);
     let after = kept(submission)
-        .and_then(|()| slurm::submit(&collecting, Some(number)).map_err(|error| refused(&error)));
+        .and_then(|()| slurm::submit(&collecting, Some(number)).map_err(Failure::from));
     match after {
         Ok(job) => {
             submission.collecting = Some(job);

@@ -1,7 +1,7 @@
 //! One task of the array: its runs, through the same store as everywhere.
 
-use super::super::{broken, run, told, unplanned};
-use super::{store, sweep};
+use super::super::local::{run, told};
+use super::submitted::{store, sweep};
 use crate::failure::{ExitCode, Failure};
 use crate::progress::Style;
 use crate::terminal::note;
@@ -16,8 +16,8 @@ use std::time::Instant;
 pub fn task(folder: &Path, number: usize) -> Result<ExitCode, Failure> {
     // A cluster may end the task at any time.
     interrupt::install_patient();
-    let submission = Submission::read(folder).map_err(|error| broken(&error))?;
-    let mut shares = submission.shares().map_err(|error| broken(&error))?;
+    let submission = Submission::read(folder)?;
+    let mut shares = submission.shares()?;
     shares.retain(|share| share.task == number);
     if shares.is_empty() {
         let (shown, tasks) = (folder.display(), submission.tasks);
@@ -35,9 +35,7 @@ pub fn task(folder: &Path, number: usize) -> Result<ExitCode, Failure> {
     ));
     let sweep = sweep(&submission)?;
     let numbers = shares.iter().map(|share| share.run).collect();
-    let plan = loading::pool(submission.threads)?
-        .install(|| plan_only(&sweep, &numbers))
-        .map_err(|error| unplanned(&error))?;
+    let plan = loading::pool(submission.threads)?.install(|| plan_only(&sweep, &numbers))?;
     check_unchanged(&plan, &shares)?;
     let store = store(&submission)?;
     // What failed is known to the next submission, and to this task when it is queued again.

@@ -1,0 +1,112 @@
+//! A sweep on this machine: planned, measured, computed and told.
+
+use super::display::Display;
+use super::worker;
+use crate::commands::check;
+use crate::failure::{ExitCode, Failure};
+use crate::progress::{Style, emit};
+use crate::{files, loading, terminal, text};
+use serde_json::json;
+use sphcut_sph::Simulation;
+use sphcut_sweep::{Execution, Needs, Plan, PlannedRun, State, Store, Sweep, execute, plan};
+use std::path::Path;
+use std::time::Instant;
+
+/// Every run, checked.
+pub fn planned(sweep: &Sweep, threads: usize) -> Result<Plan, Failure> {
+    Ok(loading::pool(threads)?.install(|| plan(sweep))?)
+}
+
+/// Particle updates per second of one thread, in the run of middling cost.
+pub fn speed(sweep: &Sweep, plan: &Plan) -> Result<f64, Failure> {
+    let mut order: Vec<&PlannedRun> = plan.runs.iter().collect();
+    order.sort_by(|a, b| a.cost.updates().total_cmp(&b.cost.updates()));
+    let middle = order[order.len() / 2];
+    let values: Vec<&str> = middle.values.iter().map(String::as_str).collect();
+    // It was read and built when the sweep was planned.
+    let scenario = sweep.scenario(&values).map_err(|unfit| Failure::input(unfit.settings))?;
+    loading::pool(1)?.install(|| {
+        let mut simulation =
+            Simulation::new(scenario.setup).map_err(|error| Failure::input(error.to_string()))?;
+        check::speed(&mut simulation)
+    })
+}
+
+/// Notes what the sweep with its output in `out` needs, for `sphcut store gc`.
+pub fn note_needs(store: &Store, out: &Path, plan: &Plan) -> Result<(), Failure> {
+    let addresses = plan.runs.iter().map(|run| run.address).collect();
+    Ok(store.note_needs(&Needs { folder: files::absolute(out)?, addresses })?)
+}
+
+/// Says what starts.
+pub fn announce(sweep: &Sweep, plan: &Plan, store: &Store, threads: usize, style: Style) {
+    let (runs, folder) = (plan.runs.len(), store.root().display());
+    match style {
+        Style::Json => emit(&json!({
+            "event": "start",
+            "title": sweep.title,
+            "runs": runs,
+            "left_out": plan.left_out.len(),
+            "threads": threads,
+            "store": folder.to_string(),
+        })),
+        Style::Human => {
+            let plural = if threads == 1 { "" } else { "s" };
+            terminal::note(&format!(
+                "{}: {} runs on {threads} thread{plural}, results in {folder}",
+                sweep.title,
+                text::grouped(runs as u64)
+            ));
+        }
+        Style::Quiet => {}
+    }
+}
+
+/// Computes what the store does not have, and shows how far it is.
+pub fn run(
+    sweep: &Sweep,
+    plan: &Plan,
+    store: &Store,
+    execution: Execution,
+    style: Style,
+) -> Result<Vec<State>, Failure> {
+    let display = Display::new(sweep, plan, style);
+    let states = execute(sweep, plan, store, execution, &worker::Here, &|news| display.take(&news));
+    display.finish();
+    Ok(states?)
+}
+
+/// Says how it ended.
+pub fn told(states: &[State], start: Instant, style: Style) -> ExitCode {
+    let count = |wanted: fn(&State) -> bool| states.iter().filter(|state| wanted(state)).count();
+    let failed = count(|state| matches!(state, State::Failed(_)));
+    let stopped = count(|state| matches!(state, State::Stopped));
+    let reused = count(|state| matches!(state, State::Reused));
+    let finished = count(|state| matches!(state, State::Finished));
+    match style {
+        Style::Json => emit(&json!({
+            "event": if stopped > 0 { "interrupted" } else { "done" },
+            "finished": finished,
+            "reused": reused,
+            "failed": failed,
+            "stopped": stopped,
+            "wall_s": start.elapsed().as_secs_f64(),
+        })),
+        Style::Human => {
+            let duration = text::seconds(start.elapsed().as_secs_f64());
+            terminal::line(&format!(
+                "{finished} runs computed in {duration}, {reused} there already, {failed} failed"
+            ));
+        }
+        Style::Quiet => {}
+    }
+    if stopped > 0 {
+        if style != Style::Json {
+            terminal::note(&format!(
+                "interrupted, {stopped} runs are left: checkpoints are written; the same command goes on"
+            ));
+        }
+        return ExitCode::Interrupted;
+    }
+    if failed > 0 { ExitCode::Diverged } else { ExitCode::Done }
+}

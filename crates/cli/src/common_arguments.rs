@@ -1,0 +1,63 @@
+//! Arguments that several commands have.
+
+use crate::progress::Style;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Options that say how a scenario is read.
+#[derive(Debug, Args)]
+pub struct ScenarioArguments {
+    /// The scenario file (TOML).
+    pub scenario: PathBuf,
+    /// Let the scenario read files outside its own folder.
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+/// A scenario, or the file of a sweep of one, that a patch may change.
+#[derive(Debug, Args)]
+pub struct PatchableArguments {
+    /// The file.
+    #[command(flatten)]
+    pub file: ScenarioArguments,
+    /// Change the scenario by the keys under [scenario] of this file, such as the
+    /// scenario.patch.toml of a diagnosis.
+    #[arg(long, value_name = "FILE")]
+    pub patch: Option<PathBuf>,
+}
+
+/// A file in TOML whose results go into a folder.
+#[derive(Debug, Args)]
+pub struct FileArguments {
+    /// The file (TOML).
+    #[command(flatten)]
+    pub scene: ScenarioArguments,
+    /// Output folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Replace an existing result.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// What is told while a command works, and how.
+#[derive(Debug, Args)]
+pub struct ToldArguments {
+    /// Say nothing but warnings and errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Progress and result as one JSON object per line on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl ToldArguments {
+    /// How progress is shown.
+    pub fn style(&self) -> Style {
+        match (self.json, self.quiet) {
+            (true, _) => Style::Json,
+            (false, true) => Style::Quiet,
+            (false, false) => Style::Human,
+        }
+    }
+}
