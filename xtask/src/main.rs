@@ -1,7 +1,7 @@
-//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench | conceal`.
+//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench | blind`.
 
 mod bench;
-mod conceal;
+mod blind;
 mod docs;
 mod inspect;
 mod source;
@@ -43,10 +43,11 @@ enum Chore {
         #[arg(long, value_name = "FOLDER")]
         peers: Option<PathBuf>,
     },
-    /// Draw sealed cases for the diagnosis, and score what was claimed of them.
-    Conceal {
+    /// Draw blind cases for the diagnosis, and score what was claimed of them.
+    #[command(alias = "conceal")]
+    Blind {
         #[command(subcommand)]
-        what: conceal::Conceal,
+        what: blind::Blind,
     },
 }
 
@@ -57,7 +58,7 @@ fn main() -> ExitCode {
         Chore::Docs { check: false } => docs::docs(&root(), docs::Mode::Renew),
         Chore::Schema => docs::schema(&root()),
         Chore::Inspect { folder } => inspect::inspect(&folder),
-        Chore::Conceal { what } => conceal::run(&what),
+        Chore::Blind { what } => blind::run(&what),
         Chore::Bench { peers } => bench::run(&root(), peers.as_deref()),
     };
     match result {

@@ -3,6 +3,7 @@
 use crate::error::CaseError;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use sphcut_input::{Colours, Problem};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -103,4 +104,9 @@ pub(crate) fn text_of(path: &Path) -> Result<String, CaseError> {
 /// What the TOML file at `path` says.
 pub(crate) fn toml_of<T: DeserializeOwned>(path: &Path) -> Result<T, CaseError> {
     toml::from_str(&text_of(path)?).map_err(|error| CaseError::invalid(path, error.to_string()))
+}
+
+/// `problems` as a page without colours.
+pub(crate) fn rendered(problems: &[Problem]) -> String {
+    problems.iter().map(|problem| problem.render(Colours::Plain)).collect()
 }

@@ -9,6 +9,7 @@
 //! To add a case: one folder. To add an observable: one file in `observable/`
 //! and its line in [`observable::ALL`].
 
+pub mod blind;
 mod case;
 pub mod diagnoses;
 mod error;

@@ -67,6 +67,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
     (
         "verification",
         &[
+            "analytic",
             "diagnose",
             "input",
             "scenario",

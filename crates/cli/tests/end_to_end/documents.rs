@@ -165,24 +165,24 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("cargo xtask tidy", Not("a check of the repository")),
     ("cargo xtask docs --check", Not("a check of the repository")),
     (
-        "cargo xtask conceal draw --out CASES --key KEY --cases 120 --with-reference",
+        "cargo xtask blind draw --out CASES --key KEY --cases 120 --with-reference",
         Not("takes hours"),
     ),
     (
-        "cargo xtask conceal run --cases CASES --out claims.csv --held-out --threads 1",
+        "cargo xtask blind run --cases CASES --out claims.csv --held-out --threads 1",
         Not("takes hours"),
     ),
     (
-        "cargo xtask conceal score --cases CASES --key KEY --claims claims.csv --details claims.details.jsonl",
+        "cargo xtask blind score --cases CASES --key KEY --claims claims.csv --details claims.details.jsonl",
         Not("needs claims"),
     ),
-    ("cargo xtask conceal twin --base CUT.toml --out DIR --key KEY", Not("needs a key")),
-    ("cargo xtask conceal record --cases DIR --key KEY", Not("needs runs")),
+    ("cargo xtask blind twin --base CUT.toml --out DIR --key KEY", Not("needs a key")),
+    ("cargo xtask blind record --cases DIR --key KEY", Not("needs runs")),
     (
-        "cargo xtask conceal claim --cases DIR --sphcut target/release/sphcut --store STORE --out claims.csv",
+        "cargo xtask blind claim --cases DIR --sphcut target/release/sphcut --store STORE --out claims.csv",
         Not("takes hours"),
     ),
-    ("cargo xtask conceal score --cases DIR --key KEY --claims claims.csv", Not("needs claims")),
+    ("cargo xtask blind score --cases DIR --key KEY --claims claims.csv", Not("needs claims")),
 ];
 
 #[test]

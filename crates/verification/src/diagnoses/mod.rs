@@ -11,14 +11,14 @@ pub use score::{score_edge_radius, score_wear};
 
 use crate::error::CaseError;
 use crate::expectation::Expected;
-use crate::head::{CaseHead, CaseKind, Tier, text_of, toml_of};
+use crate::head::{CaseHead, CaseKind, Tier, rendered, text_of, toml_of};
 use crate::verdict::Judgement;
 use serde::Deserialize;
 use sphcut_diagnose::{
     ClosedForm, Diagnosis, Predictor, WearGrowth, WearSegment, closed_form_cut, diagnose_case,
     grows, load_diagnosis,
 };
-use sphcut_input::{Colours, read_series_table};
+use sphcut_input::read_series_table;
 use sphcut_scenario::LoadOptions;
 use std::path::{Path, PathBuf};
 
@@ -104,10 +104,8 @@ impl Diagnoses {
     pub fn diagnosed(&self, head: &CaseHead) -> Result<Vec<JudgedDiagnosis>, CaseError> {
         let one = |asked: &DiagnosisSpecification| {
             let path = head.folder.join(&asked.file);
-            let case = load_diagnosis(&path, &LoadOptions::default()).map_err(|problems| {
-                let text = problems.iter().map(|problem| problem.render(Colours::Plain));
-                CaseError::invalid(&path, text.collect::<String>())
-            })?;
+            let case = load_diagnosis(&path, &LoadOptions::default())
+                .map_err(|problems| CaseError::invalid(&path, rendered(&problems)))?;
             let failed =
                 |error: sphcut_diagnose::DiagnoseError| CaseError::failed(&asked.name, error);
             let cut = closed_form_cut(&case.base).map_err(failed)?;

@@ -9,7 +9,7 @@ use std::fmt::Write;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
     pub case: String,
-    pub verdict: Verdict,
+    pub verdict: ClaimedVerdict,
     pub named: Vec<String>,
     /// Effects by probability, the most probable first.
     pub ranking: Vec<String>,
@@ -22,11 +22,49 @@ pub struct Claim {
 
 /// The four verdicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum ClaimedVerdict {
     Nothing,
     Named,
     OneOf,
     NoneOfThese,
+}
+
+impl ClaimedVerdict {
+    const ALL: [Self; 4] = [Self::Nothing, Self::Named, Self::OneOf, Self::NoneOfThese];
+
+    /// Name in the table of claims.
+    const fn key(self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing",
+            Self::Named => "named",
+            Self::OneOf => "one_of",
+            Self::NoneOfThese => "none_of_these",
+        }
+    }
+
+    /// The verdict of a name.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|verdict| verdict.key() == key)
+    }
+}
+
+impl Claim {
+    /// Its line in the table.
+    pub fn line(&self) -> String {
+        let estimate = self.estimate.map_or_else(
+            || ",,".to_owned(),
+            |[value, low, high]| format!("{value:.6e},{low:.6e},{high:.6e}"),
+        );
+        format!(
+            "{},{},{},{},{},{},{estimate}",
+            self.case,
+            self.verdict.key(),
+            self.named.join(";"),
+            self.ranking.join(";"),
+            self.set.join(";"),
+            self.family
+        )
+    }
 }
 
 pub const HEAD: &str = "case,verdict,named,ranking,set,family,value,low,high";
@@ -46,13 +84,8 @@ fn claim(line: &str) -> Result<Claim, String> {
     let [case, verdict, named, ranking, set, family, estimate @ ..] = cells.as_slice() else {
         return Err("9 cells are needed".to_owned());
     };
-    let verdict = match *verdict {
-        "nothing" => Verdict::Nothing,
-        "named" => Verdict::Named,
-        "one_of" => Verdict::OneOf,
-        "none_of_these" => Verdict::NoneOfThese,
-        other => return Err(format!("`{other}` is no verdict")),
-    };
+    let verdict =
+        ClaimedVerdict::from_key(verdict).ok_or_else(|| format!("`{verdict}` is no verdict"))?;
     let list = |cell: &str| -> Result<Vec<String>, String> {
         let items = cell.split(';').map(str::trim).filter(|item| !item.is_empty());
         items
@@ -71,7 +104,7 @@ fn claim(line: &str) -> Result<Claim, String> {
         _ => return Err("9 cells are needed".to_owned()),
     };
     let named = list(named)?;
-    if (verdict == Verdict::Named) == named.is_empty() {
+    if (verdict == ClaimedVerdict::Named) == named.is_empty() {
         return Err("effects are named where, and only where, the verdict is `named`".to_owned());
     }
     Ok(Claim {
@@ -146,9 +179,9 @@ impl Score {
     }
 
     fn add(&mut self, answer: &Answer, claim: &Claim) {
-        let is_alarm = claim.verdict != Verdict::Nothing;
+        let is_alarm = claim.verdict != ClaimedVerdict::Nothing;
         let is_true = |key: &String| answer.effects.iter().any(|(own, _, _)| own == key);
-        if claim.verdict == Verdict::Named {
+        if claim.verdict == ClaimedVerdict::Named {
             self.named_right.add(claim.named.iter().all(is_true));
         }
         if answer.kind == "null" {
@@ -156,9 +189,9 @@ impl Score {
             return;
         }
         self.alarms.add(is_alarm);
-        self.named.add(claim.verdict == Verdict::Named);
+        self.named.add(claim.verdict == ClaimedVerdict::Named);
         if answer.kind == "outside" {
-            self.none.add(claim.verdict == Verdict::NoneOfThese);
+            self.none.add(claim.verdict == ClaimedVerdict::NoneOfThese);
         }
         if is_alarm {
             let in_set = claim

@@ -11,9 +11,9 @@ use std::hash::{BuildHasher, Hasher};
 
 /// 32 secret bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Key([u8; 32]);
+pub struct SealKey([u8; 32]);
 
-impl Key {
+impl SealKey {
     /// From the random numbers of the operating system that seed hash tables, and the clock.
     pub fn draw() -> Self {
         let mut state = Sha256::new();
@@ -69,7 +69,7 @@ pub fn digest(bytes: &[u8]) -> String {
 }
 
 /// The sealed file of `text`.
-pub fn close(key: &Key, text: &str) -> String {
+pub fn close(key: &SealKey, text: &str) -> String {
     // The same key and text give the same file: the salt is that of the text.
     let salt = key.block(text.as_bytes(), 0);
     let commitment = digest(&[&salt[..], text.as_bytes()].concat());
@@ -83,7 +83,7 @@ pub fn close(key: &Key, text: &str) -> String {
 }
 
 /// The text of a sealed file.
-pub fn open(key: &Key, file: &str) -> Result<String, String> {
+pub fn open(key: &SealKey, file: &str) -> Result<String, String> {
     let sealed: Value = serde_json::from_str(file).map_err(|error| error.to_string())?;
     let part =
         |name: &str| sealed[name].as_str().ok_or_else(|| format!("answers.sealed has no `{name}`"));
@@ -116,12 +116,12 @@ mod tests {
 
     #[test]
     fn what_is_sealed_opens_with_its_key_only() {
-        let key = Key([7; 32]);
+        let key = SealKey([7; 32]);
         let text = "wear, and nothing else but wear; ".repeat(9);
         let sealed = close(&key, &text);
         assert!(!sealed.contains("wear"));
         assert_eq!(open(&key, &sealed).unwrap(), text);
-        assert!(open(&Key([8; 32]), &sealed).is_err());
+        assert!(open(&SealKey([8; 32]), &sealed).is_err());
         let place = sealed.find("\"text\": \"").unwrap() + 10;
         let digit = &sealed[place..=place];
         let other = if digit == "0" { "1" } else { "0" };
@@ -131,10 +131,10 @@ mod tests {
 
     #[test]
     fn a_key_is_read_back_and_never_drawn_twice() {
-        let key = Key::draw();
-        assert_eq!(Key::from_text(&format!("{}\n", key.to_text())).unwrap(), key);
-        assert_ne!(Key::draw(), key);
-        assert!(Key::from_text("abc").is_err() && Key::from_text("zz").is_err());
+        let key = SealKey::draw();
+        assert_eq!(SealKey::from_text(&format!("{}\n", key.to_text())).unwrap(), key);
+        assert_ne!(SealKey::draw(), key);
+        assert!(SealKey::from_text("abc").is_err() && SealKey::from_text("zz").is_err());
     }
 
     #[test]

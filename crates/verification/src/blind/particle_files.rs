@@ -1,10 +1,11 @@
-//! Files of the twin cases, and what `sphcut diagnose` claims of them.
+//! Files of the cases cut by the particle solver, and what `sphcut diagnose` claims of them.
 
-use super::score::HEAD;
-use super::twin::{plan, record as recorded, twins};
-use super::{files, read, run, seal, write};
+use super::particle_cases::{particle_cases, plan, record as recorded};
+use super::score::{Claim, ClaimedVerdict, HEAD};
+use super::{claims as of_all, files, read, seal, write};
+use crate::head::rendered;
 use serde_json::Value;
-use sphcut_input::{Colours, read_cut_table};
+use sphcut_input::read_cut_table;
 use sphcut_scenario::{LoadOptions, load};
 use std::path::Path;
 use std::process::Command;
@@ -14,38 +15,32 @@ const RUNS: &str = "runs.toml";
 /// What the sweep writes.
 const SIMULATED: &str = "swept/simulated.csv";
 
-/// Base and sweep.
+/// Base and sweep; says what comes next.
 pub fn draw(
     base: &Path,
     out: &Path,
-    key: &seal::Key,
+    key: &seal::SealKey,
     cases: usize,
     travel: f64,
-) -> Result<(), String> {
+) -> Result<String, String> {
     if out.exists() {
         return Err(format!("{} exists: cases are never mixed", out.display()));
     }
-    let scenario = load(base, &LoadOptions::default()).map_err(|problems| {
-        problems.iter().map(|problem| problem.render(Colours::Plain)).collect::<String>()
-    })?;
-    let runs = plan(&twins(key.seed(), cases), (&scenario, base), travel)?;
+    let scenario = load(base, &LoadOptions::default()).map_err(|problems| rendered(&problems))?;
+    let runs = plan(&particle_cases(key.seed(), cases), (&scenario, base), travel)?;
     std::fs::create_dir_all(out).map_err(|error| error.to_string())?;
     write(&out.join(BASE), &scenario.text)?;
     write(&out.join(RUNS), &runs)?;
-    println!(
-        "Next: sphcut sweep {}/{RUNS} --out {}/swept, then conceal record",
-        out.display(),
-        out.display()
-    );
-    Ok(())
+    let shown = out.display();
+    Ok(format!("Next: sphcut sweep {shown}/{RUNS} --out {shown}/swept, then blind record"))
 }
 
 /// A folder for each case, and the sealed answers.
-pub fn record(folder: &Path, key: &seal::Key, count: usize) -> Result<(), String> {
+pub fn record(folder: &Path, key: &seal::SealKey, count: usize) -> Result<String, String> {
     let simulated = folder.join(SIMULATED);
     let rows = read_cut_table(&read(&simulated)?)
         .map_err(|problem| format!("{}: {problem}", simulated.display()))?;
-    let cases = recorded(key.seed(), &twins(key.seed(), count), &rows)?;
+    let cases = recorded(key.seed(), &particle_cases(key.seed(), count), &rows)?;
     let base = read(&folder.join(BASE))?;
     for case in &cases {
         let own = folder.join(&case.name);
@@ -55,14 +50,13 @@ pub fn record(folder: &Path, key: &seal::Key, count: usize) -> Result<(), String
         write(&own.join("diagnosis.toml"), &diagnosis_toml(&case.name))?;
     }
     write(&folder.join("answers.sealed"), &seal::close(key, &files::answers(&cases)))?;
-    println!("{} cases in {}", cases.len(), folder.display());
-    Ok(())
+    Ok(format!("{} cases in {}", cases.len(), folder.display()))
 }
 
 /// One library for all: its range is stated, since every case has conditions of its own.
 fn diagnosis_toml(name: &str) -> String {
     format!(
-        "title = \"{name}\"\nsource = \"cargo xtask conceal\"\nscenario = \"{BASE}\"\n\n[measured]\nfile = \"recordings.csv\"\n\n\
+        "title = \"{name}\"\nsource = \"cargo xtask blind\"\nscenario = \"{BASE}\"\n\n[measured]\nfile = \"recordings.csv\"\n\n\
          [runs]\nlowest_speed = \"20 m/min\"\nhighest_speed = \"400 m/min\"\nthinnest = \"0.04 mm\"\nthickest = \"0.2 mm\"\nrepaired = 0\n\n\
          [checks]\nself_test = 0\ncontrol = 0\n"
     )
@@ -71,7 +65,7 @@ fn diagnosis_toml(name: &str) -> String {
 /// The claims of all cases.
 pub fn claims(cases: &Path, sphcut: &Path, store: &Path, pages: &Path) -> Result<String, String> {
     let mut text = format!("{HEAD}\n");
-    for folder in run::folders(cases)? {
+    for folder in of_all::folders(cases)? {
         let name = folder.file_name().map(|name| name.to_string_lossy().into_owned());
         let name = name.ok_or("a folder without a name")?;
         let out = pages.join(&name);
@@ -108,12 +102,13 @@ fn line(name: &str, found: &Value) -> Option<String> {
     effects.sort_by(|a, b| b.1.total_cmp(&a.1));
     let ranking: Vec<String> = effects.into_iter().map(|(key, _)| key).collect();
     let verdict = match found["verdict"].as_str()? {
-        "no_alarm" => "nothing",
-        other => other,
+        "no_alarm" => ClaimedVerdict::Nothing,
+        other => ClaimedVerdict::from_key(other)?,
     };
+    let is_alarm = verdict != ClaimedVerdict::Nothing;
     let named = list(&found["named"])?;
-    let mut set = if verdict == "nothing" { Vec::new() } else { list(&found["set"])? };
-    if verdict != "nothing" && found["set_has_none_of_these"].as_bool()? {
+    let mut set = if is_alarm { list(&found["set"])? } else { Vec::new() };
+    if is_alarm && found["set_has_none_of_these"].as_bool()? {
         set.push("none".to_owned());
     }
     let family = found["families"][0]["family"].as_str().unwrap_or_default();
@@ -124,15 +119,10 @@ fn line(name: &str, found: &Value) -> Option<String> {
         let mut first_of = parameters.filter(|one| one["effect"] == first.as_str());
         let one = first_of.next()?;
         let [low, high] = [0, 1].map(|k: usize| one["interval"][k].as_f64());
-        Some(format!("{:.6e},{:.6e},{:.6e}", one["value"].as_f64()?, low?, high?))
+        Some([one["value"].as_f64()?, low?, high?])
     });
-    Some(format!(
-        "{name},{verdict},{},{},{},{family},{}",
-        named.join(";"),
-        ranking.join(";"),
-        set.join(";"),
-        estimate.unwrap_or_else(|| ",,".to_owned())
-    ))
+    let (case, family) = (name.to_owned(), family.to_owned());
+    Some(Claim { case, verdict, named, ranking, set, family, estimate }.line())
 }
 
 #[cfg(test)]
@@ -152,7 +142,7 @@ mod tests {
         });
         let claims =
             score::claims(&format!("{HEAD}\n{}\n", line("case-0001", &found).unwrap())).unwrap();
-        assert_eq!(claims[0].verdict, score::Verdict::Named);
+        assert_eq!(claims[0].verdict, score::ClaimedVerdict::Named);
         assert_eq!(claims[0].ranking, ["edge_radius", "size_effect"]);
         assert_eq!(claims[0].estimate, Some([2e-5, 1e-5, 3e-5]));
         let quiet = json!({
@@ -161,6 +151,6 @@ mod tests {
         });
         let claims =
             score::claims(&format!("{HEAD}\n{}\n", line("case-0002", &quiet).unwrap())).unwrap();
-        assert!(claims[0].set.is_empty() && claims[0].verdict == score::Verdict::Nothing);
+        assert!(claims[0].set.is_empty() && claims[0].verdict == score::ClaimedVerdict::Nothing);
     }
 }

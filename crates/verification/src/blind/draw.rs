@@ -1,6 +1,5 @@
 //! Drawing the cases.
 
-use super::Truths;
 use super::truth::{Hidden, Instrument, Middle, NUISANCES, OPPONENTS, Outside, Truth, base, batch};
 use sphcut_analytic::{ActiveEffect, EFFECTS, Effect, Observables, Physics, Scale, predict};
 use sphcut_greybox::Random;
@@ -15,7 +14,7 @@ const REPEATS: usize = 2;
 /// Length of one cut in m.
 const CUT_LENGTH: f64 = 20.0;
 /// Share of the cells that are lost, where some are.
-pub(super) const LOST: f64 = 0.1;
+const LOST: f64 = 0.1;
 /// Draws of what is hidden after which a case is given up: the plan then shows nothing of any effect.
 const MOST_DRAWS: usize = 200;
 /// Not hidden: they are the instruments' own errors, which every case has.
@@ -23,14 +22,14 @@ const INSTRUMENTS_OWN: [&str; 3] = ["gain", "offset", "drift"];
 
 /// What kind of case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum BlindKind {
     Null,
     Single,
     Pair,
     Outside,
 }
 
-impl Kind {
+impl BlindKind {
     pub const fn key(self) -> &'static str {
         match self {
             Self::Null => "null",
@@ -41,26 +40,36 @@ impl Kind {
     }
 }
 
+/// Whose cuts are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BlindPhysics {
+    /// Half of the cases each from the two misspecified models.
+    Opponents,
+    /// The library itself: what remains without a bias.
+    Library,
+}
+
 /// What kinds of cases.
 #[derive(Debug, Clone, Copy)]
-pub struct Wanted {
-    pub physics: Truths,
+pub struct DrawOptions {
+    /// The physics that the cuts obey.
+    pub physics: BlindPhysics,
     /// Commissioning sets in every case.
     pub with_reference: bool,
     /// Nothing hidden in any.
     pub nulls: bool,
 }
 
-impl From<Truths> for Wanted {
-    fn from(physics: Truths) -> Self {
+impl From<BlindPhysics> for DrawOptions {
+    fn from(physics: BlindPhysics) -> Self {
         Self { physics, with_reference: false, nulls: false }
     }
 }
 
 /// The plan of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plan {
-    pub kind: Kind,
+pub struct BlindPlan {
+    pub kind: BlindKind,
     /// Place in [`STRATA`].
     pub stratum: usize,
     pub noise: f64,
@@ -71,9 +80,9 @@ pub struct Plan {
     pub physics: (&'static str, Physics),
 }
 
-/// One recorded cut: values and stated standard deviations by place of the channel in [`Case::channels`].
+/// One recorded cut: values and stated standard deviations by place of the channel in [`BlindCase::channels`].
 #[derive(Debug, Clone)]
-pub struct Recorded {
+pub struct RecordedCut {
     pub condition: CuttingCondition,
     pub values: Vec<Option<(f64, f64)>>,
     /// Logarithm of what the noise made of each value; the instruments' errors are no noise.
@@ -82,12 +91,12 @@ pub struct Recorded {
 
 /// A case with its answer.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub struct BlindCase {
     pub name: String,
-    pub plan: Plan,
+    pub plan: BlindPlan,
     pub channels: Vec<Channel>,
-    pub recordings: Vec<Recorded>,
-    pub commissioning: Vec<Recorded>,
+    pub recordings: Vec<RecordedCut>,
+    pub commissioning: Vec<RecordedCut>,
     pub hidden: Hidden,
     /// Raw change: root mean square of the relative change over the plan, in the channel where it is largest.
     pub strength: f64,
@@ -95,7 +104,11 @@ pub struct Case {
 }
 
 /// `count` cases that follow from `seed`.
-pub fn cases(seed: u64, count: usize, wanted: impl Into<Wanted>) -> Result<Vec<Case>, String> {
+pub fn cases(
+    seed: u64,
+    count: usize,
+    wanted: impl Into<DrawOptions>,
+) -> Result<Vec<BlindCase>, String> {
     plans(seed, count, wanted.into())
         .into_iter()
         .enumerate()
@@ -107,7 +120,7 @@ pub fn cases(seed: u64, count: usize, wanted: impl Into<Wanted>) -> Result<Vec<C
 }
 
 /// Every property in equal shares, each dealt out independently of the others.
-fn plans(seed: u64, count: usize, wanted: Wanted) -> Vec<Plan> {
+fn plans(seed: u64, count: usize, wanted: DrawOptions) -> Vec<BlindPlan> {
     let mut random = Random::new(seed, &[0]);
     let mut deal = |parts: usize| {
         let mut hand: Vec<usize> = (0..count).map(|index| index % parts).collect();
@@ -116,14 +129,14 @@ fn plans(seed: u64, count: usize, wanted: Wanted) -> Vec<Plan> {
     };
     // Of 40 cases 15 are null, 17 hide one effect, 4 two, 4 something else.
     let kind = |card: usize| match card {
-        0..15 => Kind::Null,
-        15..32 => Kind::Single,
-        32..36 => Kind::Pair,
-        _ => Kind::Outside,
+        0..15 => BlindKind::Null,
+        15..32 => BlindKind::Single,
+        32..36 => BlindKind::Pair,
+        _ => BlindKind::Outside,
     };
     let hands = [40, 3, 3, 2, 2, 2, 3, 2].map(&mut deal);
-    let of = |index: usize| Plan {
-        kind: if wanted.nulls { Kind::Null } else { kind(hands[0][index]) },
+    let of = |index: usize| BlindPlan {
+        kind: if wanted.nulls { BlindKind::Null } else { kind(hands[0][index]) },
         stratum: hands[1][index],
         noise: NOISES[hands[2][index]],
         is_wide: hands[3][index] == 1,
@@ -131,8 +144,8 @@ fn plans(seed: u64, count: usize, wanted: Wanted) -> Vec<Plan> {
         has_commissioning: wanted.with_reference || hands[5][index] == 1,
         has_gaps: hands[6][index] == 1,
         physics: match wanted.physics {
-            Truths::Opponents => OPPONENTS[hands[7][index]],
-            Truths::Library => ("library", Physics::LIBRARY),
+            BlindPhysics::Opponents => OPPONENTS[hands[7][index]],
+            BlindPhysics::Library => ("library", Physics::LIBRARY),
         },
     };
     (0..count).map(of).collect()
@@ -169,7 +182,7 @@ fn channels(forces_only: bool) -> Vec<Channel> {
     forces.into_iter().chain(others.into_iter().filter(|_| !forces_only)).collect()
 }
 
-fn case(name: String, plan: Plan, mut random: Random) -> Result<Case, String> {
+fn case(name: String, plan: BlindPlan, mut random: Random) -> Result<BlindCase, String> {
     let plan_of_cuts = conditions(plan.is_wide, &mut random);
     let channels = channels(plan.forces_only);
     let (nuisances, plain, observed) = loop {
@@ -185,7 +198,7 @@ fn case(name: String, plan: Plan, mut random: Random) -> Result<Case, String> {
     let middle = middle(&plan_of_cuts, &observed);
     let mut truth = Truth { cut: plain, hidden: Hidden::default(), middle };
     let gauge = Gauge { conditions: &plan_of_cuts, plain: &observed, channels: &channels };
-    if plan.kind != Kind::Null {
+    if plan.kind != BlindKind::Null {
         let hide = |_: usize| {
             gauge.hide(&mut truth, plan, &mut random).then(|| gauge.strength(&truth)).flatten()
         };
@@ -196,19 +209,25 @@ fn case(name: String, plan: Plan, mut random: Random) -> Result<Case, String> {
     let strength = gauge.strength(&truth).unwrap_or(0.0);
     let instruments: Vec<Instrument> =
         channels.iter().map(|channel| Instrument::draw(*channel, &mut random)).collect();
-    let bench = Bench { channels: &channels, instruments: &instruments, plan };
-    let recordings = bench.record(&truth, &plan_of_cuts, plan.has_gaps, &mut random)?;
+    let bench = Bench {
+        channels: &channels,
+        instruments: &instruments,
+        noise: plan.noise,
+        has_gaps: plan.has_gaps,
+    };
+    let recordings = bench.record(&truth, &plan_of_cuts, &mut random)?;
     let mut commissioning = Vec::new();
     if plan.has_commissioning {
         // Two series with fresh inserts, in which nothing is hidden, on the same bench from the same batch.
         let sound = Truth { hidden: Hidden::default(), cut: truth.cut.clone(), middle };
+        let whole = Bench { has_gaps: false, ..bench };
         for _ in 0..2 {
             let cuts = conditions(plan.is_wide, &mut random);
-            commissioning.extend(bench.record(&sound, &cuts, false, &mut random)?);
+            commissioning.extend(whole.record(&sound, &cuts, &mut random)?);
         }
     }
     let hidden = truth.hidden;
-    Ok(Case { name, plan, channels, recordings, commissioning, hidden, strength, nuisances })
+    Ok(BlindCase { name, plan, channels, recordings, commissioning, hidden, strength, nuisances })
 }
 
 pub(super) fn middle(conditions: &[CuttingCondition], observed: &[Observables]) -> Middle {
@@ -233,7 +252,7 @@ struct Gauge<'a> {
 }
 
 impl Gauge<'_> {
-    /// See [`Case::strength`]; `None` where a cut has no answer.
+    /// See [`BlindCase::strength`]; `None` where a cut has no answer.
     fn strength(&self, truth: &Truth) -> Option<f64> {
         let changed: Result<Vec<Observables>, _> =
             self.conditions.iter().map(|condition| truth.at(condition)).collect();
@@ -250,20 +269,20 @@ impl Gauge<'_> {
     }
 
     /// Hides something of the plan's kind, each part as strong as its stratum says; false if this draw cannot be.
-    fn hide(&self, truth: &mut Truth, plan: Plan, random: &mut Random) -> bool {
+    fn hide(&self, truth: &mut Truth, plan: BlindPlan, random: &mut Random) -> bool {
         let (low, high) = STRATA[plan.stratum];
         let target = low * (high / low).powf(random.uniform());
         truth.hidden = Hidden::default();
         match plan.kind {
-            Kind::Null => true,
-            Kind::Outside => {
+            BlindKind::Null => true,
+            BlindKind::Outside => {
                 let outside = Outside::ALL[random.below(Outside::ALL.len())];
                 let with =
                     |t: f64| Some(Hidden { effects: Vec::new(), outside: Some((outside, t)) });
                 self.tuned(truth, target, with)
             }
-            Kind::Single => self.effect(truth, target, &[], random).is_some(),
-            Kind::Pair => {
+            BlindKind::Single => self.effect(truth, target, &[], random).is_some(),
+            BlindKind::Pair => {
                 let Some(first) = self.effect(truth, target, &[], random) else { return false };
                 let Some(second) = self.effect(truth, target, &[first.effect.key], random) else {
                     return false;
@@ -354,10 +373,13 @@ pub(super) fn along(prior: (f64, f64), vanishing: f64, scale: Scale, ahead: bool
 }
 
 /// The bench with its instruments.
-struct Bench<'a> {
-    channels: &'a [Channel],
-    instruments: &'a [Instrument],
-    plan: Plan,
+pub(super) struct Bench<'a> {
+    pub(super) channels: &'a [Channel],
+    pub(super) instruments: &'a [Instrument],
+    /// As a share of the value.
+    pub(super) noise: f64,
+    /// Whether cells are lost.
+    pub(super) has_gaps: bool,
 }
 
 impl Bench<'_> {
@@ -365,27 +387,39 @@ impl Bench<'_> {
         &self,
         truth: &Truth,
         cuts: &[CuttingCondition],
-        has_gaps: bool,
         random: &mut Random,
-    ) -> Result<Vec<Recorded>, String> {
-        let noise = self.plan.noise;
+    ) -> Result<Vec<RecordedCut>, String> {
         let last = (cuts.len() - 1) as f64;
         let mut recorded = Vec::new();
         for condition in cuts {
             let real = truth.at(condition).map_err(|error| error.to_string())?;
             let place = condition.run_order / last - 0.5;
-            let (mut values, mut drawn) = (Vec::new(), Vec::new());
-            for (channel, instrument) in self.channels.iter().zip(self.instruments) {
-                let shown = instrument.shown(real.get(*channel), place);
-                drawn.push(noise * random.normal());
-                let value = shown * drawn[drawn.len() - 1].exp();
-                let lost = random.uniform() < LOST && has_gaps;
-                // Of the value recorded: that of the real one would give the real one away.
-                values.push((!lost && value > 0.0).then_some((value, noise * value)));
-            }
-            recorded.push(Recorded { condition: *condition, values, noise: drawn });
+            let (values, noise) = self.cut(&real, place, |_| self.noise, random);
+            recorded.push(RecordedCut { condition: *condition, values, noise });
         }
         Ok(recorded)
+    }
+
+    /// What the instruments show of one cut, with the deviations `stated` by channel as shares, and the logarithm of what
+    /// the noise made of each value; `place` in the series from -1/2 to 1/2.
+    pub(super) fn cut(
+        &self,
+        real: &Observables,
+        place: f64,
+        stated: impl Fn(usize) -> f64,
+        random: &mut Random,
+    ) -> (Vec<Option<(f64, f64)>>, Vec<f64>) {
+        let all = self.channels.iter().zip(self.instruments).enumerate();
+        all.map(|(which, (channel, instrument))| {
+            let shown = instrument.shown(real.get(*channel), place);
+            let noise = self.noise * random.normal();
+            let value = shown * noise.exp();
+            let lost = random.uniform() < LOST && self.has_gaps;
+            // Of the value recorded: that of the real one would give the real one away.
+            let kept = (!lost && value > 0.0).then(|| (value, stated(which) * value));
+            (kept, noise)
+        })
+        .unzip()
     }
 }
 
@@ -395,11 +429,11 @@ mod tests {
 
     #[test]
     fn cases_follow_from_the_seed_and_have_what_they_should() {
-        let drawn = cases(3, 40, Truths::Opponents).unwrap();
-        let again = cases(3, 40, Truths::Opponents).unwrap();
+        let drawn = cases(3, 40, BlindPhysics::Opponents).unwrap();
+        let again = cases(3, 40, BlindPhysics::Opponents).unwrap();
         let count = |kind| drawn.iter().filter(|case| case.plan.kind == kind).count();
-        assert_eq!(count(Kind::Null), 15);
-        assert_eq!((count(Kind::Pair), count(Kind::Outside)), (4, 4));
+        assert_eq!(count(BlindKind::Null), 15);
+        assert_eq!((count(BlindKind::Pair), count(BlindKind::Outside)), (4, 4));
         for (one, other) in drawn.iter().zip(&again) {
             assert_eq!(format!("{one:?}"), format!("{other:?}"));
         }
@@ -407,11 +441,11 @@ mod tests {
             let (low, high) = STRATA[case.plan.stratum];
             let is_within = (0.99 * low..1.01 * high).contains(&case.strength);
             match case.plan.kind {
-                Kind::Null => assert_eq!(case.strength, 0.0),
-                Kind::Single | Kind::Outside => {
+                BlindKind::Null => assert_eq!(case.strength, 0.0),
+                BlindKind::Single | BlindKind::Outside => {
                     assert!(is_within, "{} {}", case.name, case.strength)
                 }
-                Kind::Pair => assert_eq!(case.hidden.effects.len(), 2),
+                BlindKind::Pair => assert_eq!(case.hidden.effects.len(), 2),
             }
             let expected = if case.plan.is_wide { 80 } else { 110 };
             assert_eq!(case.recordings.len(), expected);
@@ -430,16 +464,17 @@ mod tests {
 
     #[test]
     fn all_can_be_nulls_with_commissioning_sets() {
-        let wanted = Wanted { physics: Truths::Opponents, with_reference: true, nulls: true };
+        let wanted =
+            DrawOptions { physics: BlindPhysics::Opponents, with_reference: true, nulls: true };
         let drawn = cases(3, 8, wanted).unwrap();
-        assert!(drawn.iter().all(|case| case.plan.kind == Kind::Null && case.strength == 0.0));
+        assert!(drawn.iter().all(|case| case.plan.kind == BlindKind::Null && case.strength == 0.0));
         assert!(drawn.iter().all(|case| !case.commissioning.is_empty()));
     }
 
     #[test]
     fn noise_is_what_is_stated() {
-        let drawn = cases(4, 20, Truths::Library).unwrap();
-        let nulls = drawn.iter().filter(|case| case.plan.kind == Kind::Null);
+        let drawn = cases(4, 20, BlindPhysics::Library).unwrap();
+        let nulls = drawn.iter().filter(|case| case.plan.kind == BlindKind::Null);
         let case = nulls.max_by(|a, b| a.plan.noise.total_cmp(&b.plan.noise)).unwrap();
         // Pairs of cuts at the same condition differ by sqrt 2 of it, and by the drift.
         let mut squares = Vec::new();

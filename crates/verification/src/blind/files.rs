@@ -1,6 +1,6 @@
 //! The files of a case, and the answers as text.
 
-use super::draw::{Case, Recorded, STRATA};
+use super::draw::{BlindCase, RecordedCut, STRATA};
 use super::truth::{NUISANCES, base};
 use serde_json::{Value, json};
 use sphcut_analytic::{Linear, find};
@@ -12,7 +12,7 @@ use std::fmt::Write;
 const MATERIAL: &str = "aisi1045_table5";
 
 /// Name and text of every file of a case; nothing in them depends on what is hidden but the values.
-pub fn of(case: &Case) -> Vec<(&'static str, String)> {
+pub fn of(case: &BlindCase) -> Vec<(&'static str, String)> {
     let mut files = vec![
         ("diagnosis.toml", diagnosis_toml(case)),
         ("cut.toml", cut_toml()),
@@ -25,9 +25,9 @@ pub fn of(case: &Case) -> Vec<(&'static str, String)> {
 }
 
 /// What `sphcut diagnose` reads.
-fn diagnosis_toml(case: &Case) -> String {
+fn diagnosis_toml(case: &BlindCase) -> String {
     let mut text = format!(
-        "# A sealed case: is something missing from the base, and what?\ntitle = \"{}\"\nsource = \"cargo xtask conceal\"\n\
+        "# A blind case: is something missing from the base, and what?\ntitle = \"{}\"\nsource = \"cargo xtask blind\"\n\
          scenario = \"cut.toml\"\n\n[measured]\nfile = \"recordings.csv\"\n",
         case.name
     );
@@ -47,7 +47,7 @@ fn cut_toml() -> String {
         format!("[{}, {}]", point(293.15), point(1000.0))
     };
     format!(
-        "title = \"The base of the sealed cases\"\n\n[workpiece]\nmaterial = \"{MATERIAL}\"\nlength = \"10 mm\"\nheight = \"0.5 mm\"\n\
+        "title = \"The base of the blind cases\"\n\n[workpiece]\nmaterial = \"{MATERIAL}\"\nlength = \"10 mm\"\nheight = \"0.5 mm\"\n\
          temperature = \"{} K\"\n\n[workpiece.override]\nspecific_heat = {}\nthermal_conductivity = {}\n\n[tool]\nrake_angle = \"{} deg\"\nclearance_angle = \"7 deg\"\nedge_radius = \"{:.1} um\"\n\n\
          [tool.friction]\nlaw = \"shear_capped_coulomb\"\nfriction_coefficient = {}\nshear_friction_factor = {:.1}\n\n\
          [process]\ncutting_speed = \"150 m/min\"\nuncut_chip_thickness = \"0.1 mm\"\nwidth_of_cut = \"{} mm\"\n\n\
@@ -63,7 +63,7 @@ fn cut_toml() -> String {
     )
 }
 
-pub fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
+pub fn table(channels: &[Channel], recordings: &[RecordedCut]) -> String {
     let mut text = "v_c [m/min],h [mm],order,cut_length [m]".to_owned();
     for channel in channels {
         let (name, unit) = (channel.symbol(), channel.display_unit().0);
@@ -95,8 +95,8 @@ pub fn table(channels: &[Channel], recordings: &[Recorded]) -> String {
 }
 
 /// The answers to all cases.
-pub fn answers(cases: &[Case]) -> String {
-    let answer = |case: &Case| {
+pub fn answers(cases: &[BlindCase]) -> String {
+    let answer = |case: &BlindCase| {
         let effects = case.hidden.effects.iter().map(|active| {
             let free = active.effect.candidate.free.iter().map(|free| free.key);
             let values: BTreeMap<&str, f64> = free.zip(active.values().iter().copied()).collect();
@@ -127,7 +127,7 @@ pub fn answers(cases: &[Case]) -> String {
 }
 
 /// By channel, in the order of the recordings.
-fn noise_drawn(case: &Case) -> Value {
+fn noise_drawn(case: &BlindCase) -> Value {
     let of = |(place, channel): (usize, &Channel)| {
         let own: Vec<Value> = case
             .recordings
@@ -189,23 +189,22 @@ fn answer(one: &Value) -> Option<Answer> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Truths;
-    use super::super::draw::{Kind, Plan, cases};
+    use super::super::draw::{BlindKind, BlindPhysics, BlindPlan, cases};
     use super::super::truth::Hidden;
     use super::*;
     use sphcut_analytic::{OrthogonalCut, predict};
 
     #[test]
     fn files_name_no_answer_and_answers_come_back() {
-        let drawn = cases(5, 40, Truths::Opponents).unwrap();
+        let drawn = cases(5, 40, BlindPhysics::Opponents).unwrap();
         let read = read_answers(&answers(&drawn)).unwrap();
         for (case, answer) in drawn.iter().zip(&read) {
             assert_eq!((&case.name, case.plan.kind.key()), (&answer.case, answer.kind.as_str()));
             assert_eq!(case.hidden.effects.len(), answer.effects.len());
             assert_eq!(case.strength.to_bits(), answer.strength.to_bits());
             // The same values with nothing hidden make the same files.
-            let blank = Case {
-                plan: Plan { kind: Kind::Null, stratum: 0, ..case.plan },
+            let blank = BlindCase {
+                plan: BlindPlan { kind: BlindKind::Null, stratum: 0, ..case.plan },
                 hidden: Hidden::default(),
                 strength: 0.0,
                 nuisances: [0.0; NUISANCES.len()],
@@ -219,21 +218,21 @@ mod tests {
                 assert!((deviation / value - case.plan.noise).abs() < 1e-12);
             }
         }
-        assert!(drawn.iter().any(|case| case.plan.kind == Kind::Pair));
+        assert!(drawn.iter().any(|case| case.plan.kind == BlindKind::Pair));
     }
 
     #[test]
     fn cases_are_read_as_diagnoses_and_state_the_base() {
-        let folder = std::env::temp_dir().join(format!("sphcut-conceal-{}", std::process::id()));
-        for case in &cases(7, 4, Truths::Opponents).unwrap() {
+        let folder = std::env::temp_dir().join(format!("sphcut-blind-{}", std::process::id()));
+        for case in &cases(7, 4, BlindPhysics::Opponents).unwrap() {
             let at = folder.join(&case.name);
             std::fs::create_dir_all(&at).unwrap();
             for (name, text) in of(case) {
                 std::fs::write(at.join(name), text).unwrap();
             }
-            let read = super::super::run::load(&at.join("diagnosis.toml")).unwrap();
+            let read = super::super::claims::load(&at.join("diagnosis.toml")).unwrap();
             assert_eq!(read.measured.len(), case.recordings.len());
-            let values = |recorded: &Recorded| recorded.values.iter().flatten().count();
+            let values = |recorded: &RecordedCut| recorded.values.iter().flatten().count();
             let written: usize = case.recordings.iter().map(values).sum();
             let found = read.measured.iter().flat_map(|row| row.values).flatten().count();
             assert_eq!(found, written);
@@ -261,7 +260,7 @@ mod tests {
 
     #[test]
     fn a_table_has_a_line_for_each_cut_and_empty_cells_where_it_lost_one() {
-        let drawn = cases(6, 8, Truths::Library).unwrap();
+        let drawn = cases(6, 8, BlindPhysics::Library).unwrap();
         for case in &drawn {
             let text = table(&case.channels, &case.recordings);
             let mut lines = text.lines();

@@ -1,21 +1,12 @@
-//! Sealed cases for the diagnosis: cuts of another physics with something hidden in them, and the score of what was claimed.
-
-mod behind;
-mod draw;
-mod files;
-mod run;
-mod score;
-mod seal;
-mod truth;
-mod twin;
-mod twin_files;
+//! `cargo xtask blind`: blind cases for the diagnosis, and the score of what was claimed of them.
 
 use clap::{Subcommand, ValueEnum};
-use std::path::{Path, PathBuf};
+use sphcut_verification::blind::{self, BlindPhysics, ClaimOptions, DrawOptions};
+use std::path::PathBuf;
 
 /// What to do.
 #[derive(Debug, Subcommand)]
-pub enum Conceal {
+pub enum Blind {
     /// Draw cases: a folder each, and their answers sealed.
     Draw {
         /// Folder for the cases; must not exist.
@@ -28,8 +19,8 @@ pub enum Conceal {
         #[arg(long, default_value_t = 200)]
         cases: usize,
         /// The physics that the cuts obey.
-        #[arg(long, value_enum, default_value_t = Truths::Opponents)]
-        physics: Truths,
+        #[arg(long, value_enum, default_value_t = PhysicsChoice::Opponents)]
+        physics: PhysicsChoice,
         /// Give every case commissioning sets; otherwise half of them have none.
         #[arg(long)]
         with_reference: bool,
@@ -127,7 +118,7 @@ pub enum Conceal {
 
 /// Whose cuts are recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Truths {
+pub enum PhysicsChoice {
     /// Half of the cases each from the two opponents.
     Opponents,
     /// The library itself: what remains without a bias.
@@ -135,94 +126,36 @@ pub enum Truths {
 }
 
 /// Runs it.
-pub fn run(what: &Conceal) -> Result<(), String> {
-    match what {
-        Conceal::Draw { out, key, cases, physics, with_reference, nulls } => {
-            let wanted =
-                draw::Wanted { physics: *physics, with_reference: *with_reference, nulls: *nulls };
-            draw_all(out, key, *cases, wanted)
+pub fn run(what: &Blind) -> Result<(), String> {
+    let said = match what {
+        Blind::Draw { out, key, cases, physics, with_reference, nulls } => {
+            let physics = match physics {
+                PhysicsChoice::Opponents => BlindPhysics::Opponents,
+                PhysicsChoice::Library => BlindPhysics::Library,
+            };
+            let (with_reference, nulls) = (*with_reference, *nulls);
+            blind::draw(out, key, *cases, DrawOptions { physics, with_reference, nulls })?
         }
-        Conceal::Twin { base, out, key, cases, travel } => {
-            twin_files::draw(base, out, &opened_key(key)?, *cases, *travel)
+        Blind::Twin { base, out, key, cases, travel } => {
+            blind::draw_particle_cases(base, out, key, *cases, *travel)?
         }
-        Conceal::Record { cases, key, count } => {
-            twin_files::record(cases, &seal::Key::from_text(&read(key)?)?, *count)
+        Blind::Record { cases, key, count } => blind::record_particle_cases(cases, key, *count)?,
+        Blind::Claim { cases, sphcut, store, out } => {
+            return blind::claim_with_runs(cases, sphcut, store, out);
         }
-        Conceal::Claim { cases, sphcut, store, out } => {
-            write(out, &twin_files::claims(cases, sphcut, store, &out.with_extension("pages"))?)
+        Blind::Run { cases, out, without_reference, held_out, threads, first } => {
+            let asked = ClaimOptions { with_reference: !*without_reference, held_out: *held_out };
+            let told = |done: usize, all: usize| {
+                if done.is_multiple_of(10) {
+                    eprintln!("{done} of {all}");
+                }
+            };
+            return blind::claim((cases, *first), out, asked, *threads, &told);
         }
-        Conceal::Run { cases, out, without_reference, held_out, threads, first } => {
-            let mut folders = run::folders(cases)?;
-            folders.truncate(first.unwrap_or(usize::MAX));
-            let asked = run::Asked { with_reference: !*without_reference, held_out: *held_out };
-            let (claims, details) = run::all(&folders, asked, *threads)?;
-            write(out, &claims)?;
-            write(&out.with_extension("details.jsonl"), &details)
+        Blind::Score { cases, key, claims, details, first } => {
+            blind::score((cases, *first), key, claims, details.as_deref())?
         }
-        Conceal::Score { cases, key, claims, details, first } => {
-            score_all((cases, *first), key, claims, details.as_deref())
-        }
-    }
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-fn write(path: &Path, text: &str) -> Result<(), String> {
-    std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-/// The key in a file, drawn anew if there is none.
-fn opened_key(file: &Path) -> Result<seal::Key, String> {
-    if !file.exists() {
-        write(file, &seal::Key::draw().to_text())?;
-    }
-    seal::Key::from_text(&read(file)?)
-}
-
-fn draw_all(out: &Path, key: &Path, cases: usize, wanted: draw::Wanted) -> Result<(), String> {
-    if out.exists() {
-        return Err(format!("{} exists: cases are never mixed", out.display()));
-    }
-    let key = opened_key(key)?;
-    let drawn = draw::cases(key.seed(), cases, wanted)?;
-    for case in &drawn {
-        let folder = out.join(&case.name);
-        std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
-        for (name, text) in files::of(case) {
-            write(&folder.join(name), &text)?;
-        }
-    }
-    let answers = files::answers(&drawn);
-    write(&out.join("answers.sealed"), &seal::close(&key, &answers))?;
-    println!("{} cases in {}", drawn.len(), out.display());
+    };
+    println!("{}", said.trim_end());
     Ok(())
-}
-
-fn score_all(
-    (cases, first): (&Path, Option<usize>),
-    key: &Path,
-    claims: &Path,
-    details: Option<&Path>,
-) -> Result<(), String> {
-    let claims_text = read(claims)?;
-    let claims = score::claims(&claims_text)?;
-    let answers =
-        seal::open(&seal::Key::from_text(&read(key)?)?, &read(&cases.join("answers.sealed"))?)?;
-    // Who has seen answers once may tune to them: every opening leaves its mark.
-    let log = cases.join("opened.txt");
-    let before = std::fs::read_to_string(&log).unwrap_or_default();
-    write(&log, &format!("{before}{}\n", seal::digest(claims_text.as_bytes())))?;
-    let mut answers = files::read_answers(&answers)?;
-    answers.truncate(first.unwrap_or(usize::MAX));
-    let mut report = score::report(&answers, &claims)?;
-    if let Some(details) = details {
-        report += &behind::report(&answers, &read(details)?)?;
-    }
-    print!("{report}");
-    if !before.is_empty() {
-        println!("\nOpened {} times before: no longer a blind test.", before.lines().count());
-    }
-    write(&cases.join("score.md"), &report)
 }

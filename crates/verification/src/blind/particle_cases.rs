@@ -1,9 +1,11 @@
-//! Twin cases: cuts of the particle solver itself, of another batch of material, with something hidden in them.
+//! Cases cut by the particle solver itself, of another batch of material, with something hidden in them.
 //!
 //! Two steps, since the runs take hours: [`plan`] says what has to be run as a file of a sweep, and [`record`] makes recordings of what
 //! that sweep gave. Both follow from the key alone.
 
-use super::draw::{Case, Kind, LOST, NOISES, Plan, Recorded, STRATA, along, middle};
+use super::draw::{
+    Bench, BlindCase, BlindKind, BlindPlan, NOISES, RecordedCut, STRATA, along, middle,
+};
 use super::truth::{Hidden, Instrument, NUISANCES, Outside};
 use sphcut_analytic::{ActiveEffect, Observables, Physics, find};
 use sphcut_diagnose::{Change, PairedScenario, run_effects};
@@ -31,9 +33,9 @@ const OUTSIDE: [f64; 2] = [0.08, 0.3];
 
 /// What a case hides and where it is cut.
 #[derive(Debug, Clone)]
-pub struct Twin {
+pub struct ParticleCase {
     pub name: String,
-    pub kind: Kind,
+    pub kind: BlindKind,
     pub noise: f64,
     pub has_gaps: bool,
     pub nuisances: [f64; NUISANCES.len()],
@@ -41,7 +43,7 @@ pub struct Twin {
     pub conditions: Vec<CuttingCondition>,
 }
 
-impl Twin {
+impl ParticleCase {
     /// What a run changes, with what is hidden and without.
     fn change(&self, hidden: bool) -> Change {
         let effects = self.hidden.effects.iter().filter(|_| hidden);
@@ -59,7 +61,7 @@ impl Twin {
 }
 
 /// `count` cases that follow from `seed`: of 30 ten are null, fifteen hide an effect, two a pair, three something else.
-pub fn twins(seed: u64, count: usize) -> Vec<Twin> {
+pub fn particle_cases(seed: u64, count: usize) -> Vec<ParticleCase> {
     let mut random = Random::new(seed, &[20]);
     let mut deal = |parts: usize| {
         let mut hand: Vec<usize> = (0..count).map(|index| index % parts).collect();
@@ -69,13 +71,13 @@ pub fn twins(seed: u64, count: usize) -> Vec<Twin> {
     let hands = [30, NOISES.len(), 2].map(&mut deal);
     let of = |index: usize| {
         let kind = match hands[0][index] {
-            0..10 => Kind::Null,
-            10..25 => Kind::Single,
-            25..27 => Kind::Pair,
-            _ => Kind::Outside,
+            0..10 => BlindKind::Null,
+            10..25 => BlindKind::Single,
+            25..27 => BlindKind::Pair,
+            _ => BlindKind::Outside,
         };
         let mut random = Random::new(seed, &[21, index as u64]);
-        Twin {
+        ParticleCase {
             name: format!("case-{:04}", index + 1),
             kind,
             noise: NOISES[hands[1][index]],
@@ -88,16 +90,16 @@ pub fn twins(seed: u64, count: usize) -> Vec<Twin> {
     (0..count).map(of).collect()
 }
 
-fn hidden(kind: Kind, random: &mut Random) -> Hidden {
+fn hidden(kind: BlindKind, random: &mut Random) -> Hidden {
     let mut keys = run_effects();
     random.shuffle(&mut keys);
     let count = match kind {
-        Kind::Single => 1,
-        Kind::Pair => 2,
-        Kind::Null | Kind::Outside => 0,
+        BlindKind::Single => 1,
+        BlindKind::Pair => 2,
+        BlindKind::Null | BlindKind::Outside => 0,
     };
     let effects = keys.into_iter().take(count).map(|key| effect(key, random)).collect();
-    let outside = (kind == Kind::Outside).then(|| {
+    let outside = (kind == BlindKind::Outside).then(|| {
         let [low, high] = OUTSIDE;
         (Outside::ALL[random.below(Outside::ALL.len())], low + (high - low) * random.uniform())
     });
@@ -148,33 +150,38 @@ fn conditions(random: &mut Random) -> Vec<CuttingCondition> {
 
 /// The file of the sweep whose runs the cases need; `travel` in thicknesses.
 pub fn plan(
-    twins: &[Twin],
+    particle_cases: &[ParticleCase],
     (base, path): (&Scenario, &Path),
     travel: f64,
 ) -> Result<String, String> {
     let runs = PairedScenario::of(base, travel).map_err(|error| error.to_string())?;
     let mut values = Vec::new();
-    for twin in twins {
-        for condition in &twin.conditions {
+    for asked in particle_cases {
+        for condition in &asked.conditions {
             let at = CuttingCondition::new(condition.cutting_speed, condition.uncut_chip_thickness);
-            let states = if twin.needs_plain() { vec![false, true] } else { vec![true] };
+            let states = if asked.needs_plain() { vec![false, true] } else { vec![true] };
             for hidden in states {
-                let run = runs.values(&at, &twin.change(hidden), false);
+                let run = runs.values(&at, &asked.change(hidden), false);
                 values.push(run.map_err(|error| error.to_string())?);
             }
         }
     }
     let keys = runs.keys(false);
-    let title = "Cuts of the particle solver for sealed cases";
+    let title = "Cuts of the particle solver for blind cases";
     let options = LoadOptions::default();
     let sweep = Sweep::listed((title, "runs"), (base, path), &options, (&keys, &values))?;
     Ok(sweep.text.replacen('\n', "\nbase = \"cut.toml\"\n", 1))
 }
 
 /// The cases from the table of simulated cuts that the sweep wrote. A cut without a result is left out of its case.
-pub fn record(seed: u64, twins: &[Twin], simulated: &[CutTableRow]) -> Result<Vec<Case>, String> {
-    let all = twins.iter().enumerate();
-    all.map(|(index, twin)| case(twin, simulated, Random::new(seed, &[22, index as u64]))).collect()
+pub fn record(
+    seed: u64,
+    particle_cases: &[ParticleCase],
+    simulated: &[CutTableRow],
+) -> Result<Vec<BlindCase>, String> {
+    let all = particle_cases.iter().enumerate();
+    all.map(|(index, asked)| case(asked, simulated, Random::new(seed, &[22, index as u64])))
+        .collect()
 }
 
 const CHANNELS: [Channel; 4] = [
@@ -184,18 +191,22 @@ const CHANNELS: [Channel; 4] = [
     Channel::ChipThickness,
 ];
 
-fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Case, String> {
+fn case(
+    asked: &ParticleCase,
+    simulated: &[CutTableRow],
+    mut random: Random,
+) -> Result<BlindCase, String> {
     let mut cuts: Vec<(CuttingCondition, Observables, Observables)> = Vec::new();
     let mut scatter: Vec<[f64; CHANNELS.len()]> = Vec::new();
     // Variance of the logarithm of hidden over plain by chaos alone.
     let mut apart: Vec<[f64; CHANNELS.len()]> = Vec::new();
-    for condition in &twin.conditions {
+    for condition in &asked.conditions {
         let own: Vec<(&CutTableRow, Observables)> = simulated
             .iter()
             .filter(|row| is_there(row, condition))
             .filter_map(|row| Some((row, seen(row)?)))
             .collect();
-        match (own.as_slice(), twin.needs_plain()) {
+        match (own.as_slice(), asked.needs_plain()) {
             ([(without, plain), (row, hidden)], true) => {
                 cuts.push((*condition, *plain, *hidden));
                 let (own, other) = (scatter_of(row), scatter_of(without));
@@ -211,12 +222,12 @@ fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Ca
         }
     }
     if cuts.len() < CUTS - 2 {
-        return Err(format!("{}: {} of {CUTS} cuts have a result", twin.name, cuts.len()));
+        return Err(format!("{}: {} of {CUTS} cuts have a result", asked.name, cuts.len()));
     }
     let places: Vec<CuttingCondition> = cuts.iter().map(|(condition, ..)| *condition).collect();
     let plain: Vec<Observables> = cuts.iter().map(|(_, plain, _)| *plain).collect();
     let middle = middle(&places, &plain);
-    if let Some((outside, amplitude)) = twin.hidden.outside {
+    if let Some((outside, amplitude)) = asked.hidden.outside {
         for (condition, _, hidden) in &mut cuts {
             outside.act(amplitude, condition, middle, hidden);
         }
@@ -243,43 +254,44 @@ fn case(twin: &Twin, simulated: &[CutTableRow], mut random: Random) -> Result<Ca
     let mut order: Vec<usize> = (0..REPEATS * cuts.len()).collect();
     random.shuffle(&mut order);
     let last = (order.len() - 1) as f64;
+    let bench = Bench {
+        channels: &channels,
+        instruments: &instruments,
+        noise: asked.noise,
+        has_gaps: asked.has_gaps,
+    };
     let mut recordings = Vec::new();
     for (run, place) in order.into_iter().enumerate() {
         let (condition, _, hidden) = &cuts[place % cuts.len()];
-        let (mut values, mut noise) = (Vec::new(), Vec::new());
-        for (which, (channel, instrument)) in channels.iter().zip(&instruments).enumerate() {
-            let shown = instrument.shown(hidden.get(*channel), run as f64 / last - 0.5);
-            noise.push(twin.noise * random.normal());
-            let value = shown * noise[noise.len() - 1].exp();
-            let lost = random.uniform() < LOST && twin.has_gaps;
-            // Chaos of a run as short as that is common to the recordings of it, of which there are REPEATS: with this variance for each
-            // their mean has noise^2 / REPEATS + run^2.
+        // Chaos of a run as short as that is common to the recordings of it, of which there are REPEATS: with this variance for each
+        // their mean has noise^2 / REPEATS + run^2.
+        let stated = |which: usize| {
             let run = scatter[place % cuts.len()][which];
-            let stated = (twin.noise.powi(2) + REPEATS as f64 * run * run).sqrt();
-            values.push((!lost && value > 0.0).then_some((value, stated * value)));
-        }
+            (asked.noise.powi(2) + REPEATS as f64 * run * run).sqrt()
+        };
+        let (values, noise) = bench.cut(hidden, run as f64 / last - 0.5, stated, &mut random);
         let condition = CuttingCondition { run_order: run as f64, ..*condition };
-        recordings.push(Recorded { condition, values, noise });
+        recordings.push(RecordedCut { condition, values, noise });
     }
-    let plan = Plan {
-        kind: twin.kind,
+    let plan = BlindPlan {
+        kind: asked.kind,
         stratum,
-        noise: twin.noise,
+        noise: asked.noise,
         is_wide: true,
         forces_only,
         has_commissioning: false,
-        has_gaps: twin.has_gaps,
+        has_gaps: asked.has_gaps,
         physics: ("particle_solver", Physics::LIBRARY),
     };
-    Ok(Case {
-        name: twin.name.clone(),
+    Ok(BlindCase {
+        name: asked.name.clone(),
         plan,
         channels,
         recordings,
         commissioning: Vec::new(),
-        hidden: twin.hidden.clone(),
-        strength: if twin.kind == Kind::Null { 0.0 } else { strength },
-        nuisances: twin.nuisances,
+        hidden: asked.hidden.clone(),
+        strength: if asked.kind == BlindKind::Null { 0.0 } else { strength },
+        nuisances: asked.nuisances,
     })
 }
 
@@ -322,18 +334,19 @@ mod tests {
 
     fn base() -> (Scenario, std::path::PathBuf) {
         let path =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ti6al4v_orthogonal.toml");
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ti6al4v_orthogonal.toml");
         (load(&path, &LoadOptions::default()).unwrap(), path)
     }
 
     #[test]
     fn the_runs_of_the_cases_are_a_sweep() {
-        let drawn = twins(5, 30);
-        let count = |kind| drawn.iter().filter(|twin| twin.kind == kind).count();
-        assert_eq!((count(Kind::Null), count(Kind::Single)), (10, 15));
-        assert_eq!((count(Kind::Pair), count(Kind::Outside)), (2, 3));
+        let drawn = particle_cases(5, 30);
+        let count = |kind| drawn.iter().filter(|asked| asked.kind == kind).count();
+        assert_eq!((count(BlindKind::Null), count(BlindKind::Single)), (10, 15));
+        assert_eq!((count(BlindKind::Pair), count(BlindKind::Outside)), (2, 3));
         let (scenario, path) = base();
-        let folder = std::env::temp_dir().join(format!("sphcut-twin-{}", std::process::id()));
+        let folder =
+            std::env::temp_dir().join(format!("sphcut-particle-cases-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         // Long enough for any of the runs.
         let long = scenario.text.replace("length = \"15 mm\"", "length = \"60 mm\"");
@@ -347,18 +360,18 @@ mod tests {
         assert!(sweep.axes.iter().any(|axis| axis.key.to_string() == "tool.friction"));
         // 17 of the 30 need the same cuts without what is hidden.
         assert_eq!(text.matches("m/min\",").count(), CUTS * (30 + 17));
-        assert_eq!(text, plan(&twins(5, 30), (&scenario, &path), 30.0).unwrap());
+        assert_eq!(text, plan(&particle_cases(5, 30), (&scenario, &path), 30.0).unwrap());
     }
 
     /// Forces made up as a power of the thickness; what is hidden raises the feed force by a fifth.
     #[test]
     fn recordings_are_what_was_simulated() {
-        let drawn = twins(6, 30);
+        let drawn = particle_cases(6, 30);
         let mut table =
             "v_c [m/min],h [mm],b [mm],F_c [N],F_c_ci95 [N],F_f [N],F_f_ci95 [N],chip_thickness [mm],contact_length [mm],T_interface [degC]\n"
                 .to_owned();
-        for twin in &drawn {
-            for condition in &twin.conditions {
+        for asked in &drawn {
+            for condition in &asked.conditions {
                 let (v, h) = (condition.cutting_speed * 60.0, condition.uncut_chip_thickness * 1e3);
                 let mut line = |feed: f64| {
                     let _ = writeln!(
@@ -371,40 +384,40 @@ mod tests {
                         h
                     );
                 };
-                if twin.needs_plain() {
+                if asked.needs_plain() {
                     line(900.0);
                 }
-                line(if twin.hidden.effects.is_empty() { 900.0 } else { 1080.0 });
+                line(if asked.hidden.effects.is_empty() { 900.0 } else { 1080.0 });
             }
         }
         let rows = read_cut_table(&table).unwrap();
         let cases = record(6, &drawn, &rows).unwrap();
-        for (case, twin) in cases.iter().zip(&drawn) {
+        for (case, asked) in cases.iter().zip(&drawn) {
             assert_eq!(case.recordings.len(), REPEATS * CUTS);
             match case.plan.kind {
-                Kind::Null => assert_eq!(case.strength, 0.0),
-                Kind::Single | Kind::Pair => {
+                BlindKind::Null => assert_eq!(case.strength, 0.0),
+                BlindKind::Single | BlindKind::Pair => {
                     // A fifth, less the scatter of 4 % of both.
                     let strength = (0.04 - 1.44 * 2.0 * 0.04_f64.powi(2)).sqrt();
                     assert!((case.strength - strength).abs() < 1e-6, "{}", case.strength);
                     assert_eq!(case.plan.stratum, 2);
                 }
-                Kind::Outside => assert!(case.strength > 0.01),
+                BlindKind::Outside => assert!(case.strength > 0.01),
             }
             // The scatter of the feed force is in its stated deviation; that of the cutting force is none.
             for cut in &case.recordings {
                 let share = |k: usize| cut.values[k].map_or(f64::NAN, |(value, sd)| sd / value);
-                let feed = (twin.noise.powi(2) + 2.0 * 0.04_f64.powi(2)).sqrt();
-                assert!(share(0).is_nan() || (share(0) - twin.noise).abs() < 1e-9);
+                let feed = (asked.noise.powi(2) + 2.0 * 0.04_f64.powi(2)).sqrt();
+                assert!(share(0).is_nan() || (share(0) - asked.noise).abs() < 1e-9);
                 assert!(share(1).is_nan() || (share(1) - feed).abs() < 1e-5, "{}", share(1));
             }
             // Noise, gain, drift and offset are all that stands between simulation and recording.
-            if twin.hidden.effects.is_empty() && twin.hidden.outside.is_none() {
+            if asked.hidden.effects.is_empty() && asked.hidden.outside.is_none() {
                 for cut in &case.recordings {
                     let Some((force, _)) = cut.values[0] else { continue };
                     let simulated = 1800.0 * cut.condition.uncut_chip_thickness * 1e3;
                     let apart = (force / simulated - 1.0).abs();
-                    assert!(apart < 5.0 * (twin.noise + 0.02) + 15.0 / simulated, "{apart}");
+                    assert!(apart < 5.0 * (asked.noise + 0.02) + 15.0 / simulated, "{apart}");
                 }
             }
         }

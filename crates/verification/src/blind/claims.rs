@@ -1,13 +1,13 @@
 //! The diagnosis over a folder of cases: claims for the score, and beside them every probability and held-out error.
 
-use super::score::HEAD;
+use super::score::{Claim, ClaimedVerdict, HEAD};
+use crate::head::rendered;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sphcut_diagnose::{
     ClaimVerdict, ClosedForm, Diagnosis, DiagnosisCase, HeldOutErrors, HeldValue, Predictor,
     closed_form_cut, diagnose_case_as,
 };
-use sphcut_input::Colours;
 use sphcut_scenario::LoadOptions;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use std::time::Instant;
 
 /// What is asked of every case.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked {
+pub struct ClaimOptions {
     /// Whether the commissioning sets are read.
     pub with_reference: bool,
     /// Whether each repair is tried on cuts that it has not seen.
@@ -44,16 +44,18 @@ pub fn folders(cases: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(found)
 }
 
-/// Claims and details, a line per case each, on `threads` threads.
-pub fn all(folders: &[PathBuf], asked: Asked, threads: usize) -> Result<(String, String), String> {
+/// Claims and details, a line per case each, on `threads` threads; `told` is given the number of those that are done.
+pub fn all(
+    folders: &[PathBuf],
+    asked: ClaimOptions,
+    threads: usize,
+    told: &(dyn Fn(usize) + Sync),
+) -> Result<(String, String), String> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let done = AtomicUsize::new(0);
     let one = |folder: &PathBuf| {
         let claimed = claim(folder, asked).map_err(|e| format!("{}: {e}", folder.display()));
-        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if count.is_multiple_of(10) {
-            eprintln!("{count} of {}", folders.len());
-        }
+        told(done.fetch_add(1, Ordering::Relaxed) + 1);
         claimed
     };
     let found: Result<Vec<Claimed>, String> =
@@ -67,7 +69,7 @@ pub fn all(folders: &[PathBuf], asked: Asked, threads: usize) -> Result<(String,
 }
 
 /// Reads a case as `sphcut diagnose` does and diagnoses it, without self-test, control and next experiment.
-fn claim(folder: &Path, asked: Asked) -> Result<Claimed, String> {
+fn claim(folder: &Path, asked: ClaimOptions) -> Result<Claimed, String> {
     let start = Instant::now();
     let case = load(&folder.join("diagnosis.toml"))?;
     let name = folder.file_name().map(|name| name.to_string_lossy().into_owned());
@@ -88,9 +90,8 @@ fn claim(folder: &Path, asked: Asked) -> Result<Claimed, String> {
 
 /// The checked file of a case.
 pub fn load(path: &Path) -> Result<DiagnosisCase, String> {
-    sphcut_diagnose::load_diagnosis(path, &LoadOptions::default()).map_err(|problems| {
-        problems.iter().map(|problem| problem.render(Colours::Plain)).collect::<String>()
-    })
+    sphcut_diagnose::load_diagnosis(path, &LoadOptions::default())
+        .map_err(|problems| rendered(&problems))
 }
 
 /// Recording and channel of every value, and log(prediction / recorded): repaired, fitted again, regressions.
@@ -113,10 +114,10 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
     order.sort_by(|&a, &b| finding.inclusion[b].total_cmp(&finding.inclusion[a]));
     let ranking: Vec<&str> = order.iter().map(key).collect();
     let (verdict, named) = match &finding.verdict {
-        ClaimVerdict::NoAlarm => ("nothing", Vec::new()),
-        ClaimVerdict::Named(named) => ("named", named.clone()),
-        ClaimVerdict::OneOf => ("one_of", Vec::new()),
-        ClaimVerdict::NoneOfThese => ("none_of_these", Vec::new()),
+        ClaimVerdict::NoAlarm => (ClaimedVerdict::Nothing, Vec::new()),
+        ClaimVerdict::Named(named) => (ClaimedVerdict::Named, named.clone()),
+        ClaimVerdict::OneOf => (ClaimedVerdict::OneOf, Vec::new()),
+        ClaimVerdict::NoneOfThese => (ClaimedVerdict::NoneOfThese, Vec::new()),
     };
     let mut set: Vec<&str> = finding.set.iter().map(key).collect();
     if finding.set_has_none {
@@ -130,16 +131,17 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
         let all = found.estimates(model, &found.fits[found.repair?]);
         all.into_iter().find(|e| e.effect == *first && e.parameter == 0)
     });
-    let estimate = estimate.map_or(",,".to_owned(), |e| {
-        format!("{:.6e},{:.6e},{:.6e}", e.value, e.interval[0], e.interval[1])
-    });
-    let names: Vec<&str> = named.iter().map(key).collect();
-    let line = format!(
-        "{name},{verdict},{},{},{},{family},{estimate}",
-        names.join(";"),
-        ranking.join(";"),
-        set.join(";")
-    );
+    let owned = |keys: Vec<&str>| keys.into_iter().map(str::to_owned).collect();
+    let line = Claim {
+        case: name.to_owned(),
+        verdict,
+        named: owned(named.iter().map(key).collect()),
+        ranking: owned(ranking),
+        set: owned(set),
+        family: family.to_owned(),
+        estimate: estimate.map(|e| [e.value, e.interval[0], e.interval[1]]),
+    }
+    .line();
     let inclusion: Vec<Value> =
         order.iter().map(|&k| json!([effects[k].key, finding.inclusion[k]])).collect();
     let held: Vec<Value> = found
