@@ -1,6 +1,6 @@
 //! Arguments that several commands have.
 
-use crate::progress::Style;
+use crate::progress::OutputStyle;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -53,11 +53,11 @@ pub struct ToldArguments {
 
 impl ToldArguments {
     /// How progress is shown.
-    pub fn style(&self) -> Style {
+    pub fn style(&self) -> OutputStyle {
         match (self.json, self.quiet) {
-            (true, _) => Style::Json,
-            (false, true) => Style::Quiet,
-            (false, false) => Style::Human,
+            (true, _) => OutputStyle::Json,
+            (false, true) => OutputStyle::Quiet,
+            (false, false) => OutputStyle::Human,
         }
     }
 }

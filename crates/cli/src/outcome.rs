@@ -2,7 +2,7 @@
 
 use crate::digest::digest;
 use crate::failure::Failure;
-use crate::progress::{Style, emit};
+use crate::progress::{OutputStyle, emit};
 use crate::results::Results;
 use crate::terminal::note;
 use crate::{terminal, text};
@@ -13,10 +13,10 @@ use sphcut_record::driver::RunOptions;
 use sphcut_scenario::Scenario;
 
 /// Says what starts, and what the user should know before trusting it.
-pub fn announce(scenario: &Scenario, options: &RunOptions, style: Style) {
+pub fn announce(scenario: &Scenario, options: &RunOptions, style: OutputStyle) {
     let folder = options.out_dir.display();
     match style {
-        Style::Json => emit(&json!({
+        OutputStyle::Json => emit(&json!({
             "event": "start",
             "scenario": scenario.name,
             "title": scenario.title,
@@ -24,13 +24,13 @@ pub fn announce(scenario: &Scenario, options: &RunOptions, style: Style) {
             "threads": options.threads,
             "warnings": scenario.warnings,
         })),
-        Style::Human => {
+        OutputStyle::Human => {
             let plural = if options.threads == 1 { "" } else { "s" };
             note(&format!("{}: {} thread{plural}, into {folder}", scenario.title, options.threads));
         }
-        Style::Quiet => {}
+        OutputStyle::Quiet => {}
     }
-    if style != Style::Json {
+    if style != OutputStyle::Json {
         for warning in &scenario.warnings {
             note(&format!("warning: {warning}"));
         }
@@ -47,10 +47,10 @@ pub fn emit_error(failure: &Failure) {
 }
 
 /// Says how to go on.
-pub fn interrupted(run: &Run, style: Style) {
+pub fn interrupted(run: &Run, style: OutputStyle) {
     let steps = run.performance.steps;
     match style {
-        Style::Json => emit(&json!({ "event": "interrupted", "step": steps })),
+        OutputStyle::Json => emit(&json!({ "event": "interrupted", "step": steps })),
         _ => note(&format!(
             "interrupted after step {}: a checkpoint is written; the same command with --resume \
              goes on",
@@ -60,24 +60,24 @@ pub fn interrupted(run: &Run, style: Style) {
 }
 
 /// Says what came out and where it is.
-pub fn finished(run: &Run, results: &Results, style: Style) {
+pub fn finished(run: &Run, results: &Results, style: OutputStyle) {
     let result = &results.result;
     let summary = summary_json(result);
     match style {
-        Style::Json => emit(&json!({
+        OutputStyle::Json => emit(&json!({
             "event": "done",
             "out": results.page.parent().map(|folder| folder.display().to_string()),
             "report": results.page.display().to_string(),
             // The text comes from a serialiser: it is JSON.
             "summary": serde_json::from_str::<Value>(&summary).unwrap_or_default(),
         })),
-        Style::Human => {
+        OutputStyle::Human => {
             let page = results.page.display();
             terminal::line(&format!("{}report             {page}", digest(run, result)));
         }
-        Style::Quiet => {}
+        OutputStyle::Quiet => {}
     }
-    if style != Style::Json {
+    if style != OutputStyle::Json {
         // Those of the scenario were told at the start.
         let told = |warning: &String| run.provenance.warnings.contains(warning);
         for warning in result.warnings.iter().map(ToString::to_string).filter(|w| !told(w)) {

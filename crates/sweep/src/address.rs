@@ -1,5 +1,6 @@
 //! The name of a result: a hash of everything it follows from.
 
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use sphcut_physics::Values;
 use sphcut_scenario::Scenario;
@@ -12,8 +13,23 @@ use std::fmt::{self, Write as _};
 const DIGITS: usize = 12;
 
 /// SHA-256 of the canonical form of a resolved scenario and of the version of the solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct Address([u8; 32]);
+
+impl From<Address> for String {
+    fn from(address: Address) -> Self {
+        address.to_string()
+    }
+}
+
+impl TryFrom<String> for Address {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        Self::parse(&text).ok_or_else(|| format!("`{text}` is no address"))
+    }
+}
 
 impl Address {
     /// Reads 64 hexadecimal digits.

@@ -1,7 +1,7 @@
 //! The points of a design: a value of every varied key for every run.
 
-use crate::random::Random;
-use crate::{Axis, Design, Levels, Sweep, multiple};
+use crate::random::DesignRandom;
+use crate::{Design, Levels, Sweep, SweepAxis, multiple};
 
 /// Most runs of one sweep.
 pub(crate) const MOST_RUNS: usize = 100_000;
@@ -10,11 +10,11 @@ const MOST_SOBOL: usize = 1 << 16;
 
 /// The points, or how many there would be if they are too many.
 pub(crate) fn points(sweep: &Sweep) -> Result<Vec<Vec<String>>, usize> {
-    let is_seed = |axis: &&Axis| matches!(axis.levels, Levels::Replicates(_));
+    let is_seed = |axis: &&SweepAxis| matches!(axis.levels, Levels::Replicates(_));
     // The seeds are the last axis, if there are replicates.
     let axes = &sweep.axes;
-    let is_free = |axis: &&Axis| !is_seed(axis) && axis.follows(axes).is_none();
-    let keys: Vec<&Axis> = axes.iter().filter(is_free).collect();
+    let is_free = |axis: &&SweepAxis| !is_seed(axis) && axis.follows(axes).is_none();
+    let keys: Vec<&SweepAxis> = axes.iter().filter(is_free).collect();
     let seeds = sweep.axes.iter().find(is_seed).map(levels);
     let total = count(sweep.design, &keys).saturating_mul(seeds.map_or(1, <[String]>::len));
     let sobol = matches!(sweep.design, Design::Sobol { runs, .. } if runs > MOST_SOBOL);
@@ -36,10 +36,11 @@ pub(crate) fn points(sweep: &Sweep) -> Result<Vec<Vec<String>>, usize> {
 }
 
 /// The values of all keys but the seed, from those of the keys that follow no other.
-fn complete(axes: &[Axis], free: Vec<String>) -> Vec<String> {
+fn complete(axes: &[SweepAxis], free: Vec<String>) -> Vec<String> {
     let mut free = free.into_iter();
-    let own =
-        |axis: &Axis| axis.follows(axes).is_none() && !matches!(axis.levels, Levels::Replicates(_));
+    let own = |axis: &SweepAxis| {
+        axis.follows(axes).is_none() && !matches!(axis.levels, Levels::Replicates(_))
+    };
     let mut values: Vec<Option<String>> =
         axes.iter().map(|axis| if own(axis) { free.next() } else { None }).collect();
     for (place, axis) in axes.iter().enumerate() {
@@ -51,14 +52,14 @@ fn complete(axes: &[Axis], free: Vec<String>) -> Vec<String> {
     values.into_iter().flatten().collect()
 }
 
-fn levels(axis: &Axis) -> &[String] {
+fn levels(axis: &SweepAxis) -> &[String] {
     match &axis.levels {
         Levels::Listed(values) | Levels::Replicates(values) => values,
         Levels::Interval { .. } | Levels::Multiple { .. } => &[],
     }
 }
 
-fn count(design: Design, keys: &[&Axis]) -> usize {
+fn count(design: Design, keys: &[&SweepAxis]) -> usize {
     let lengths = keys.iter().map(|axis| levels(axis).len());
     match design {
         Design::FullFactorial => lengths.fold(1, usize::saturating_mul),
@@ -68,7 +69,7 @@ fn count(design: Design, keys: &[&Axis]) -> usize {
 }
 
 /// All combinations; the last key varies fastest.
-fn product(keys: &[&Axis]) -> Vec<Vec<String>> {
+fn product(keys: &[&SweepAxis]) -> Vec<Vec<String>> {
     keys.iter().fold(vec![Vec::new()], |points, axis| {
         let with = |point: &Vec<String>, level: &String| {
             [point.as_slice(), std::slice::from_ref(level)].concat()
@@ -80,19 +81,19 @@ fn product(keys: &[&Axis]) -> Vec<Vec<String>> {
     })
 }
 
-fn together(keys: &[&Axis]) -> Vec<Vec<String>> {
+fn together(keys: &[&SweepAxis]) -> Vec<Vec<String>> {
     let runs = count(Design::List, keys);
     (0..runs).map(|run| keys.iter().map(|axis| levels(axis)[run].clone()).collect()).collect()
 }
 
 /// Each key is cut into as many parts as there are points, and each part has one (McKay, Beckman and
 /// Conover 1979).
-fn latin_hypercube(keys: &[&Axis], runs: usize, seed: u64) -> Vec<Vec<String>> {
+fn latin_hypercube(keys: &[&SweepAxis], runs: usize, seed: u64) -> Vec<Vec<String>> {
     let columns: Vec<Vec<String>> = keys
         .iter()
         .enumerate()
         .map(|(index, axis)| {
-            let mut random = Random::new(seed, index);
+            let mut random = DesignRandom::new(seed, index);
             let parts = random.permutation(runs);
             parts
                 .into_iter()
@@ -104,8 +105,8 @@ fn latin_hypercube(keys: &[&Axis], runs: usize, seed: u64) -> Vec<Vec<String>> {
 }
 
 /// A Sobol sequence with Owen's scrambling (Burley 2020).
-fn sobol_sequence(keys: &[&Axis], runs: usize, seed: u64) -> Vec<Vec<String>> {
-    let value = |run: usize, index: usize, axis: &Axis| {
+fn sobol_sequence(keys: &[&SweepAxis], runs: usize, seed: u64) -> Vec<Vec<String>> {
+    let value = |run: usize, index: usize, axis: &SweepAxis| {
         // Indices and seed fit: both were checked to be small.
         axis.at(f64::from(sobol_burley::sample(run as u32, index as u32, seed as u32)))
     };

@@ -3,8 +3,8 @@
 //! The costliest come first, each on one thread; when fewer are left than cores are free, a run gets several.
 //! The bits are the same for any number of threads.
 
-use crate::plan::{Plan, PlannedRun};
-use crate::store::{Claim, Entry, Failure, Store, StoreError, Work};
+use crate::plan::{PlannedRun, SweepPlan};
+use crate::store::{Claim, ResultEntry, RunFailure, Store, StoreError, Work};
 use crate::{Address, Sweep};
 use sphcut_scenario::Scenario;
 use std::collections::BTreeMap;
@@ -128,7 +128,7 @@ pub enum Retry {
 /// A store that cannot be read or written. Runs that fail are no error: see [`State::Failed`].
 pub fn execute(
     sweep: &Sweep,
-    plan: &Plan,
+    plan: &SweepPlan,
     store: &Store,
     execution: Execution,
     worker: &dyn Worker,
@@ -170,7 +170,7 @@ struct Board {
 }
 
 impl Board {
-    fn new(plan: &Plan, threads: usize) -> Self {
+    fn new(plan: &SweepPlan, threads: usize) -> Self {
         let states = vec![State::Waiting; plan.runs.len()];
         Self { states, pending: Vec::new(), elsewhere: Vec::new(), free: threads, error: None }
     }
@@ -178,7 +178,7 @@ impl Board {
 
 struct Desk<'a> {
     sweep: &'a Sweep,
-    plan: &'a Plan,
+    plan: &'a SweepPlan,
     store: &'a Store,
     execution: Execution,
     worker: &'a dyn Worker,
@@ -385,7 +385,7 @@ impl Desk<'_> {
     }
 
     fn refused(&self, work: Work, reason: &str, start: Instant) -> Result<State, StoreError> {
-        let failure: Failure = self.store.refuse(work, reason, start.elapsed().as_secs_f64())?;
+        let failure: RunFailure = self.store.refuse(work, reason, start.elapsed().as_secs_f64())?;
         Ok(State::Failed(failure.reason))
     }
 }
@@ -396,8 +396,8 @@ fn entry(
     (particles, steps): (usize, u64),
     wall_seconds: f64,
     threads: usize,
-) -> Entry {
-    Entry {
+) -> ResultEntry {
+    ResultEntry {
         address: run.address,
         title: scenario.title.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -1,4 +1,4 @@
-//! Many runs of one scenario: which ones ([`Plan`]), where their results are kept ([`Store`]), how they are
+//! Many runs of one scenario: which ones ([`SweepPlan`]), where their results are kept ([`Store`]), how they are
 //! computed: on this machine ([`execute()`]) or as a job array ([`slurm`]).
 //!
 //! A run is known by its [`Address`]: the same resolved scenario and the same solver have the same address,
@@ -19,10 +19,13 @@ mod trends;
 pub use address::{Address, address};
 pub use cost::{CROWDING, Cost, measure};
 pub use execute::{Computed, Execution, News, Retry, State, Trouble, Watch, Worker, execute};
-pub use file::{Axis, Design, Held, Levels, Sweep, Unfit, load_sweep, multiple};
-pub use plan::{Condition, LeftOut, Plan, PlanError, PlannedRun, plan, plan_only};
+pub use file::{ConstraintCheck, Design, Levels, Sweep, SweepAxis, Unfit, load_sweep, multiple};
+pub use plan::{CutSize, LeftOutRun, PlanError, PlannedRun, SweepPlan, plan, plan_only};
 pub use store::{
-    Claim, Entry, Failure, Found, Leftover, Needs, Store, StoreError, StoredFile, Verdict, Work,
+    Claim, Integrity, Leftover, Needs, ResultEntry, RunFailure, Store, StoreContents, StoreError,
+    StoredFile, Work,
 };
-pub use table::{Row, Table, results_of};
-pub use trends::{Estimate, ForcePoint, Line, PowerLaw, line_over_thickness, power_law};
+pub use table::{SweepRow, SweepTable, results_of};
+pub use trends::{
+    ForcePoint, PowerLaw, ThicknessLine, TrendEstimate, line_over_thickness, power_law,
+};

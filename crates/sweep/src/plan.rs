@@ -3,7 +3,7 @@
 use crate::address::{Address, address};
 use crate::cost::Cost;
 use crate::design::{MOST_RUNS, points};
-use crate::{Held, Sweep, Unfit};
+use crate::{ConstraintCheck, Sweep, Unfit};
 use rayon::prelude::*;
 use sphcut_sph::{Setup, Simulation};
 use std::collections::BTreeSet;
@@ -11,16 +11,16 @@ use std::fmt;
 
 /// The runs of a sweep.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Plan {
+pub struct SweepPlan {
     /// Those that are to be run, in the order of the design.
     pub runs: Vec<PlannedRun>,
     /// Those that a constraint leaves out.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<LeftOutRun>,
     /// What the scenarios warn of, with the number of runs that do.
     pub warnings: Vec<(String, usize)>,
 }
 
-impl Plan {
+impl SweepPlan {
     fn warn(&mut self, text: String) {
         match self.warnings.iter_mut().find(|(known, _)| *known == text) {
             Some((_, runs)) => *runs += 1,
@@ -39,7 +39,7 @@ pub struct PlannedRun {
     /// Its numbers in SI, for those that are numbers.
     pub numbers: Vec<Option<f64>>,
     /// Speed, thickness and width, of a cut.
-    pub condition: Option<Condition>,
+    pub condition: Option<CutSize>,
     /// Where its result is kept.
     pub address: Address,
     /// What it will take.
@@ -48,7 +48,7 @@ pub struct PlannedRun {
 
 /// The conditions of a cut in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Condition {
+pub struct CutSize {
     /// v_c.
     pub cutting_speed: f64,
     /// h.
@@ -57,7 +57,7 @@ pub struct Condition {
     pub width_of_cut: f64,
 }
 
-impl Condition {
+impl CutSize {
     fn of(setup: &Setup) -> Option<Self> {
         let velocity = setup.tool.as_ref()?.velocity;
         Some(Self {
@@ -70,7 +70,7 @@ impl Condition {
 
 /// A combination that is not run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeftOut {
+pub struct LeftOutRun {
     /// Its keys with their values.
     pub settings: String,
     /// The constraint that it breaks.
@@ -87,7 +87,7 @@ pub enum PlanError {
     /// A scenario in which nothing can be run: settings and reason.
     Unready(String, String),
     /// The constraints leave nothing.
-    Nothing(Vec<LeftOut>),
+    Nothing(Vec<LeftOutRun>),
 }
 
 impl fmt::Display for PlanError {
@@ -131,7 +131,7 @@ impl std::error::Error for PlanError {}
 /// What became of a combination.
 enum Checked {
     Run(PlannedRun, Vec<String>),
-    Out(LeftOut),
+    Out(LeftOutRun),
     Unfit(Unfit),
     Unready(String, String),
 }
@@ -140,7 +140,7 @@ enum Checked {
 ///
 /// # Errors
 /// See [`PlanError`].
-pub fn plan(sweep: &Sweep) -> Result<Plan, PlanError> {
+pub fn plan(sweep: &Sweep) -> Result<SweepPlan, PlanError> {
     planned(sweep, |_| true)
 }
 
@@ -148,17 +148,17 @@ pub fn plan(sweep: &Sweep) -> Result<Plan, PlanError> {
 ///
 /// # Errors
 /// See [`PlanError`].
-pub fn plan_only(sweep: &Sweep, numbers: &BTreeSet<usize>) -> Result<Plan, PlanError> {
+pub fn plan_only(sweep: &Sweep, numbers: &BTreeSet<usize>) -> Result<SweepPlan, PlanError> {
     planned(sweep, |number| numbers.contains(&number))
 }
 
-fn planned(sweep: &Sweep, wanted: impl Fn(usize) -> bool) -> Result<Plan, PlanError> {
+fn planned(sweep: &Sweep, wanted: impl Fn(usize) -> bool) -> Result<SweepPlan, PlanError> {
     let points = points(sweep).map_err(PlanError::TooMany)?;
     let points: Vec<(usize, Vec<String>)> =
         (1..).zip(points).filter(|(number, _)| wanted(*number)).collect();
     let checked: Vec<Checked> =
         points.into_par_iter().map(|(number, point)| check(sweep, number, point)).collect();
-    let (mut plan, mut unfit) = (Plan::default(), Vec::new());
+    let (mut plan, mut unfit) = (SweepPlan::default(), Vec::new());
     for one in checked {
         match one {
             Checked::Run(run, warnings) => {
@@ -186,8 +186,8 @@ fn check(sweep: &Sweep, number: usize, values: Vec<String>) -> Checked {
         Err(unfit) => return Checked::Unfit(unfit),
     };
     let settings = sweep.settings(&words);
-    if let Held::No(constraint) = sweep.held(&scenario) {
-        return Checked::Out(LeftOut { settings, constraint });
+    if let ConstraintCheck::No(constraint) = sweep.held(&scenario) {
+        return Checked::Out(LeftOutRun { settings, constraint });
     }
     let estimate = match Simulation::new(scenario.setup.clone()) {
         Ok(simulation) => simulation.estimate(),
@@ -195,7 +195,7 @@ fn check(sweep: &Sweep, number: usize, values: Vec<String>) -> Checked {
     };
     let numbers = sweep.axes.iter().map(|axis| axis.number(&scenario)).collect();
     let cost = Cost::new(&scenario.setup, &estimate);
-    let (condition, address) = (Condition::of(&scenario.setup), address(&scenario));
+    let (condition, address) = (CutSize::of(&scenario.setup), address(&scenario));
     let run = PlannedRun { number, numbers, condition, address, cost, values };
     Checked::Run(run, scenario.warnings)
 }

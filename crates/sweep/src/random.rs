@@ -2,9 +2,9 @@
 
 /// A stream of random numbers.
 #[derive(Debug, Clone)]
-pub(crate) struct Random(u64);
+pub(crate) struct DesignRandom(u64);
 
-impl Random {
+impl DesignRandom {
     /// The stream of `seed` for the axis `axis`.
     pub(crate) fn new(seed: u64, axis: usize) -> Self {
         let mut stream = Self(seed ^ (axis as u64 + 1).wrapping_mul(0xd6e8_feb8_6659_fd93));

@@ -1,8 +1,8 @@
 //! The results of a sweep as one table.
 
 use crate::Sweep;
-use crate::plan::{Condition, Plan};
-use crate::store::{Entry, Store};
+use crate::plan::{CutSize, SweepPlan};
+use crate::store::{ResultEntry, Store};
 use crate::{Address, State};
 use serde_json::Value;
 use sphcut_record::{ColumnH5, FactH5, GroupH5, RunError, write_columns_h5};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// Runs, what was varied, and every number of their summaries.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct SweepTable {
     /// Title of the sweep.
     pub title: String,
     /// What was varied: key and SI unit.
@@ -20,14 +20,14 @@ pub struct Table {
     /// Which of them say something of their own: several values, and not so many times those of another.
     pub own: Vec<bool>,
     /// One for each run of the plan.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SweepRow>,
     /// Names of the numbers of the summaries, in their order.
     pub names: Vec<String>,
 }
 
 /// A run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct SweepRow {
     /// Place in the design, from 1.
     pub number: usize,
     /// Where its result is kept.
@@ -39,13 +39,13 @@ pub struct Row {
     /// The same in SI, for those that are numbers.
     pub numbers: Vec<Option<f64>>,
     /// Speed, thickness and width, of a cut.
-    pub condition: Option<Condition>,
+    pub condition: Option<CutSize>,
     /// F_c, F_f and F_p in N, each with the half width of its 95 % interval; of a cut with a result.
     pub forces: [Option<[f64; 2]>; 3],
     /// The numbers of its summary by name.
     pub summary: BTreeMap<String, f64>,
     /// What it took, of a run with a result.
-    pub entry: Option<Entry>,
+    pub entry: Option<ResultEntry>,
     /// Folder of its result.
     pub folder: PathBuf,
 }
@@ -56,7 +56,7 @@ const MM: f64 = 1e3;
 /// 0 degC in K.
 const ZERO_CELSIUS: f64 = 273.15;
 
-impl Row {
+impl SweepRow {
     /// Whether there is a result.
     #[must_use]
     pub fn has_result(&self) -> bool {
@@ -76,12 +76,12 @@ impl Row {
     }
 }
 
-impl Table {
+impl SweepTable {
     /// Puts the results of `plan` together; `summary` reads the summary of the run in a folder.
     #[must_use]
     pub fn new(
         sweep: &Sweep,
-        plan: &Plan,
+        plan: &SweepPlan,
         store: &Store,
         states: &[State],
         summary: &dyn Fn(&Path) -> Option<Value>,
@@ -90,7 +90,7 @@ impl Table {
         let mut rows = Vec::new();
         for (run, state) in plan.runs.iter().zip(states) {
             let folder = store.result(&run.address);
-            let mut row = Row {
+            let mut row = SweepRow {
                 number: run.number,
                 address: run.address,
                 state: state.clone(),
@@ -120,9 +120,10 @@ impl Table {
             rows.push(row);
         }
         // What no run has a number for, such as a reason that is not given, is no column.
-        names.retain(|name| rows.iter().any(|row: &Row| row.summary.contains_key(name)));
-        let several =
-            |axis: usize| rows.iter().any(|row: &Row| row.values[axis] != rows[0].values[axis]);
+        names.retain(|name| rows.iter().any(|row: &SweepRow| row.summary.contains_key(name)));
+        let several = |axis: usize| {
+            rows.iter().any(|row: &SweepRow| row.values[axis] != rows[0].values[axis])
+        };
         let own = (0..sweep.axes.len())
             .map(|axis| sweep.axes[axis].follows(&sweep.axes).is_none() && several(axis))
             .collect();
@@ -220,7 +221,7 @@ impl Table {
     /// # Errors
     /// A file that cannot be written.
     pub fn write_h5(&self, path: &Path, text: &str, version: &str) -> Result<(), RunError> {
-        let column = |of: &dyn Fn(&Row) -> Option<f64>| -> Vec<f64> {
+        let column = |of: &dyn Fn(&SweepRow) -> Option<f64>| -> Vec<f64> {
             self.rows.iter().map(|row| of(row).unwrap_or(f64::NAN)).collect()
         };
         let mut numbers: Vec<(String, String, Vec<f64>)> =
@@ -283,11 +284,11 @@ impl Table {
 }
 
 /// Keys and their SI units.
-fn axes(sweep: &Sweep, plan: &Plan) -> Vec<(String, String)> {
+fn axes(sweep: &Sweep, plan: &SweepPlan) -> Vec<(String, String)> {
     let first: Vec<&str> = plan.runs[0].values.iter().map(String::as_str).collect();
     // It was read when the sweep was planned.
     let scenario = sweep.scenario(&first).ok();
-    let unit = |axis: &crate::Axis| {
+    let unit = |axis: &crate::SweepAxis| {
         scenario.as_ref().and_then(|scenario| axis.entry(scenario)).map_or("", |entry| entry.unit)
     };
     sweep.axes.iter().map(|axis| (axis.key.to_string(), unit(axis).to_owned())).collect()
@@ -299,7 +300,7 @@ fn rounded(number: f64) -> f64 {
 }
 
 /// v_c in m/min, h and b in mm, to ten digits.
-fn conditions(row: &Row) -> [Option<f64>; 3] {
+fn conditions(row: &SweepRow) -> [Option<f64>; 3] {
     let Some(condition) = row.condition else { return [None; 3] };
     [
         condition.cutting_speed * M_PER_MIN,
@@ -309,7 +310,7 @@ fn conditions(row: &Row) -> [Option<f64>; 3] {
     .map(|number| Some(rounded(number)))
 }
 
-fn forces(row: &Row) -> [Option<[f64; 2]>; 3] {
+fn forces(row: &SweepRow) -> [Option<[f64; 2]>; 3] {
     FORCES.map(|(_, name)| {
         let of = |part: &str| row.summary.get(&format!("forces.{name}.{part}")).copied();
         row.condition?;
@@ -358,7 +359,7 @@ fn near(folder: &Path, beside: &Path) -> String {
     seen.as_deref().unwrap_or(folder).display().to_string()
 }
 
-/// The runs with a result in a table as [`Table::csv`] writes it: number and folder. `None` if it is no such table.
+/// The runs with a result in a table as [`SweepTable::csv`] writes it: number and folder. `None` if it is no such table.
 #[must_use]
 pub fn results_of(csv: &str) -> Option<Vec<(String, PathBuf)>> {
     let mut lines = csv.lines().filter(|line| !line.starts_with('#'));

@@ -14,7 +14,7 @@ pub struct ForcePoint {
 
 /// A number with the half width of its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct TrendEstimate {
     /// The number.
     pub value: f64,
     /// Student's t on the scatter about the fit; infinite where no degree of freedom is left.
@@ -23,11 +23,11 @@ pub struct Estimate {
 
 /// `force = offset + slope h` at one cutting speed, by least squares.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
+pub struct ThicknessLine {
     /// In N/m.
-    pub slope: Estimate,
+    pub slope: TrendEstimate,
     /// In N.
-    pub offset: Estimate,
+    pub offset: TrendEstimate,
     /// Largest distance of a point from the line over the mean of the points.
     pub worst: f64,
 }
@@ -37,9 +37,9 @@ pub struct Line {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerLaw {
     /// p; `None` at a single speed.
-    pub speed: Option<Estimate>,
+    pub speed: Option<TrendEstimate>,
     /// q; `None` at a single thickness.
-    pub thickness: Option<Estimate>,
+    pub thickness: Option<TrendEstimate>,
     /// Root of the mean square of what the law misses of the logarithms.
     pub spread: f64,
 }
@@ -53,7 +53,7 @@ fn same(a: f64, b: f64) -> bool {
 
 /// The line over h at `cutting_speed`; `None` with fewer than three thicknesses.
 #[must_use]
-pub fn line_over_thickness(points: &[ForcePoint], cutting_speed: f64) -> Option<Line> {
+pub fn line_over_thickness(points: &[ForcePoint], cutting_speed: f64) -> Option<ThicknessLine> {
     let there: Vec<&ForcePoint> =
         points.iter().filter(|point| same(point.at[0], cutting_speed)).collect();
     let rows: Vec<Vec<f64>> = there.iter().map(|point| vec![1.0, point.at[1]]).collect();
@@ -61,7 +61,11 @@ pub fn line_over_thickness(points: &[ForcePoint], cutting_speed: f64) -> Option<
     let fit = (there.len() > 2).then(|| least_squares(&rows, &values)).flatten()?;
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let worst = fit.residuals.iter().fold(0.0_f64, |worst, miss| worst.max(miss.abs()));
-    Some(Line { offset: fit.estimates[0], slope: fit.estimates[1], worst: worst / mean.abs() })
+    Some(ThicknessLine {
+        offset: fit.estimates[0],
+        slope: fit.estimates[1],
+        worst: worst / mean.abs(),
+    })
 }
 
 /// The power law of all `points`; `None` if a force is not positive or there are too few.
@@ -85,7 +89,7 @@ pub fn power_law(points: &[ForcePoint]) -> Option<PowerLaw> {
 }
 
 struct Fit {
-    estimates: Vec<Estimate>,
+    estimates: Vec<TrendEstimate>,
     residuals: Vec<f64>,
 }
 
@@ -110,7 +114,7 @@ fn least_squares(rows: &[Vec<f64>], values: &[f64]) -> Option<Fit> {
     } else {
         f64::INFINITY
     };
-    let estimates = (0..p).map(|k| Estimate {
+    let estimates = (0..p).map(|k| TrendEstimate {
         value: solution[k] / sizes[k],
         half_width: factor * normal[(k, k)].sqrt() / sizes[k],
     });

@@ -1,7 +1,7 @@
 //! Designs and addresses of files of sweeps.
 
 use sphcut_scenario::LoadOptions;
-use sphcut_sweep::{Plan, PlanError, Sweep, load_sweep, plan};
+use sphcut_sweep::{PlanError, Sweep, SweepPlan, load_sweep, plan};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ fn sweep(name: &str, base: &str, rest: &str) -> Sweep {
     load_sweep(&path, &LoadOptions::default()).unwrap_or_else(|problems| panic!("{problems:#?}"))
 }
 
-fn planned(name: &str, rest: &str) -> Plan {
+fn planned(name: &str, rest: &str) -> SweepPlan {
     plan(&sweep(name, BASE, rest)).unwrap()
 }
 

@@ -3,7 +3,7 @@
 mod support;
 
 use sphcut_sweep::{
-    Claim, Execution, Needs, Plan, Retry, State, Store, StoreError, Verdict, execute, plan,
+    Claim, Execution, Integrity, Needs, Retry, State, Store, StoreError, SweepPlan, execute, plan,
 };
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
@@ -15,7 +15,7 @@ const ONE: Execution = Execution { threads: 1, retry: Retry::Never };
 fn run(
     stub: &Stub,
     sweep: &sphcut_sweep::Sweep,
-    plan: &Plan,
+    plan: &SweepPlan,
     store: &Store,
     how: Execution,
 ) -> Vec<State> {
@@ -162,16 +162,16 @@ fn damage_is_found_and_what_nobody_needs_too() {
     let plan = plan(&sweep).unwrap();
     run(&Stub::default(), &sweep, &plan, &store, ONE);
     let entry = store.entry(&plan.runs[1].address).unwrap().unwrap();
-    assert_eq!(store.verify(&entry), Verdict::Whole);
+    assert_eq!(store.verify(&entry), Integrity::Whole);
     let file = store.result(&entry.address).join("summary.json");
     let text = std::fs::read_to_string(&file).unwrap();
     std::fs::write(&file, text.replace('3', "4")).unwrap();
     assert!(
-        matches!(store.verify(&entry), Verdict::Damaged(reason) if reason.contains("has changed"))
+        matches!(store.verify(&entry), Integrity::Damaged(reason) if reason.contains("has changed"))
     );
     std::fs::remove_file(&file).unwrap();
     assert!(
-        matches!(store.verify(&entry), Verdict::Damaged(reason) if reason.contains("summary.json"))
+        matches!(store.verify(&entry), Integrity::Damaged(reason) if reason.contains("summary.json"))
     );
 
     // All are needed, then two, then none because the sweep's folder is gone.

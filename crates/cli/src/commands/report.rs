@@ -1,7 +1,7 @@
 //! `sphcut report`: summary and page of a run, written again.
 
 use crate::failure::{ExitCode, Failure};
-use crate::progress::Style;
+use crate::progress::OutputStyle;
 use crate::{outcome, results};
 use clap::Args;
 use sphcut_record::{Run, RunFiles, recover};
@@ -26,6 +26,6 @@ pub fn report(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     };
     let run = run.map_err(|error| Failure::of_run(&error, folder))?;
     let results = results::write(&run, folder)?;
-    outcome::finished(&run, &results, Style::Human);
+    outcome::finished(&run, &results, OutputStyle::Human);
     Ok(ExitCode::Done)
 }

@@ -2,7 +2,7 @@
 
 use crate::common_arguments::{PatchableArguments, ToldArguments};
 use crate::failure::{ExitCode, Failure};
-use crate::progress::{Display, Forces, Status, Style, Travel};
+use crate::progress::{OutputStyle, RunDisplay, ShownForces, Status, Travel};
 use crate::{interrupt, loading, outcome, results};
 use clap::Args;
 use sphcut_postprocess::steady::{Series, SteadyOptions, detect};
@@ -58,14 +58,14 @@ const SAMPLES_BETWEEN_STEADY_TESTS: usize = 10;
 pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let style = arguments.told.style();
     let result = follow(arguments, style);
-    if let (Err(failure), Style::Json) = (&result, style) {
+    if let (Err(failure), OutputStyle::Json) = (&result, style) {
         outcome::emit_error(failure);
     }
     result
 }
 
 /// From the file to the report.
-fn follow(arguments: &RunArguments, style: Style) -> Result<ExitCode, Failure> {
+fn follow(arguments: &RunArguments, style: OutputStyle) -> Result<ExitCode, Failure> {
     let scenario = loading::scenario(&arguments.scenario)?;
     let options = options(arguments, &scenario);
     interrupt::install();
@@ -103,9 +103,13 @@ fn output_folder(wanted: Option<&Path>, scenario: &Scenario) -> PathBuf {
 }
 
 /// Steps the simulation on its own threads and shows its progress.
-pub fn compute(scenario: &Scenario, options: &RunOptions, style: Style) -> Result<Run, Failure> {
+pub fn compute(
+    scenario: &Scenario,
+    options: &RunOptions,
+    style: OutputStyle,
+) -> Result<Run, Failure> {
     let pool = loading::pool(options.threads)?;
-    let mut display = Display::new(style);
+    let mut display = RunDisplay::new(style);
     let provenance = loading::provenance(scenario);
     let steady = scenario.stop.steady;
     let run = pool.install(|| {
@@ -152,7 +156,7 @@ fn status(progress: &Progress) -> Status {
     let in_space = progress.facts.dimension == 3;
     // Channels of a plane run are in N/m; those of a spatial one in N.
     let factor = if in_space { 1.0 } else { 1e-3 };
-    let forces = progress.samples.last().filter(|_| cuts).map(|sample| Forces {
+    let forces = progress.samples.last().filter(|_| cuts).map(|sample| ShownForces {
         cutting: sample.get(ChannelId::CuttingForce) * factor,
         feed: sample.get(ChannelId::FeedForce) * factor,
         passive: in_space.then(|| sample.get(ChannelId::PassiveForce)),

@@ -8,11 +8,11 @@ const TICKS: u64 = 1000;
 
 /// A bar with the state of the run behind it.
 #[derive(Debug)]
-pub struct Bar {
+pub struct TerminalBar {
     bar: ProgressBar,
 }
 
-impl Bar {
+impl TerminalBar {
     /// An empty bar on standard error.
     pub fn new() -> Self {
         let bar = ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr_with_hz(5));

@@ -26,7 +26,7 @@ pub struct Status {
     /// Wall-clock time still needed in s, once it can be told.
     pub remaining_seconds: Option<f64>,
     /// Latest cutting and feed force, if there is a tool and a sample.
-    pub forces: Option<Forces>,
+    pub forces: Option<ShownForces>,
 }
 
 /// Path of the tool in m.
@@ -38,9 +38,9 @@ pub struct Travel {
     pub end: f64,
 }
 
-/// Forces: of a plane cut per width in N/mm, in space in N.
+/// ShownForces: of a plane cut per width in N/mm, in space in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Forces {
+pub struct ShownForces {
     /// F_c.
     pub cutting: f64,
     /// F_f.
@@ -49,7 +49,7 @@ pub struct Forces {
     pub passive: Option<f64>,
 }
 
-impl std::fmt::Display for Forces {
+impl std::fmt::Display for ShownForces {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.passive {
             None => write!(f, "F_c {:.0} F_f {:.0} N/mm", self.cutting, self.feed),
@@ -87,7 +87,7 @@ impl Status {
 
 /// How progress is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Style {
+pub enum OutputStyle {
     /// A bar on a terminal, plain lines elsewhere.
     Human,
     /// One JSON object per line on standard output.
@@ -98,9 +98,9 @@ pub enum Style {
 
 /// Shows the progress of one run.
 #[derive(Debug)]
-pub enum Display {
+pub enum RunDisplay {
     /// A bar at the bottom of a terminal.
-    Bar(bar::Bar),
+    Bar(bar::TerminalBar),
     /// A line now and then.
     Lines(lines::Lines),
     /// JSON lines.
@@ -109,14 +109,16 @@ pub enum Display {
     Nothing,
 }
 
-impl Display {
+impl RunDisplay {
     /// The display that fits `style` and the place standard error goes to.
-    pub fn new(style: Style) -> Self {
+    pub fn new(style: OutputStyle) -> Self {
         match style {
-            Style::Quiet => Self::Nothing,
-            Style::Json => Self::Json(json::JsonLines::new()),
-            Style::Human if std::io::stderr().is_terminal() => Self::Bar(bar::Bar::new()),
-            Style::Human => Self::Lines(lines::Lines::new()),
+            OutputStyle::Quiet => Self::Nothing,
+            OutputStyle::Json => Self::Json(json::JsonLines::new()),
+            OutputStyle::Human if std::io::stderr().is_terminal() => {
+                Self::Bar(bar::TerminalBar::new())
+            }
+            OutputStyle::Human => Self::Lines(lines::Lines::new()),
         }
     }
 
@@ -152,14 +154,14 @@ mod tests {
             updates_per_second: 8.4e5,
             wall_seconds: 3.0,
             remaining_seconds: Some(9.0),
-            forces: Some(Forces { cutting: 211.6, feed: 60.9, passive: None }),
+            forces: Some(ShownForces { cutting: 211.6, feed: 60.9, passive: None }),
         };
         assert_eq!(
             status.line(),
             "0.250 of 1.000 mm, F_c 212 F_f 61 N/mm, 9.0 s left, 0.84 M updates/s, 1.000e-4 s"
         );
         // In space the forces are whole.
-        status.forces = Some(Forces { cutting: 63.04, feed: 0.45, passive: Some(70.0) });
+        status.forces = Some(ShownForces { cutting: 63.04, feed: 0.45, passive: Some(70.0) });
         assert!(status.line().contains(", F_c 63.0 F_f 0.5 F_p 70.0 N, "), "{}", status.line());
         status.travel = None;
         status.forces = None;

@@ -13,7 +13,7 @@ use toml::de::DeValue;
 
 /// A key that is varied.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct SweepAxis {
     /// Section and key.
     pub key: KeyPath,
     /// Its values.
@@ -52,7 +52,7 @@ const STEP_DIGITS: i32 = 12;
 /// Digits of values that a design draws from an interval.
 const DRAWN_DIGITS: i32 = 6;
 
-impl Axis {
+impl SweepAxis {
     /// The value at `share` of the way through the levels, 0 to 1.
     #[must_use]
     pub fn at(&self, share: f64) -> String {
@@ -146,7 +146,7 @@ pub(super) fn read(
     findings: &mut Findings,
     record: &Record<'_>,
     design: Option<Design>,
-) -> Option<Axis> {
+) -> Option<SweepAxis> {
     let written = record.text("key")?;
     let key = match KeyPath::parse(written) {
         Ok(key) => key,
@@ -165,7 +165,7 @@ pub(super) fn read(
         let fills = matches!(design, Some(Design::LatinHypercube { .. } | Design::Sobol { .. }));
         ranged(findings, record, fills)
     };
-    levels.map(|levels| Axis { key, levels })
+    levels.map(|levels| SweepAxis { key, levels })
 }
 
 fn following(findings: &mut Findings, record: &Record<'_>, own: &KeyPath) -> Option<Levels> {
@@ -201,7 +201,7 @@ fn following(findings: &mut Findings, record: &Record<'_>, own: &KeyPath) -> Opt
 }
 
 /// Every `of` names a key with quantities of its own.
-pub(super) fn check_followers(findings: &mut Findings, axes: &[Axis], records: &[Record<'_>]) {
+pub(super) fn check_followers(findings: &mut Findings, axes: &[SweepAxis], records: &[Record<'_>]) {
     for (axis, record) in axes.iter().zip(records) {
         let Levels::Multiple { of, times } = &axis.levels else { continue };
         let reason = match axes.iter().find(|other| other.key == *of).map(|other| &other.levels) {
@@ -400,7 +400,7 @@ mod tests {
         assert_eq!(literal(0.06 + 4.0 * 0.01, STEP_DIGITS, "mm"), "\"0.1 mm\"");
         assert_eq!(literal(150.0, STEP_DIGITS, "m/min"), "\"150 m/min\"");
         assert_eq!(literal(1.0 / 3.0, DRAWN_DIGITS, ""), "0.333333");
-        let axis = Axis {
+        let axis = SweepAxis {
             key: KeyPath::parse("a.b").unwrap(),
             levels: Levels::Interval {
                 from: 1.0,
@@ -425,7 +425,7 @@ mod tests {
     #[test]
     fn a_share_picks_a_level() {
         let levels = Levels::Listed(["1", "2", "3"].map(str::to_owned).to_vec());
-        let axis = Axis { key: KeyPath::parse("a.b").unwrap(), levels };
+        let axis = SweepAxis { key: KeyPath::parse("a.b").unwrap(), levels };
         let picked: Vec<String> = [0.0, 0.3, 0.34, 0.99, 1.0].iter().map(|s| axis.at(*s)).collect();
         assert_eq!(picked, ["1", "1", "2", "3", "3"]);
     }

@@ -13,7 +13,7 @@ use sphcut_scenario::{KeyPath, Scenario};
 
 /// Whether a scenario keeps the constraints.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Held {
+pub enum ConstraintCheck {
     /// All of them.
     Yes,
     /// Not this one.

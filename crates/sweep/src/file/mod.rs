@@ -7,9 +7,9 @@ mod keys;
 pub use keys::reference_page;
 use sphcut_scenario::{KeyPath, LoadOptions, Scenario, load, parse};
 
-pub use axis::{Axis, Levels, multiple};
+pub use axis::{Levels, SweepAxis, multiple};
 use constraint::Constraint;
-pub use constraint::Held;
+pub use constraint::ConstraintCheck;
 use sphcut_input::document::{self, contradiction};
 use sphcut_input::files::Surroundings;
 use sphcut_input::findings::Findings;
@@ -33,7 +33,7 @@ pub struct Sweep {
     /// Which combinations run.
     pub design: Design,
     /// The keys that are varied.
-    pub axes: Vec<Axis>,
+    pub axes: Vec<SweepAxis>,
     constraints: Vec<Constraint>,
     base_path: PathBuf,
     options: LoadOptions,
@@ -90,7 +90,7 @@ impl Sweep {
             text += &format!("\n[[vary]]\nkey = {key:?}\nvalues = [\n");
             values.iter().for_each(|value| text += &format!("  {value},\n"));
             text += "]\n";
-            axes.push(Axis { key: KeyPath::parse(key)?, levels: Levels::Listed(values) });
+            axes.push(SweepAxis { key: KeyPath::parse(key)?, levels: Levels::Listed(values) });
         }
         Ok(Self {
             title: title.to_owned(),
@@ -137,9 +137,10 @@ impl Sweep {
 
     /// Whether `scenario` keeps all constraints; the first one that it breaks if not.
     #[must_use]
-    pub fn held(&self, scenario: &Scenario) -> Held {
+    pub fn held(&self, scenario: &Scenario) -> ConstraintCheck {
         let broken = self.constraints.iter().find(|constraint| !constraint.holds(scenario));
-        broken.map_or(Held::Yes, |constraint| Held::No(constraint.text.clone()))
+        broken
+            .map_or(ConstraintCheck::Yes, |constraint| ConstraintCheck::No(constraint.text.clone()))
     }
 
     fn shown(&self) -> String {
@@ -248,7 +249,7 @@ fn design(findings: &mut Findings, root: &Record<'_>) -> Option<(Design, usize)>
     Some((design, record.count("replicates")?.unsigned_abs() as usize))
 }
 
-fn refuse_repeats(findings: &mut Findings, axes: &[Axis], places: &[Record<'_>]) {
+fn refuse_repeats(findings: &mut Findings, axes: &[SweepAxis], places: &[Record<'_>]) {
     for (index, axis) in axes.iter().enumerate() {
         if axes[..index].iter().any(|earlier| earlier.key == axis.key) {
             let message = format!("`{}` is varied already", axis.key);
@@ -322,7 +323,7 @@ fn replicate(findings: &mut Findings, root: &Record<'_>, sweep: &mut Sweep, repl
         findings.problem(&root.source, place, mistake);
         return;
     }
-    sweep.axes.push(Axis { key, levels: Levels::Replicates(values) });
+    sweep.axes.push(SweepAxis { key, levels: Levels::Replicates(values) });
 }
 
 /// In a list every key has as many values.
@@ -330,7 +331,7 @@ fn same_lengths(findings: &mut Findings, root: &Record<'_>, sweep: &Sweep) {
     if sweep.design != Design::List {
         return;
     }
-    let lengths: Vec<usize> = sweep.axes.iter().filter_map(Axis::listed).collect();
+    let lengths: Vec<usize> = sweep.axes.iter().filter_map(SweepAxis::listed).collect();
     if lengths.windows(2).any(|pair| pair[0] != pair[1]) {
         let counts: Vec<String> = lengths.iter().map(ToString::to_string).collect();
         let message =

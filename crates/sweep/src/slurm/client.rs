@@ -1,6 +1,5 @@
 //! The commands of Slurm: sbatch, squeue, scancel, scontrol.
 
-use std::fmt;
 use std::io::ErrorKind;
 use std::path::Path;
 use std::process::Command;
@@ -9,29 +8,18 @@ use std::process::Command;
 const MAX_ARRAY_SIZE: usize = 1001;
 
 /// Why the cluster does not do what was asked.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SlurmError {
     /// The program is not there.
+    #[error("there is no `{0}` on PATH: this is no machine of a Slurm cluster")]
     Absent(&'static str),
     /// It failed with this message.
+    #[error("the cluster refused ({0}): {1}")]
     Refused(&'static str, String),
     /// It said something that is no answer.
+    #[error("`{0}` answered `{1}`")]
     Unclear(&'static str, String),
 }
-
-impl fmt::Display for SlurmError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Absent(program) => {
-                write!(f, "there is no `{program}` on PATH: this is no machine of a Slurm cluster")
-            }
-            Self::Refused(program, said) => write!(f, "the cluster refused ({program}): {said}"),
-            Self::Unclear(program, said) => write!(f, "`{program}` answered `{said}`"),
-        }
-    }
-}
-
-impl std::error::Error for SlurmError {}
 
 /// A job or a task of an array, as the queue has it.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -30,7 +30,7 @@ pub struct Task {
 
 /// What every task asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Request {
+pub struct JobRequest {
     /// Time limit in minutes.
     pub minutes: u64,
     /// Memory in MiB.
@@ -74,7 +74,7 @@ pub fn deal(
 /// A task with several threads computes as many runs at once: it ends at the latest after its share of the whole and
 /// its longest run, and needs the memory of the largest runs together.
 #[must_use]
-pub fn request(tasks: &[Task], runs: &[PlannedRun], speed: f64, threads: usize) -> Request {
+pub fn request(tasks: &[Task], runs: &[PlannedRun], speed: f64, threads: usize) -> JobRequest {
     let (mut time, mut memory) = (0.0_f64, 0.0_f64);
     for task in tasks {
         let costs: Vec<_> = task.runs.iter().map(|at| runs[*at].cost).collect();
@@ -87,7 +87,7 @@ pub fn request(tasks: &[Task], runs: &[PlannedRun], speed: f64, threads: usize) 
         memory = memory.max(ROOM * together as f64 + PROGRAM_BYTES);
     }
     let time = (SLOWER * time + LEAD_SECONDS as f64).max(LEAST_TIME);
-    Request {
+    JobRequest {
         minutes: (time / 60.0).ceil() as u64,
         mebibytes: (memory / MIB).ceil() as u64,
         threads,

@@ -11,6 +11,6 @@ mod script;
 mod submission;
 
 pub use client::{Queued, SlurmError, cancel, is_possible, most_tasks, queue, submit};
-pub use deal::{Request, Task, deal, request};
+pub use deal::{JobRequest, Task, deal, request};
 pub use script::{LEAD_SECONDS, Script, array_script, collecting_script, refused_option};
-pub use submission::{Share, Submission};
+pub use submission::{Submission, TaskRun};

@@ -1,6 +1,6 @@
 //! The batch scripts.
 
-use super::deal::Request;
+use super::deal::JobRequest;
 use std::path::{Path, PathBuf};
 
 /// Seconds before its time limit at which a task is told to write its checkpoint. Slurm counts time limits in
@@ -44,7 +44,7 @@ pub struct Script {
     /// Most tasks at once.
     pub at_once: Option<usize>,
     /// What every task asks for.
-    pub request: Request,
+    pub request: JobRequest,
     /// Options of the user for `sbatch`, as they stand after `#SBATCH`; they win over ours.
     pub options: Vec<String>,
 }
@@ -174,7 +174,7 @@ mod tests {
             name: "speed & depth".to_owned(),
             tasks: 12,
             at_once: Some(4),
-            request: Request { minutes: 45, mebibytes: 300, threads: 2 },
+            request: JobRequest { minutes: 45, mebibytes: 300, threads: 2 },
             options: vec!["--partition=short".to_owned(), "--time=20".to_owned()],
         }
     }

@@ -10,7 +10,8 @@
 
 use crate::Address;
 use crate::store::{Durability, StoreError, at, read_json, write_json};
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
@@ -23,9 +24,10 @@ const SHARES: &str = "runs.csv";
 const SHARES_HEAD: &str = "task,run,address,updates";
 
 /// A job array and what is needed to compute, collect and watch it.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Submission {
     /// Its folder.
+    #[serde(skip)]
     pub folder: PathBuf,
     /// File of the sweep.
     pub sweep: PathBuf,
@@ -61,9 +63,18 @@ pub struct Submission {
     pub ended: BTreeMap<String, usize>,
 }
 
+/// The record of a submission with the versions that wrote it.
+#[derive(Serialize)]
+struct Recorded<'a> {
+    layout: u64,
+    version: &'static str,
+    #[serde(flatten)]
+    submission: &'a Submission,
+}
+
 /// One run of a task.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Share {
+pub struct TaskRun {
     /// The task, from 1.
     pub task: usize,
     /// Number of the run in the sweep.
@@ -110,40 +121,13 @@ impl Submission {
     /// A record that cannot be read.
     pub fn read(folder: &Path) -> Result<Self, StoreError> {
         let path = folder.join(RECORD);
-        let value = read_json(&path)?;
+        let value: Value = read_json(&path)?;
         if value["layout"].as_u64() != Some(LAYOUT) {
             let reason = "it is of another version of sphcut".to_owned();
             return Err(StoreError::Damaged(path, reason));
         }
-        Self::from(&value, folder)
-            .ok_or_else(|| StoreError::Damaged(path, "a key is missing".to_owned()))
-    }
-
-    fn from(value: &Value, folder: &Path) -> Option<Self> {
-        let path = |key: &str| value[key].as_str().map(PathBuf::from);
-        let count = |key: &str| value[key].as_u64().and_then(|count| usize::try_from(count).ok());
-        let ended = value["ended"].as_object()?.iter();
-        Some(Self {
-            folder: folder.to_owned(),
-            sweep: path("sweep")?,
-            allow_outside: value["allow_outside"].as_bool()?,
-            patch: path("patch"),
-            title: value["title"].as_str()?.to_owned(),
-            out: path("out")?,
-            store: path("store")?,
-            measured: path("measured"),
-            runs: count("runs")?,
-            there: count("there")?,
-            failing: count("failing")?,
-            threads: count("threads")?,
-            tasks: count("tasks")?,
-            array: value["array"].as_u64(),
-            collecting: value["collecting"].as_u64(),
-            cancelled: value["cancelled"].as_bool()?,
-            ended: ended
-                .map(|(state, tasks)| Some((state.clone(), tasks.as_u64()? as usize)))
-                .collect::<Option<_>>()?,
-        })
+        let recorded: Self = read_json(&path)?;
+        Ok(Self { folder: folder.to_owned(), ..recorded })
     }
 
     /// Writes the record.
@@ -151,27 +135,10 @@ impl Submission {
     /// # Errors
     /// A file that cannot be written, a path that is no text.
     pub fn write(&self) -> Result<(), StoreError> {
-        let record = json!({
-            "layout": LAYOUT,
-            "version": env!("CARGO_PKG_VERSION"),
-            "sweep": self.sweep,
-            "allow_outside": self.allow_outside,
-            "patch": self.patch,
-            "title": self.title,
-            "out": self.out,
-            "store": self.store,
-            "measured": self.measured,
-            "runs": self.runs,
-            "there": self.there,
-            "failing": self.failing,
-            "threads": self.threads,
-            "tasks": self.tasks,
-            "array": self.array,
-            "collecting": self.collecting,
-            "cancelled": self.cancelled,
-            "ended": self.ended,
-        });
-        write_json(&self.folder.join(RECORD), &record, Durability::Synced)
+        let path = self.folder.join(RECORD);
+        let version = env!("CARGO_PKG_VERSION");
+        let record = Recorded { layout: LAYOUT, version, submission: self };
+        write_json(&path, &record, Durability::Synced)
     }
 
     /// Writes a script and says where it is.
@@ -188,10 +155,10 @@ impl Submission {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write_shares(&self, shares: &[Share]) -> Result<(), StoreError> {
+    pub fn write_shares(&self, shares: &[TaskRun]) -> Result<(), StoreError> {
         let mut text = format!("{SHARES_HEAD}\n");
         for share in shares {
-            let Share { task, run, address, updates } = share;
+            let TaskRun { task, run, address, updates } = share;
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{task},{run},{address},{updates:e}");
         }
@@ -203,7 +170,7 @@ impl Submission {
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn shares(&self) -> Result<Vec<Share>, StoreError> {
+    pub fn shares(&self) -> Result<Vec<TaskRun>, StoreError> {
         let path = self.folder.join(SHARES);
         let text = at(&path, "read", fs::read_to_string(&path))?;
         text.lines()
@@ -219,9 +186,9 @@ impl Submission {
     }
 }
 
-fn share(line: &str) -> Option<Share> {
+fn share(line: &str) -> Option<TaskRun> {
     let mut cells = line.split(',');
-    Some(Share {
+    Some(TaskRun {
         task: cells.next()?.parse().ok()?,
         run: cells.next()?.parse().ok()?,
         address: Address::parse(cells.next()?)?,
@@ -266,7 +233,7 @@ mod tests {
         assert!(refused.ends_with("slurm/003"), "{}", refused.display());
         assert_eq!(Submission::last(&out).unwrap(), Some(second.clone()));
         let address = Address::parse(&"ab".repeat(32)).unwrap();
-        let share = Share { task: 2, run: 31, address, updates: 1.25e9 };
+        let share = TaskRun { task: 2, run: 31, address, updates: 1.25e9 };
         second.write_shares(std::slice::from_ref(&share)).unwrap();
         assert_eq!(second.shares().unwrap(), [share]);
         fs::write(second.folder.join(SHARES), "task,run,address,updates\n1,2,3\n").unwrap();

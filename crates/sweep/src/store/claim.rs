@@ -1,7 +1,7 @@
 //! Who computes a run, and how its result gets into the store.
 
 use super::entry::StoredFile;
-use super::{Durability, Entry, Failure, Store, StoreError, at, sync_folder};
+use super::{Durability, ResultEntry, RunFailure, Store, StoreError, at, sync_folder};
 use crate::Address;
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -20,7 +20,7 @@ pub enum Claim {
     /// It is there.
     Done,
     /// It cannot be computed.
-    Failed(Failure),
+    Failed(RunFailure),
     /// Another process computes it.
     Busy,
     /// Compute it, or go on with it, in this folder.
@@ -128,7 +128,7 @@ impl Store {
     ///
     /// # Errors
     /// A file that cannot be read or written; nothing is published then.
-    pub fn publish(&self, work: Work, mut entry: Entry) -> Result<Entry, StoreError> {
+    pub fn publish(&self, work: Work, mut entry: ResultEntry) -> Result<ResultEntry, StoreError> {
         entry.files = files(&work.folder)?;
         let durability =
             if entry.wall_seconds >= WORTH_A_SYNC { Durability::Synced } else { Durability::Later };
@@ -146,8 +146,8 @@ impl Store {
         work: Work,
         reason: &str,
         wall_seconds: f64,
-    ) -> Result<Failure, StoreError> {
-        let failure = Failure { address: work.address, reason: reason.to_owned(), wall_seconds };
+    ) -> Result<RunFailure, StoreError> {
+        let failure = RunFailure { address: work.address, reason: reason.to_owned(), wall_seconds };
         failure.write(&work.folder)?;
         self.move_to(&work, &self.failure_folder(&work.address), Durability::Synced)?;
         Ok(failure)

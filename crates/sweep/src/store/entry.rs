@@ -2,7 +2,7 @@
 
 use super::{Durability, StoreError, at, read_json, write_json};
 use crate::Address;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::io;
@@ -12,8 +12,8 @@ pub(super) const ENTRY: &str = "entry.json";
 pub(super) const FAILURE: &str = "failure.json";
 
 /// A finished run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResultEntry {
     /// Its address.
     pub address: Address,
     /// Title of the scenario it was computed from first.
@@ -35,7 +35,7 @@ pub struct Entry {
 }
 
 /// A file of a result.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StoredFile {
     /// Name in the folder.
     pub name: String,
@@ -46,8 +46,8 @@ pub struct StoredFile {
 }
 
 /// Why a run cannot finish.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Failure {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunFailure {
     /// Its address.
     pub address: Address,
     /// The reason in words.
@@ -70,7 +70,7 @@ impl StoredFile {
     }
 }
 
-impl Entry {
+impl ResultEntry {
     /// Whether all its files are in `folder` with their sizes.
     pub(super) fn fits(&self, folder: &Path) -> bool {
         self.files.iter().all(|file| {
@@ -85,74 +85,20 @@ impl Entry {
     }
 
     pub(super) fn write(&self, folder: &Path, durability: Durability) -> Result<(), StoreError> {
-        let files: Vec<Value> = self
-            .files
-            .iter()
-            .map(|file| json!({ "name": file.name, "bytes": file.bytes, "sha256": file.sha256 }))
-            .collect();
-        let entry = json!({
-            "address": self.address.to_string(),
-            "title": self.title,
-            "version": self.version,
-            "results_version": self.results_version,
-            "particles": self.particles,
-            "steps": self.steps,
-            "wall_seconds": self.wall_seconds,
-            "threads": self.threads,
-            "files": files,
-        });
-        write_json(&folder.join(ENTRY), &entry, durability)
+        write_json(&folder.join(ENTRY), self, durability)
     }
 
     pub(super) fn read(folder: &Path) -> Result<Self, StoreError> {
-        let path = folder.join(ENTRY);
-        let value = read_json(&path)?;
-        Self::from(&value).ok_or_else(|| StoreError::Damaged(path, "a key is missing".to_owned()))
-    }
-
-    fn from(value: &Value) -> Option<Self> {
-        let text = |key: &str| value[key].as_str().map(ToOwned::to_owned);
-        let file = |file: &Value| {
-            Some(StoredFile {
-                name: file["name"].as_str()?.to_owned(),
-                bytes: file["bytes"].as_u64()?,
-                sha256: file["sha256"].as_str()?.to_owned(),
-            })
-        };
-        Some(Self {
-            address: Address::parse(value["address"].as_str()?)?,
-            title: text("title")?,
-            version: text("version")?,
-            results_version: value["results_version"].as_u64()?,
-            particles: value["particles"].as_u64()?,
-            steps: value["steps"].as_u64()?,
-            wall_seconds: value["wall_seconds"].as_f64()?,
-            threads: value["threads"].as_u64()?,
-            files: value["files"].as_array()?.iter().map(file).collect::<Option<_>>()?,
-        })
+        read_json(&folder.join(ENTRY))
     }
 }
 
-impl Failure {
+impl RunFailure {
     pub(super) fn write(&self, folder: &Path) -> Result<(), StoreError> {
-        let failure = json!({
-            "address": self.address.to_string(),
-            "reason": self.reason,
-            "wall_seconds": self.wall_seconds,
-        });
-        write_json(&folder.join(FAILURE), &failure, Durability::Synced)
+        write_json(&folder.join(FAILURE), self, Durability::Synced)
     }
 
     pub(super) fn read(folder: &Path) -> Result<Self, StoreError> {
-        let path = folder.join(FAILURE);
-        let value = read_json(&path)?;
-        let failure = || {
-            Some(Self {
-                address: Address::parse(value["address"].as_str()?)?,
-                reason: value["reason"].as_str()?.to_owned(),
-                wall_seconds: value["wall_seconds"].as_f64()?,
-            })
-        };
-        failure().ok_or_else(|| StoreError::Damaged(path, "a key is missing".to_owned()))
+        read_json(&folder.join(FAILURE))
     }
 }

@@ -1,9 +1,9 @@
 //! Looking after a store: what is in it, whether it is whole, what nobody needs.
 
 use super::entry::StoredFile;
-use super::{Durability, Entry, Failure, Store, StoreError, at, read_json, write_json};
+use super::{Durability, ResultEntry, RunFailure, Store, StoreError, at, read_json, write_json};
 use crate::Address;
-use serde_json::json;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
 use std::fs;
@@ -11,18 +11,18 @@ use std::path::{Path, PathBuf};
 
 /// What a store holds.
 #[derive(Debug, Default)]
-pub struct Found {
+pub struct StoreContents {
     /// Finished runs, by address; those whose record cannot be read have their reason.
-    pub results: Vec<Result<Entry, StoreError>>,
+    pub results: Vec<Result<ResultEntry, StoreError>>,
     /// Runs that cannot finish.
-    pub failures: Vec<Result<Failure, StoreError>>,
+    pub failures: Vec<Result<RunFailure, StoreError>>,
     /// Unfinished runs, and whether a process computes them now.
     pub unfinished: Vec<(PathBuf, bool)>,
 }
 
 /// Whether a result is whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Verdict {
+pub enum Integrity {
     /// All files are as they were written.
     Whole,
     /// What is wrong.
@@ -30,7 +30,7 @@ pub enum Verdict {
 }
 
 /// What a sweep needs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Needs {
     /// Output folder of the sweep.
     pub folder: PathBuf,
@@ -54,10 +54,18 @@ impl Store {
     ///
     /// # Errors
     /// A folder that cannot be read.
-    pub fn list(&self) -> Result<Found, StoreError> {
-        Ok(Found {
-            results: self.folders("results")?.iter().map(|folder| Entry::read(folder)).collect(),
-            failures: self.folders("failed")?.iter().map(|folder| Failure::read(folder)).collect(),
+    pub fn list(&self) -> Result<StoreContents, StoreError> {
+        Ok(StoreContents {
+            results: self
+                .folders("results")?
+                .iter()
+                .map(|folder| ResultEntry::read(folder))
+                .collect(),
+            failures: self
+                .folders("failed")?
+                .iter()
+                .map(|folder| RunFailure::read(folder))
+                .collect(),
             unfinished: self.unfinished()?,
         })
     }
@@ -66,23 +74,26 @@ impl Store {
     ///
     /// # Errors
     /// None so far: what cannot be read is damaged.
-    pub fn verify(&self, entry: &Entry) -> Verdict {
+    pub fn verify(&self, entry: &ResultEntry) -> Integrity {
         let folder = self.result(&entry.address);
         for file in &entry.files {
             match StoredFile::of(&folder, &file.name) {
-                Err(error) => return Verdict::Damaged(error.to_string()),
+                Err(error) => return Integrity::Damaged(error.to_string()),
                 Ok(found) if found.bytes != file.bytes => {
                     let message =
                         format!("`{}` has {} bytes, not {}", file.name, found.bytes, file.bytes);
-                    return Verdict::Damaged(message);
+                    return Integrity::Damaged(message);
                 }
                 Ok(found) if found.sha256 != file.sha256 => {
-                    return Verdict::Damaged(format!("the content of `{}` has changed", file.name));
+                    return Integrity::Damaged(format!(
+                        "the content of `{}` has changed",
+                        file.name
+                    ));
                 }
                 Ok(_) => {}
             }
         }
-        Verdict::Whole
+        Integrity::Whole
     }
 
     /// Folders of all results, those with an unreadable record included.
@@ -110,7 +121,6 @@ impl Store {
     /// # Errors
     /// A file that cannot be written.
     pub fn note_needs(&self, needs: &Needs) -> Result<(), StoreError> {
-        let addresses: Vec<String> = needs.addresses.iter().map(ToString::to_string).collect();
         let shown = needs.folder.display().to_string();
         let name: String = Sha256::digest(shown.as_bytes())
             .iter()
@@ -118,7 +128,7 @@ impl Store {
             .map(|byte| format!("{byte:02x}"))
             .collect();
         let path = self.root.join("sweeps").join(format!("{name}.json"));
-        write_json(&path, &json!({ "folder": shown, "addresses": addresses }), Durability::Synced)
+        write_json(&path, needs, Durability::Synced)
     }
 
     /// What all sweeps need whose folders are still there.
@@ -133,18 +143,7 @@ impl Store {
             if path.extension().is_none_or(|ending| ending != "json") {
                 continue;
             }
-            let value = read_json(&path)?;
-            let needs = || {
-                let addresses = value["addresses"].as_array()?.iter();
-                Some(Needs {
-                    folder: PathBuf::from(value["folder"].as_str()?),
-                    addresses: addresses
-                        .map(|a| Address::parse(a.as_str()?))
-                        .collect::<Option<_>>()?,
-                })
-            };
-            let needs =
-                needs().ok_or_else(|| StoreError::Damaged(path, "a key is missing".to_owned()))?;
+            let needs: Needs = read_json(&path)?;
             if needs.folder.exists() {
                 all.push(needs);
             }

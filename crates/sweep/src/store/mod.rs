@@ -17,12 +17,13 @@ mod entry;
 mod keep;
 
 pub use claim::{Claim, Work};
-pub use entry::{Entry, Failure, StoredFile};
-pub use keep::{Found, Leftover, Needs, Verdict};
+pub use entry::{ResultEntry, RunFailure, StoredFile};
+pub use keep::{Integrity, Leftover, Needs, StoreContents};
 
 use crate::Address;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -38,9 +39,10 @@ pub struct Store {
 }
 
 /// Why a store cannot be used.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// A file that cannot be read or written.
+    #[error("cannot {what} `{}`: {error}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -50,33 +52,15 @@ pub enum StoreError {
         error: io::Error,
     },
     /// A folder that holds something else.
+    #[error("`{}` is no store of results: it has files but no {MARK}", .0.display())]
     Foreign(PathBuf),
     /// A store of another layout.
+    #[error("the store `{}` has layout {}; this version of sphcut knows {LAYOUT}", .0.display(), .1)]
     Layout(PathBuf, u64),
     /// A record that is not what it should be.
+    #[error("`{}` is damaged: {}", .0.display(), .1)]
     Damaged(PathBuf, String),
 }
-
-impl fmt::Display for StoreError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Io { path, what, error } => {
-                write!(f, "cannot {what} `{}`: {error}", path.display())
-            }
-            Self::Foreign(path) => {
-                write!(f, "`{}` is no store of results: it has files but no {MARK}", path.display())
-            }
-            Self::Layout(path, layout) => write!(
-                f,
-                "the store `{}` has layout {layout}; this version of sphcut knows {LAYOUT}",
-                path.display()
-            ),
-            Self::Damaged(path, reason) => write!(f, "`{}` is damaged: {reason}", path.display()),
-        }
-    }
-}
-
-impl std::error::Error for StoreError {}
 
 pub(crate) fn at<T>(
     path: &Path,
@@ -119,7 +103,7 @@ impl Store {
         if root.exists() && !mark.exists() {
             return Err(StoreError::Foreign(root.to_owned()));
         }
-        let layout = read_json(&mark)?["layout"].as_u64().unwrap_or(0);
+        let layout = read_json::<Value>(&mark)?["layout"].as_u64().unwrap_or(0);
         if layout != LAYOUT {
             return Err(StoreError::Layout(root.to_owned(), layout));
         }
@@ -162,7 +146,7 @@ impl Store {
     pub fn has(&self, address: &Address) -> bool {
         let folder = self.result(address);
         folder.join(entry::ENTRY).exists()
-            && Entry::read(&folder)
+            && ResultEntry::read(&folder)
                 .is_ok_and(|entry| entry.address == *address && entry.fits(&folder))
     }
 
@@ -190,23 +174,23 @@ impl Store {
     ///
     /// # Errors
     /// A record that cannot be read.
-    pub fn entry(&self, address: &Address) -> Result<Option<Entry>, StoreError> {
+    pub fn entry(&self, address: &Address) -> Result<Option<ResultEntry>, StoreError> {
         if !self.has(address) {
             return Ok(None);
         }
-        Entry::read(&self.result(address)).map(Some)
+        ResultEntry::read(&self.result(address)).map(Some)
     }
 
     /// Why the run with this address cannot finish, if that is known.
     ///
     /// # Errors
     /// A record that cannot be read.
-    pub fn failure(&self, address: &Address) -> Result<Option<Failure>, StoreError> {
+    pub fn failure(&self, address: &Address) -> Result<Option<RunFailure>, StoreError> {
         let folder = self.failure_folder(address);
         if !folder.join(entry::FAILURE).exists() {
             return Ok(None);
         }
-        Failure::read(&folder).map(Some)
+        RunFailure::read(&folder).map(Some)
     }
 }
 
@@ -225,13 +209,15 @@ static TURN: AtomicU64 = AtomicU64::new(0);
 /// Writes beside the target and renames.
 pub(crate) fn write_json(
     path: &Path,
-    value: &Value,
+    value: &impl Serialize,
     durability: Durability,
 ) -> Result<(), StoreError> {
+    // By way of a value: its keys are sorted.
+    let text = serde_json::to_value(value).map_err(|error| damaged(path, &error))?;
     // Threads and processes that write the same file each have their own half.
     let turn = TURN.fetch_add(1, Ordering::Relaxed);
     let beside = path.with_extension(format!("json.{}.{turn}.tmp", std::process::id()));
-    let text = format!("{value:#}\n");
+    let text = format!("{text:#}\n");
     let write = || {
         let mut file = File::create(&beside)?;
         file.write_all(text.as_bytes())?;
@@ -243,10 +229,13 @@ pub(crate) fn write_json(
     at(path, "write", write())
 }
 
-pub(crate) fn read_json(path: &Path) -> Result<Value, StoreError> {
+pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, StoreError> {
     let text = at(path, "read", fs::read_to_string(path))?;
-    serde_json::from_str(&text)
-        .map_err(|error| StoreError::Damaged(path.to_owned(), error.to_string()))
+    serde_json::from_str(&text).map_err(|error| damaged(path, &error))
+}
+
+fn damaged(path: &Path, error: &serde_json::Error) -> StoreError {
+    StoreError::Damaged(path.to_owned(), error.to_string())
 }
 
 /// Makes renames in `folder` survive a loss of power, where the platform can.

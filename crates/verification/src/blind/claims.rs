@@ -1,6 +1,6 @@
 //! The diagnosis over a folder of cases: claims for the score, and beside them every probability and held-out error.
 
-use super::score::{Claim, ClaimedVerdict, HEAD};
+use super::score::{BlindClaim, BlindVerdict, HEAD};
 use crate::head::rendered;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -114,10 +114,10 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
     order.sort_by(|&a, &b| finding.inclusion[b].total_cmp(&finding.inclusion[a]));
     let ranking: Vec<&str> = order.iter().map(key).collect();
     let (verdict, named) = match &finding.verdict {
-        ClaimVerdict::NoAlarm => (ClaimedVerdict::Nothing, Vec::new()),
-        ClaimVerdict::Named(named) => (ClaimedVerdict::Named, named.clone()),
-        ClaimVerdict::OneOf => (ClaimedVerdict::OneOf, Vec::new()),
-        ClaimVerdict::NoneOfThese => (ClaimedVerdict::NoneOfThese, Vec::new()),
+        ClaimVerdict::NoAlarm => (BlindVerdict::Nothing, Vec::new()),
+        ClaimVerdict::Named(named) => (BlindVerdict::Named, named.clone()),
+        ClaimVerdict::OneOf => (BlindVerdict::OneOf, Vec::new()),
+        ClaimVerdict::NoneOfThese => (BlindVerdict::NoneOfThese, Vec::new()),
     };
     let mut set: Vec<&str> = finding.set.iter().map(key).collect();
     if finding.set_has_none {
@@ -132,7 +132,7 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
         all.into_iter().find(|e| e.effect == *first && e.parameter == 0)
     });
     let owned = |keys: Vec<&str>| keys.into_iter().map(str::to_owned).collect();
-    let line = Claim {
+    let line = BlindClaim {
         case: name.to_owned(),
         verdict,
         named: owned(named.iter().map(key).collect()),

@@ -1,7 +1,7 @@
 //! Files of the cases cut by the particle solver, and what `sphcut diagnose` claims of them.
 
 use super::particle_cases::{particle_cases, plan, record as recorded};
-use super::score::{Claim, ClaimedVerdict, HEAD};
+use super::score::{BlindClaim, BlindVerdict, HEAD};
 use super::{claims as of_all, files, read, seal, write};
 use crate::head::rendered;
 use serde_json::Value;
@@ -102,10 +102,10 @@ fn line(name: &str, found: &Value) -> Option<String> {
     effects.sort_by(|a, b| b.1.total_cmp(&a.1));
     let ranking: Vec<String> = effects.into_iter().map(|(key, _)| key).collect();
     let verdict = match found["verdict"].as_str()? {
-        "no_alarm" => ClaimedVerdict::Nothing,
-        other => ClaimedVerdict::from_key(other)?,
+        "no_alarm" => BlindVerdict::Nothing,
+        other => BlindVerdict::from_key(other)?,
     };
-    let is_alarm = verdict != ClaimedVerdict::Nothing;
+    let is_alarm = verdict != BlindVerdict::Nothing;
     let named = list(&found["named"])?;
     let mut set = if is_alarm { list(&found["set"])? } else { Vec::new() };
     if is_alarm && found["set_has_none_of_these"].as_bool()? {
@@ -122,7 +122,7 @@ fn line(name: &str, found: &Value) -> Option<String> {
         Some([one["value"].as_f64()?, low?, high?])
     });
     let (case, family) = (name.to_owned(), family.to_owned());
-    Some(Claim { case, verdict, named, ranking, set, family, estimate }.line())
+    Some(BlindClaim { case, verdict, named, ranking, set, family, estimate }.line())
 }
 
 #[cfg(test)]
@@ -142,7 +142,7 @@ mod tests {
         });
         let claims =
             score::claims(&format!("{HEAD}\n{}\n", line("case-0001", &found).unwrap())).unwrap();
-        assert_eq!(claims[0].verdict, score::ClaimedVerdict::Named);
+        assert_eq!(claims[0].verdict, score::BlindVerdict::Named);
         assert_eq!(claims[0].ranking, ["edge_radius", "size_effect"]);
         assert_eq!(claims[0].estimate, Some([2e-5, 1e-5, 3e-5]));
         let quiet = json!({
@@ -151,6 +151,6 @@ mod tests {
         });
         let claims =
             score::claims(&format!("{HEAD}\n{}\n", line("case-0002", &quiet).unwrap())).unwrap();
-        assert!(claims[0].set.is_empty() && claims[0].verdict == score::ClaimedVerdict::Nothing);
+        assert!(claims[0].set.is_empty() && claims[0].verdict == score::BlindVerdict::Nothing);
     }
 }

@@ -7,9 +7,9 @@ use std::fmt::Write;
 
 /// What a diagnosis says of one case.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Claim {
+pub struct BlindClaim {
     pub case: String,
-    pub verdict: ClaimedVerdict,
+    pub verdict: BlindVerdict,
     pub named: Vec<String>,
     /// Effects by probability, the most probable first.
     pub ranking: Vec<String>,
@@ -22,14 +22,14 @@ pub struct Claim {
 
 /// The four verdicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ClaimedVerdict {
+pub enum BlindVerdict {
     Nothing,
     Named,
     OneOf,
     NoneOfThese,
 }
 
-impl ClaimedVerdict {
+impl BlindVerdict {
     const ALL: [Self; 4] = [Self::Nothing, Self::Named, Self::OneOf, Self::NoneOfThese];
 
     /// Name in the table of claims.
@@ -48,7 +48,7 @@ impl ClaimedVerdict {
     }
 }
 
-impl Claim {
+impl BlindClaim {
     /// Its line in the table.
     pub fn line(&self) -> String {
         let estimate = self.estimate.map_or_else(
@@ -70,7 +70,7 @@ impl Claim {
 pub const HEAD: &str = "case,verdict,named,ranking,set,family,value,low,high";
 
 /// Reads the claims.
-pub fn claims(text: &str) -> Result<Vec<Claim>, String> {
+pub fn claims(text: &str) -> Result<Vec<BlindClaim>, String> {
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     match lines.next() {
         Some((_, head)) if head.trim() == HEAD => {}
@@ -79,13 +79,13 @@ pub fn claims(text: &str) -> Result<Vec<Claim>, String> {
     lines.map(|(index, line)| claim(line).map_err(|e| format!("line {}: {e}", index + 1))).collect()
 }
 
-fn claim(line: &str) -> Result<Claim, String> {
+fn claim(line: &str) -> Result<BlindClaim, String> {
     let cells: Vec<&str> = line.split(',').map(str::trim).collect();
     let [case, verdict, named, ranking, set, family, estimate @ ..] = cells.as_slice() else {
         return Err("9 cells are needed".to_owned());
     };
     let verdict =
-        ClaimedVerdict::from_key(verdict).ok_or_else(|| format!("`{verdict}` is no verdict"))?;
+        BlindVerdict::from_key(verdict).ok_or_else(|| format!("`{verdict}` is no verdict"))?;
     let list = |cell: &str| -> Result<Vec<String>, String> {
         let items = cell.split(';').map(str::trim).filter(|item| !item.is_empty());
         items
@@ -104,10 +104,10 @@ fn claim(line: &str) -> Result<Claim, String> {
         _ => return Err("9 cells are needed".to_owned()),
     };
     let named = list(named)?;
-    if (verdict == ClaimedVerdict::Named) == named.is_empty() {
+    if (verdict == BlindVerdict::Named) == named.is_empty() {
         return Err("effects are named where, and only where, the verdict is `named`".to_owned());
     }
-    Ok(Claim {
+    Ok(BlindClaim {
         case: (*case).to_owned(),
         verdict,
         named,
@@ -170,7 +170,7 @@ struct Score {
 }
 
 impl Score {
-    fn of<'a>(pairs: impl Iterator<Item = (&'a Answer, &'a Claim)>) -> Self {
+    fn of<'a>(pairs: impl Iterator<Item = (&'a Answer, &'a BlindClaim)>) -> Self {
         let mut score = Self::default();
         for (answer, claim) in pairs {
             score.add(answer, claim);
@@ -178,10 +178,10 @@ impl Score {
         score
     }
 
-    fn add(&mut self, answer: &Answer, claim: &Claim) {
-        let is_alarm = claim.verdict != ClaimedVerdict::Nothing;
+    fn add(&mut self, answer: &Answer, claim: &BlindClaim) {
+        let is_alarm = claim.verdict != BlindVerdict::Nothing;
         let is_true = |key: &String| answer.effects.iter().any(|(own, _, _)| own == key);
-        if claim.verdict == ClaimedVerdict::Named {
+        if claim.verdict == BlindVerdict::Named {
             self.named_right.add(claim.named.iter().all(is_true));
         }
         if answer.kind == "null" {
@@ -189,9 +189,9 @@ impl Score {
             return;
         }
         self.alarms.add(is_alarm);
-        self.named.add(claim.verdict == ClaimedVerdict::Named);
+        self.named.add(claim.verdict == BlindVerdict::Named);
         if answer.kind == "outside" {
-            self.none.add(claim.verdict == ClaimedVerdict::NoneOfThese);
+            self.none.add(claim.verdict == BlindVerdict::NoneOfThese);
         }
         if is_alarm {
             let in_set = claim
@@ -279,7 +279,7 @@ fn near(one: f64, other: f64) -> bool {
 }
 
 /// The score as a table in Markdown.
-pub fn report(answers: &[Answer], claims: &[Claim]) -> Result<String, String> {
+pub fn report(answers: &[Answer], claims: &[BlindClaim]) -> Result<String, String> {
     let mut pairs = Vec::new();
     for answer in answers {
         let mut found = claims.iter().filter(|claim| claim.case == answer.case);

@@ -5,7 +5,7 @@ use crate::expectation::{Expected, Measure};
 use crate::metric::number;
 use crate::verdict::Judgement;
 use serde::Deserialize;
-use sphcut_sweep::{Estimate, ForcePoint, line_over_thickness, power_law};
+use sphcut_sweep::{ForcePoint, TrendEstimate, line_over_thickness, power_law};
 
 /// What is judged of the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -57,10 +57,10 @@ impl SweepMeasure {
         measured: &[ForcePoint],
     ) -> Option<f64> {
         let line = || line_over_thickness(simulated, speed? / 60.0);
-        let power = |points: &[ForcePoint],
-                     pick: fn(&sphcut_sweep::PowerLaw) -> Option<Estimate>| {
-            power_law(points).as_ref().and_then(pick)
-        };
+        let power =
+            |points: &[ForcePoint], pick: fn(&sphcut_sweep::PowerLaw) -> Option<TrendEstimate>| {
+                power_law(points).as_ref().and_then(pick)
+            };
         let own = |pick| power(simulated, pick);
         // Of the conditions that both have: exponents are not the same everywhere.
         let against = |pick| {

@@ -5,7 +5,7 @@ mod trials;
 
 use crate::common_arguments::{PatchableArguments, ToldArguments};
 use crate::failure::{ExitCode, Failure};
-use crate::progress::{Style, emit};
+use crate::progress::{OutputStyle, emit};
 use crate::{files, interrupt, loading, outcome, terminal, text};
 use clap::Args;
 use scan::Grid;
@@ -82,13 +82,13 @@ const FILES: [&str; 4] =
 pub fn calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
     let style = arguments.told.style();
     let result = follow(arguments, style);
-    if let (Err(failure), Style::Json) = (&result, style) {
+    if let (Err(failure), OutputStyle::Json) = (&result, style) {
         outcome::emit_error(failure);
     }
     result
 }
 
-fn follow(arguments: &CalibrateArguments, style: Style) -> Result<ExitCode, Failure> {
+fn follow(arguments: &CalibrateArguments, style: OutputStyle) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
     files::unless_there(FILES.map(|name| out.join(name)), arguments.force)
         .map_err(|failure| failure.advise("finished runs are used again"))?;
@@ -187,19 +187,19 @@ fn best_index(found: &BTreeMap<u32, Trial>) -> Result<u32, Failure> {
         .ok_or_else(no_forces)
 }
 
-fn interrupted(style: Style) -> ExitCode {
+fn interrupted(style: OutputStyle) -> ExitCode {
     match style {
-        Style::Json => emit(&json!({ "event": "interrupted" })),
+        OutputStyle::Json => emit(&json!({ "event": "interrupted" })),
         _ => terminal::note("interrupted: a checkpoint is written; the same command goes on"),
     }
     ExitCode::Interrupted
 }
 
 /// One finished run.
-fn tell(trial: &Trial, style: Style) {
+fn tell(trial: &Trial, style: OutputStyle) {
     let (misfit, [cutting, feed]) = (trial.misfit(), trial.deviations());
     match style {
-        Style::Json => emit(&json!({
+        OutputStyle::Json => emit(&json!({
             "event": "run",
             "run": trial.name,
             "friction_coefficient": trial.coefficient,
@@ -209,7 +209,7 @@ fn tell(trial: &Trial, style: Style) {
             "error": misfit.error,
             "error_half_width": misfit.half_width,
         })),
-        Style::Human => terminal::line(&format!(
+        OutputStyle::Human => terminal::line(&format!(
             "{}: F_c {:.1} N ({:+.1} %), F_f {:.1} N ({:+.1} %), error {:.1} %",
             trial.name,
             trial.cutting.mean,
@@ -218,7 +218,7 @@ fn tell(trial: &Trial, style: Style) {
             100.0 * feed,
             100.0 * misfit.error
         )),
-        Style::Quiet => {}
+        OutputStyle::Quiet => {}
     }
 }
 
@@ -226,7 +226,7 @@ fn write(
     calibration: &Calibration,
     scenario: &Scenario,
     arguments: &CalibrateArguments,
-    style: Style,
+    style: OutputStyle,
 ) -> Result<(), Failure> {
     let coefficient = calibration.scan.best().coefficient;
     let patched = trials::with_coefficient(&scenario.text, coefficient)
@@ -240,21 +240,21 @@ fn write(
     files::save_all(&arguments.out, &FILES, &texts)?;
     let page = arguments.out.join(FILES[0]);
     match style {
-        Style::Json => emit(&json!({
+        OutputStyle::Json => emit(&json!({
             "event": "done",
             "report": page.display().to_string(),
             "friction_coefficient": coefficient,
             "indistinct_range": calibration.scan.range(),
         })),
-        Style::Human => {
+        OutputStyle::Human => {
             calibration_words(calibration).iter().for_each(|words| terminal::line(words));
             let found = text::number(coefficient);
             terminal::line(&format!("friction_coefficient = {found}"));
             terminal::line(&format!("report             {}", page.display()));
         }
-        Style::Quiet => {}
+        OutputStyle::Quiet => {}
     }
-    if style != Style::Json {
+    if style != OutputStyle::Json {
         warn_of_files(&arguments.out.join(FILES[3]));
     }
     Ok(())

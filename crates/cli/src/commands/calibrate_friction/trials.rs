@@ -3,7 +3,7 @@
 use super::CalibrateArguments;
 use crate::commands::run;
 use crate::failure::{ExitCode, Failure};
-use crate::progress::Style;
+use crate::progress::OutputStyle;
 use crate::terminal::note;
 use crate::{loading, results, text};
 use sphcut_postprocess::calibration::{MeasuredForces, Trial};
@@ -22,7 +22,7 @@ const SPEED: [&str; 2] = ["process", "cutting_speed"];
 pub struct Workbench<'a> {
     pub arguments: &'a CalibrateArguments,
     pub scenario: &'a Scenario,
-    pub style: Style,
+    pub style: OutputStyle,
 }
 
 impl Workbench<'_> {
@@ -53,7 +53,7 @@ impl Workbench<'_> {
     }
 
     fn tell(&self, text: &str) {
-        if self.style == Style::Human {
+        if self.style == OutputStyle::Human {
             note(text);
         }
     }

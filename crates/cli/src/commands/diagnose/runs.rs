@@ -3,7 +3,7 @@
 use super::DiagnoseArguments;
 use crate::commands::sweep::{dry_run, local, tables};
 use crate::failure::{ExitCode, Failure};
-use crate::progress::Style;
+use crate::progress::OutputStyle;
 use crate::{files, interrupt, loading, terminal};
 use sphcut_diagnose::{
     Change, DiagnoseError, Diagnosis, DiagnosisCase, Fit, PairedRun, PairedRuns, PairedScenario,
@@ -11,7 +11,7 @@ use sphcut_diagnose::{
     unseen_fits,
 };
 use sphcut_physics::{Channel, CuttingCondition};
-use sphcut_sweep::{Execution, Plan, Retry, Row, State, Store, Sweep, Table};
+use sphcut_sweep::{Execution, Retry, State, Store, Sweep, SweepPlan, SweepRow, SweepTable};
 
 /// Folder of the runs in the output folder.
 const FOLDER: &str = "runs";
@@ -160,13 +160,13 @@ impl Paired {
             ));
         }
         let execution = Execution { threads, retry: Retry::Never };
-        let style = if left > 0 { Style::Human } else { Style::Quiet };
+        let style = if left > 0 { OutputStyle::Human } else { OutputStyle::Quiet };
         let states = local::run(&self.sweep, &plan, &store, execution, style)?;
         tables::write(&folder, &self.sweep, &plan, &store, (&states, &[]))?;
         if states.iter().any(|state| matches!(state, State::Stopped)) {
             return Ok(Ended::Interrupted);
         }
-        let table = Table::new(&self.sweep, &plan, &store, &states, &tables::summary);
+        let table = SweepTable::new(&self.sweep, &plan, &store, &states, &tables::summary);
         let failed = states.iter().filter(|state| matches!(state, State::Failed(_))).count();
         if failed > 0 {
             terminal::note(&format!(
@@ -199,13 +199,13 @@ pub fn model(case: &DiagnosisCase, runs: &[PairedRun]) -> Result<PairedRuns, Fai
     })
 }
 
-fn missing(plan: &Plan, store: &Store) -> usize {
+fn missing(plan: &SweepPlan, store: &Store) -> usize {
     let is_there = |address| store.entry(address).ok().flatten().is_some();
     plan.runs.iter().filter(|run| !is_there(&run.address)).count()
 }
 
 /// Means and their standard deviations, SI units. A run in the plane has no passive force.
-fn means(row: &Row) -> [Option<(f64, Option<f64>)>; Channel::RECORDED.len()] {
+fn means(row: &SweepRow) -> [Option<(f64, Option<f64>)>; Channel::RECORDED.len()] {
     let number = |name: &str| row.summary.get(name).copied();
     let force = |place: usize| {
         let [mean, half] = row.forces[place]?;

@@ -8,7 +8,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::{terminal, text};
 use arguments::{GcArguments, StoreCommand, VerifyArguments};
 use serde_json::json;
-use sphcut_sweep::{Entry, Store, Verdict};
+use sphcut_sweep::{Integrity, ResultEntry, Store};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -27,7 +27,7 @@ fn open(folder: &Path) -> Result<Store, Failure> {
 
 fn list(store: &Store, as_json: bool) -> Result<ExitCode, Failure> {
     let found = store.list()?;
-    let entries: Vec<&Entry> = found.results.iter().flatten().collect();
+    let entries: Vec<&ResultEntry> = found.results.iter().flatten().collect();
     if as_json {
         let results: Vec<_> = entries
             .iter()
@@ -104,12 +104,12 @@ fn verify(store: &Store, arguments: &VerifyArguments) -> Result<ExitCode, Failur
     for (folder, result) in folders.iter().zip(&found.results) {
         let verdict = match result {
             Ok(entry) if !folder.ends_with(entry.address.to_string()) => {
-                Verdict::Damaged(format!("the folder of {} has another name", entry.address))
+                Integrity::Damaged(format!("the folder of {} has another name", entry.address))
             }
             Ok(entry) => store.verify(entry),
-            Err(error) => Verdict::Damaged(error.to_string()),
+            Err(error) => Integrity::Damaged(error.to_string()),
         };
-        if let Verdict::Damaged(reason) = verdict {
+        if let Integrity::Damaged(reason) = verdict {
             damaged.push(folder);
             terminal::note(&format!("damaged: {}: {reason}", folder.display()));
         }

@@ -1,11 +1,11 @@
 //! The progress of a sweep: every run's state and the time left.
 
-use super::tally::Tally;
-use crate::progress::{Style, emit};
+use super::tally::SweepTally;
+use crate::progress::{OutputStyle, emit};
 use crate::terminal::note;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
-use sphcut_sweep::{News, Plan, State, Sweep};
+use sphcut_sweep::{News, State, Sweep, SweepPlan};
 use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -19,16 +19,16 @@ const BETWEEN: [Duration; 3] =
 const MOST_LINES: usize = 200;
 
 /// Shows the news of a sweep; threads take turns.
-pub struct Display<'a> {
+pub struct SweepDisplay<'a> {
     sweep: &'a Sweep,
-    plan: &'a Plan,
-    style: Style,
+    plan: &'a SweepPlan,
+    style: OutputStyle,
     start: Instant,
     inner: Mutex<Inner>,
 }
 
 struct Inner {
-    tally: Tally,
+    tally: SweepTally,
     last: Option<Instant>,
     terminal: Option<Terminal>,
 }
@@ -54,12 +54,12 @@ impl Terminal {
     }
 }
 
-impl<'a> Display<'a> {
+impl<'a> SweepDisplay<'a> {
     /// Before the first news.
-    pub fn new(sweep: &'a Sweep, plan: &'a Plan, style: Style) -> Self {
+    pub fn new(sweep: &'a Sweep, plan: &'a SweepPlan, style: OutputStyle) -> Self {
         let terminal =
-            (style == Style::Human && std::io::stderr().is_terminal()).then(Terminal::new);
-        let inner = Mutex::new(Inner { tally: Tally::new(plan), last: None, terminal });
+            (style == OutputStyle::Human && std::io::stderr().is_terminal()).then(Terminal::new);
+        let inner = Mutex::new(Inner { tally: SweepTally::new(plan), last: None, terminal });
         Self { sweep, plan, style, start: Instant::now(), inner }
     }
 
@@ -71,10 +71,10 @@ impl<'a> Display<'a> {
             self.tell(&inner, *index, state);
         }
         let between = match (self.style, &inner.terminal) {
-            (Style::Quiet, _) => return,
-            (Style::Json, _) => BETWEEN[2],
-            (Style::Human, Some(_)) => BETWEEN[0],
-            (Style::Human, None) => BETWEEN[1],
+            (OutputStyle::Quiet, _) => return,
+            (OutputStyle::Json, _) => BETWEEN[2],
+            (OutputStyle::Human, Some(_)) => BETWEEN[0],
+            (OutputStyle::Human, None) => BETWEEN[1],
         };
         if inner.last.get_or_insert_with(Instant::now).elapsed() >= between {
             inner.last = Some(Instant::now());
@@ -91,7 +91,7 @@ impl<'a> Display<'a> {
                 terminal.bar.set_message(line);
                 terminal.picture.set_message(inner.tally.picture());
             }
-            (None, Style::Json) => emit(&json!({
+            (None, OutputStyle::Json) => emit(&json!({
                 "event": "progress",
                 "share": inner.tally.share(),
                 "remaining_s": inner.tally.remaining(elapsed),
@@ -121,7 +121,7 @@ impl<'a> Display<'a> {
             State::Failed(_) => "failed",
             State::Stopped => "stopped",
         };
-        if self.style == Style::Json {
+        if self.style == OutputStyle::Json {
             let reason = if let State::Failed(reason) = state { Some(reason) } else { None };
             emit(&json!({
                 "event": "run",
@@ -138,7 +138,7 @@ impl<'a> Display<'a> {
                 format!("run {} failed: {}: {reason}", run.number, self.sweep.settings(&values))
             }
             State::Finished
-                if self.style == Style::Human
+                if self.style == OutputStyle::Human
                     && inner.terminal.is_none()
                     && self.plan.runs.len() <= MOST_LINES =>
             {

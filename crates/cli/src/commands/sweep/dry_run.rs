@@ -4,7 +4,7 @@ use super::arguments::{Executor, SweepArguments};
 use super::{local, slurm};
 use crate::failure::{ExitCode, Failure};
 use crate::{terminal, text};
-use sphcut_sweep::{Plan, Sweep};
+use sphcut_sweep::{Sweep, SweepPlan};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 pub fn dry_run(
     arguments: &SweepArguments,
     sweep: &Sweep,
-    plan: &Plan,
+    plan: &SweepPlan,
     threads: usize,
 ) -> Result<ExitCode, Failure> {
     let speed = if arguments.no_measure { None } else { Some(local::speed(sweep, plan)?) };
@@ -31,7 +31,7 @@ pub fn dry_run(
 }
 
 /// One line per run.
-fn table(sweep: &Sweep, plan: &Plan, speed: Option<f64>) -> String {
+fn table(sweep: &Sweep, plan: &SweepPlan, speed: Option<f64>) -> String {
     let mut heads = vec!["run".to_owned()];
     heads.extend(sweep.axes.iter().map(|axis| axis.key.to_string()));
     heads.extend(["particles", "steps", "time on one thread", "address"].map(str::to_owned));
@@ -71,7 +71,7 @@ fn aligned(rows: &[Vec<String>]) -> String {
 const MOST_WARNINGS: usize = 6;
 
 /// What the scenarios warn of.
-pub fn warnings(plan: &Plan) -> String {
+pub fn warnings(plan: &SweepPlan) -> String {
     let mut page = String::new();
     for (warning, runs) in plan.warnings.iter().take(MOST_WARNINGS) {
         let plural = if *runs == 1 { "" } else { "s" };
@@ -84,7 +84,7 @@ pub fn warnings(plan: &Plan) -> String {
 }
 
 /// How many runs there are and what they take.
-pub fn total(plan: &Plan, speed: Option<f64>, threads: usize) -> String {
+pub fn total(plan: &SweepPlan, speed: Option<f64>, threads: usize) -> String {
     let different: BTreeSet<_> = plan.runs.iter().map(|run| run.address).collect();
     let updates: f64 = plan.runs.iter().map(|run| run.cost.updates()).sum();
     let mut page = format!("\n{} runs", text::grouped(plan.runs.len() as u64));

@@ -1,24 +1,24 @@
 //! A sweep on this machine: planned, measured, computed and told.
 
-use super::display::Display;
+use super::display::SweepDisplay;
 use super::worker;
 use crate::commands::check;
 use crate::failure::{ExitCode, Failure};
-use crate::progress::{Style, emit};
+use crate::progress::{OutputStyle, emit};
 use crate::{files, loading, terminal, text};
 use serde_json::json;
 use sphcut_sph::Simulation;
-use sphcut_sweep::{Execution, Needs, Plan, PlannedRun, State, Store, Sweep, execute, plan};
+use sphcut_sweep::{Execution, Needs, PlannedRun, State, Store, Sweep, SweepPlan, execute, plan};
 use std::path::Path;
 use std::time::Instant;
 
 /// Every run, checked.
-pub fn planned(sweep: &Sweep, threads: usize) -> Result<Plan, Failure> {
+pub fn planned(sweep: &Sweep, threads: usize) -> Result<SweepPlan, Failure> {
     Ok(loading::pool(threads)?.install(|| plan(sweep))?)
 }
 
 /// Particle updates per second of one thread, in the run of middling cost.
-pub fn speed(sweep: &Sweep, plan: &Plan) -> Result<f64, Failure> {
+pub fn speed(sweep: &Sweep, plan: &SweepPlan) -> Result<f64, Failure> {
     let mut order: Vec<&PlannedRun> = plan.runs.iter().collect();
     order.sort_by(|a, b| a.cost.updates().total_cmp(&b.cost.updates()));
     let middle = order[order.len() / 2];
@@ -33,16 +33,22 @@ pub fn speed(sweep: &Sweep, plan: &Plan) -> Result<f64, Failure> {
 }
 
 /// Notes what the sweep with its output in `out` needs, for `sphcut store gc`.
-pub fn note_needs(store: &Store, out: &Path, plan: &Plan) -> Result<(), Failure> {
+pub fn note_needs(store: &Store, out: &Path, plan: &SweepPlan) -> Result<(), Failure> {
     let addresses = plan.runs.iter().map(|run| run.address).collect();
     Ok(store.note_needs(&Needs { folder: files::absolute(out)?, addresses })?)
 }
 
 /// Says what starts.
-pub fn announce(sweep: &Sweep, plan: &Plan, store: &Store, threads: usize, style: Style) {
+pub fn announce(
+    sweep: &Sweep,
+    plan: &SweepPlan,
+    store: &Store,
+    threads: usize,
+    style: OutputStyle,
+) {
     let (runs, folder) = (plan.runs.len(), store.root().display());
     match style {
-        Style::Json => emit(&json!({
+        OutputStyle::Json => emit(&json!({
             "event": "start",
             "title": sweep.title,
             "runs": runs,
@@ -50,7 +56,7 @@ pub fn announce(sweep: &Sweep, plan: &Plan, store: &Store, threads: usize, style
             "threads": threads,
             "store": folder.to_string(),
         })),
-        Style::Human => {
+        OutputStyle::Human => {
             let plural = if threads == 1 { "" } else { "s" };
             terminal::note(&format!(
                 "{}: {} runs on {threads} thread{plural}, results in {folder}",
@@ -58,33 +64,33 @@ pub fn announce(sweep: &Sweep, plan: &Plan, store: &Store, threads: usize, style
                 text::grouped(runs as u64)
             ));
         }
-        Style::Quiet => {}
+        OutputStyle::Quiet => {}
     }
 }
 
 /// Computes what the store does not have, and shows how far it is.
 pub fn run(
     sweep: &Sweep,
-    plan: &Plan,
+    plan: &SweepPlan,
     store: &Store,
     execution: Execution,
-    style: Style,
+    style: OutputStyle,
 ) -> Result<Vec<State>, Failure> {
-    let display = Display::new(sweep, plan, style);
+    let display = SweepDisplay::new(sweep, plan, style);
     let states = execute(sweep, plan, store, execution, &worker::Here, &|news| display.take(&news));
     display.finish();
     Ok(states?)
 }
 
 /// Says how it ended.
-pub fn told(states: &[State], start: Instant, style: Style) -> ExitCode {
+pub fn told(states: &[State], start: Instant, style: OutputStyle) -> ExitCode {
     let count = |wanted: fn(&State) -> bool| states.iter().filter(|state| wanted(state)).count();
     let failed = count(|state| matches!(state, State::Failed(_)));
     let stopped = count(|state| matches!(state, State::Stopped));
     let reused = count(|state| matches!(state, State::Reused));
     let finished = count(|state| matches!(state, State::Finished));
     match style {
-        Style::Json => emit(&json!({
+        OutputStyle::Json => emit(&json!({
             "event": if stopped > 0 { "interrupted" } else { "done" },
             "finished": finished,
             "reused": reused,
@@ -92,16 +98,16 @@ pub fn told(states: &[State], start: Instant, style: Style) -> ExitCode {
             "stopped": stopped,
             "wall_s": start.elapsed().as_secs_f64(),
         })),
-        Style::Human => {
+        OutputStyle::Human => {
             let duration = text::seconds(start.elapsed().as_secs_f64());
             terminal::line(&format!(
                 "{finished} runs computed in {duration}, {reused} there already, {failed} failed"
             ));
         }
-        Style::Quiet => {}
+        OutputStyle::Quiet => {}
     }
     if stopped > 0 {
-        if style != Style::Json {
+        if style != OutputStyle::Json {
             terminal::note(&format!(
                 "interrupted, {stopped} runs are left: checkpoints are written; the same command goes on"
             ));

@@ -12,7 +12,7 @@ mod worker;
 pub use arguments::SweepCommand;
 
 use crate::failure::{ExitCode, Failure};
-use crate::progress::Style;
+use crate::progress::OutputStyle;
 use crate::{files, interrupt, loading, outcome, terminal};
 use arguments::{Executor, SweepArguments};
 use sphcut_sweep::{Execution, Retry, Store};
@@ -57,7 +57,7 @@ fn follow(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     let states = local::run(&sweep, &plan, &store, execution(arguments, threads), style)?;
     let page = tables::write(out, &sweep, &plan, &store, (&states, &measured))?;
     let code = local::told(&states, start, style);
-    if style == Style::Human {
+    if style == OutputStyle::Human {
         terminal::line(&format!("report  {}", page.display()));
     }
     Ok(code)

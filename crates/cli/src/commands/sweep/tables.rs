@@ -1,4 +1,4 @@
-//! Table and page of a sweep.
+//! SweepTable and page of a sweep.
 
 use crate::failure::{ExitCode, Failure};
 use crate::{files, results};
@@ -6,7 +6,7 @@ use serde_json::Value;
 use sphcut_postprocess::{SCHEMA_VERSION, evaluate, summary_json};
 use sphcut_record::{Run, RunFiles};
 use sphcut_report::{SweepPage, render_sweep};
-use sphcut_sweep::{Plan, State, Store, Sweep, Table};
+use sphcut_sweep::{State, Store, Sweep, SweepPlan, SweepTable};
 use std::path::{Path, PathBuf};
 
 /// v_c in m/s, h in m, F_c and F_f in N of the measured cuts; none without `--measured`.
@@ -25,11 +25,11 @@ pub fn measured(path: Option<&Path>) -> Result<Vec<[f64; 4]>, Failure> {
 pub fn write(
     out: &Path,
     sweep: &Sweep,
-    plan: &Plan,
+    plan: &SweepPlan,
     store: &Store,
     (states, measured): (&[State], &[[f64; 4]]),
 ) -> Result<PathBuf, Failure> {
-    let table = Table::new(sweep, plan, store, states, &summary);
+    let table = SweepTable::new(sweep, plan, store, states, &summary);
     files::save(&out.join("table.csv"), table.csv(out).as_bytes())?;
     let version = env!("CARGO_PKG_VERSION");
     table

@@ -1,7 +1,7 @@
 //! Where a sweep is: the state of every run, how much is left.
 
 use crate::text;
-use sphcut_sweep::{News, Plan, State};
+use sphcut_sweep::{News, State, SweepPlan};
 use std::fmt::Write as _;
 
 /// More runs than this are counted, not drawn.
@@ -9,7 +9,7 @@ const MOST_DRAWN: usize = 500;
 
 /// The state of every run.
 #[derive(Debug)]
-pub struct Tally {
+pub struct SweepTally {
     states: Vec<State>,
     /// Share of each run that is done.
     shares: Vec<f64>,
@@ -19,9 +19,9 @@ pub struct Tally {
     done: f64,
 }
 
-impl Tally {
+impl SweepTally {
     /// Before anything has happened.
-    pub fn new(plan: &Plan) -> Self {
+    pub fn new(plan: &SweepPlan) -> Self {
         Self {
             states: vec![State::Waiting; plan.runs.len()],
             shares: vec![0.0; plan.runs.len()],

@@ -13,7 +13,7 @@ use crate::picture::thumbnail;
 use maud::{Markup, html};
 use plots::ForceAt;
 use sphcut_record::Run;
-use sphcut_sweep::{LeftOut, Row, State, Table};
+use sphcut_sweep::{LeftOutRun, State, SweepRow, SweepTable};
 
 /// Most pictures of cuts on a page.
 const MOST_PICTURES: usize = 24;
@@ -24,9 +24,9 @@ const MOST_ROWS: usize = 500;
 #[derive(Debug, Clone)]
 pub struct SweepPage<'a> {
     /// The runs.
-    pub table: &'a Table,
+    pub table: &'a SweepTable,
     /// Combinations that a constraint leaves out.
-    pub left_out: &'a [LeftOut],
+    pub left_out: &'a [LeftOutRun],
     /// Measured forces: v_c in m/s, h in m, F_c and F_f in N.
     pub measured: &'a [[f64; 4]],
     /// The text of the sweep.
@@ -73,9 +73,9 @@ pub fn render_sweep(sweep: &SweepPage<'_>) -> Result<String, ReportError> {
     Ok(Shell { tab: tab(title), title, lead, version: sweep.version, body }.render())
 }
 
-fn lead(table: &Table) -> String {
-    let count = |wanted: fn(&Row) -> bool| table.rows.iter().filter(|row| wanted(row)).count();
-    let finished = count(Row::has_result);
+fn lead(table: &SweepTable) -> String {
+    let count = |wanted: fn(&SweepRow) -> bool| table.rows.iter().filter(|row| wanted(row)).count();
+    let finished = count(SweepRow::has_result);
     let failed = count(|row| matches!(row.state, State::Failed(_)));
     let missing = table.rows.len() - finished - failed;
     let own = table.axes.iter().zip(&table.own).filter(|(_, own)| **own);
@@ -96,8 +96,8 @@ fn lead(table: &Table) -> String {
 }
 
 /// What failed comes first.
-fn failures(table: &Table) -> Markup {
-    let failed: Vec<(&Row, &str)> = table
+fn failures(table: &SweepTable) -> Markup {
+    let failed: Vec<(&SweepRow, &str)> = table
         .rows
         .iter()
         .filter_map(|row| match &row.state {
@@ -116,9 +116,9 @@ fn failures(table: &Table) -> Markup {
     )
 }
 
-fn figures(table: &Table) -> Markup {
+fn figures(table: &SweepTable) -> Markup {
     let entries: Vec<_> = table.rows.iter().filter_map(|row| row.entry.as_ref()).collect();
-    let cost = |entry: &&sphcut_sweep::Entry| entry.wall_seconds * entry.threads as f64;
+    let cost = |entry: &&sphcut_sweep::ResultEntry| entry.wall_seconds * entry.threads as f64;
     let total: f64 = entries.iter().map(cost).sum();
     let most = entries.iter().map(cost).fold(0.0, f64::max);
     let bytes: u64 = entries.iter().map(|entry| entry.bytes()).sum();
@@ -187,8 +187,8 @@ fn forces(sweep: &SweepPage<'_>, index: usize, name: &str) -> Markup {
 }
 
 /// Pictures of some cuts, spread over the runs, with their captions.
-fn pictures(table: &Table) -> Result<Vec<(String, String)>, ReportError> {
-    let runs: Vec<&Row> = table.rows.iter().filter(|row| row.has_result()).collect();
+fn pictures(table: &SweepTable) -> Result<Vec<(String, String)>, ReportError> {
+    let runs: Vec<&SweepRow> = table.rows.iter().filter(|row| row.has_result()).collect();
     let wanted = runs.len().min(MOST_PICTURES);
     let mut shown = Vec::new();
     for k in 0..wanted {
@@ -201,7 +201,7 @@ fn pictures(table: &Table) -> Result<Vec<(String, String)>, ReportError> {
     Ok(shown)
 }
 
-fn runs(table: &Table) -> Markup {
+fn runs(table: &SweepTable) -> Markup {
     let cuts = table.rows.iter().any(|row| row.condition.is_some());
     html! {
         section {
@@ -227,7 +227,7 @@ fn runs(table: &Table) -> Markup {
     }
 }
 
-fn run(row: &Row, cuts: bool) -> Markup {
+fn run(row: &SweepRow, cuts: bool) -> Markup {
     let number = |name: &str| {
         row.summary.get(name).map_or_else(String::new, |value| minus(&three_digits(*value)))
     };
@@ -260,7 +260,7 @@ fn run(row: &Row, cuts: bool) -> Markup {
     }
 }
 
-fn left_out(left_out: &[LeftOut]) -> Markup {
+fn left_out(left_out: &[LeftOutRun]) -> Markup {
     if left_out.is_empty() {
         return html! {};
     }

@@ -5,7 +5,7 @@ use crate::kit::map::{ColourScale, Map};
 use crate::kit::numbers::{M_PER_MIN, MM, three_digits};
 use crate::kit::plot::{Axis, Plot};
 use sphcut_greybox::{Hull, Input};
-use sphcut_sweep::{ForcePoint, Table};
+use sphcut_sweep::{ForcePoint, SweepTable};
 
 /// Conditions closer than this share are one.
 const SAME: f64 = 1e-6;
@@ -18,7 +18,7 @@ pub(super) struct ForceAt {
 }
 
 /// The mean of all results at each condition, sorted.
-pub(super) fn points(table: &Table, force: usize) -> Vec<ForceAt> {
+pub(super) fn points(table: &SweepTable, force: usize) -> Vec<ForceAt> {
     let mut all: Vec<(Input, f64, f64)> = Vec::new();
     for row in &table.rows {
         let (Some(condition), Some([mean, _])) = (row.condition, row.forces[force]) else {
@@ -166,7 +166,7 @@ fn chosen(levels: &[f64]) -> Vec<f64> {
 
 /// All runs over a key that is neither speed nor thickness; `None` where it is one or does not vary.
 pub(super) fn scatter(
-    table: &Table,
+    table: &SweepTable,
     (axis, key, unit): (usize, &str, &str),
     (force, symbol): (usize, &str),
 ) -> Option<String> {

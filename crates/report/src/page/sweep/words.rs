@@ -2,11 +2,11 @@
 
 use super::plots::{ForceAt, force_points, levels, points, same};
 use crate::kit::numbers::{M_PER_MIN, MM, minus, three_digits};
-use sphcut_sweep::{Estimate, Table, line_over_thickness, power_law};
+use sphcut_sweep::{SweepTable, TrendEstimate, line_over_thickness, power_law};
 
 /// One sentence each.
 #[must_use]
-pub fn sweep_words(table: &Table, measured: &[[f64; 4]]) -> Vec<String> {
+pub fn sweep_words(table: &SweepTable, measured: &[[f64; 4]]) -> Vec<String> {
     let mut words = Vec::new();
     for (index, symbol) in ["F_c", "F_f"].into_iter().enumerate() {
         let simulated = points(table, index);
@@ -17,7 +17,7 @@ pub fn sweep_words(table: &Table, measured: &[[f64; 4]]) -> Vec<String> {
         words.extend(over_all(&common(&real, &simulated), symbol, "measured"));
         words.extend(against(&simulated, &real, symbol));
     }
-    let steady = |row: &&sphcut_sweep::Row| row.summary.get("steady.reached") == Some(&0.0);
+    let steady = |row: &&sphcut_sweep::SweepRow| row.summary.get("steady.reached") == Some(&0.0);
     let unsteady = table.rows.iter().filter(steady).count();
     if unsteady > 0 {
         words.push(format!(
@@ -39,7 +39,7 @@ fn middle(levels: &[f64]) -> Option<f64> {
 const ROUNDING: f64 = 1e-8;
 
 /// `8260 ± 120`.
-fn with_half(estimate: Estimate, factor: f64) -> String {
+fn with_half(estimate: TrendEstimate, factor: f64) -> String {
     let value = minus(&three_digits(factor * estimate.value));
     let exact = estimate.half_width <= ROUNDING * estimate.value.abs();
     let half = if exact { 0.0 } else { (factor * estimate.half_width).abs() };

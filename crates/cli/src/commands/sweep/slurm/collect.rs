@@ -8,7 +8,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::{loading, terminal, text};
 use sphcut_sweep::Sweep;
 use sphcut_sweep::slurm::Submission;
-use sphcut_sweep::{Plan, State, Store};
+use sphcut_sweep::{State, Store, SweepPlan};
 use std::collections::BTreeMap;
 
 /// Writes them, and notes how the tasks ended.
@@ -37,7 +37,7 @@ fn note_ends(submission: &mut Submission) -> Result<(), Failure> {
 /// Writes table and page of everything that is there.
 pub fn write(
     submission: &Submission,
-    (sweep, plan, store): (&Sweep, &Plan, &Store),
+    (sweep, plan, store): (&Sweep, &SweepPlan, &Store),
 ) -> Result<ExitCode, Failure> {
     let measured = tables::measured(submission.measured.as_deref())?;
     let states: Vec<State> =

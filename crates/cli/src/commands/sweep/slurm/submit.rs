@@ -6,14 +6,14 @@ use super::collect;
 use super::submitted::{state, tasks};
 use crate::failure::{ExitCode, Failure};
 use crate::files::absolute;
-use crate::progress::{Style, emit};
+use crate::progress::{OutputStyle, emit};
 use crate::{terminal, text};
 use serde_json::json;
 use sphcut_sweep::Sweep;
 use sphcut_sweep::slurm::{
-    self, Request, Script, Share, Submission, Task, array_script, collecting_script,
+    self, JobRequest, Script, Submission, Task, TaskRun, array_script, collecting_script,
 };
-use sphcut_sweep::{Plan, State, Store};
+use sphcut_sweep::{State, Store, SweepPlan};
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -42,7 +42,7 @@ pub fn check_options(arguments: &SweepArguments) -> Result<(), Failure> {
 /// How the missing runs become tasks.
 struct Array {
     tasks: Vec<Task>,
-    request: Request,
+    request: JobRequest,
     /// Different runs of the plan.
     runs: usize,
     /// Those with a result.
@@ -53,7 +53,7 @@ struct Array {
 
 fn arranged(
     arguments: &SweepArguments,
-    plan: &Plan,
+    plan: &SweepPlan,
     store: Option<&Store>,
     speed: f64,
 ) -> Result<Array, Failure> {
@@ -97,7 +97,11 @@ impl Array {
 }
 
 /// What a submission would ask for.
-pub fn announced(arguments: &SweepArguments, plan: &Plan, speed: f64) -> Result<String, Failure> {
+pub fn announced(
+    arguments: &SweepArguments,
+    plan: &SweepPlan,
+    speed: f64,
+) -> Result<String, Failure> {
     let root = arguments.store_folder();
     let store = if root.exists() { Some(Store::open(&root)?) } else { None };
     let array = arranged(arguments, plan, store.as_ref(), speed)?;
@@ -108,9 +112,9 @@ pub fn announced(arguments: &SweepArguments, plan: &Plan, speed: f64) -> Result<
 pub fn submit(
     arguments: &SweepArguments,
     sweep: &Sweep,
-    plan: &Plan,
+    plan: &SweepPlan,
     store: &Store,
-    style: Style,
+    style: OutputStyle,
 ) -> Result<ExitCode, Failure> {
     tables::measured(arguments.measured.as_deref())?;
     refuse_second(&arguments.out)?;
@@ -178,11 +182,11 @@ fn recorded(
     })
 }
 
-fn shares(array: &Array, plan: &Plan) -> Vec<Share> {
+fn shares(array: &Array, plan: &SweepPlan) -> Vec<TaskRun> {
     let of = |(index, task): (usize, &Task)| {
         let share = |at: &usize| {
             let run = &plan.runs[*at];
-            Share {
+            TaskRun {
                 task: index + 1,
                 run: run.number,
                 address: run.address,
@@ -199,8 +203,8 @@ fn send(
     arguments: &SweepArguments,
     sweep: &Sweep,
     submission: &mut Submission,
-    shares: &[Share],
-    request: Request,
+    shares: &[TaskRun],
+    request: JobRequest,
 ) -> Result<(), Failure> {
     let program = std::env::current_exe()
         .map_err(|error| Failure::output("cannot find the program itself", &error))?;
@@ -238,8 +242,8 @@ fn send(
     }
 }
 
-fn say(style: Style, text: &str) {
-    if style == Style::Human {
+fn say(style: OutputStyle, text: &str) {
+    if style == OutputStyle::Human {
         terminal::line(text);
     }
 }
@@ -249,10 +253,10 @@ fn tell(
     sweep: &Sweep,
     submission: &Submission,
     array: &Array,
-    style: Style,
+    style: OutputStyle,
 ) {
     let (number, job) = (submission.array.unwrap_or(0), submission.collecting.unwrap_or(0));
-    if style == Style::Json {
+    if style == OutputStyle::Json {
         return emit(&json!({
             "event": "submitted",
             "title": sweep.title,

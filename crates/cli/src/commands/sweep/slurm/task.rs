@@ -3,11 +3,11 @@
 use super::super::local::{run, told};
 use super::submitted::{store, sweep};
 use crate::failure::{ExitCode, Failure};
-use crate::progress::Style;
+use crate::progress::OutputStyle;
 use crate::terminal::note;
 use crate::{interrupt, loading};
-use sphcut_sweep::slurm::{Share, Submission};
-use sphcut_sweep::{Execution, Plan, Retry, plan_only};
+use sphcut_sweep::slurm::{Submission, TaskRun};
+use sphcut_sweep::{Execution, Retry, SweepPlan, plan_only};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
@@ -41,12 +41,12 @@ pub fn task(folder: &Path, number: usize) -> Result<ExitCode, Failure> {
     // What failed is known to the next submission, and to this task when it is queued again.
     let execution = Execution { threads: submission.threads, retry: Retry::Never };
     let start = Instant::now();
-    let states = run(&sweep, &plan, &store, execution, Style::Human)?;
-    Ok(told(&states, start, Style::Human))
+    let states = run(&sweep, &plan, &store, execution, OutputStyle::Human)?;
+    Ok(told(&states, start, OutputStyle::Human))
 }
 
 /// Whether the files still say what was submitted.
-pub fn check_unchanged(plan: &Plan, shares: &[Share]) -> Result<(), Failure> {
+pub fn check_unchanged(plan: &SweepPlan, shares: &[TaskRun]) -> Result<(), Failure> {
     let planned: BTreeMap<usize, _> =
         plan.runs.iter().map(|run| (run.number, run.address)).collect();
     let changed = shares.iter().find(|share| planned.get(&share.run) != Some(&share.address));
