@@ -1,11 +1,12 @@
 //! `cargo xtask tidy`: what the compiler does not check.
 //!
-//! Invariants 1 to 3 of `docs/architecture.md`; names that mean two things;
+//! Invariants 1 to 3 of `docs/architecture.md`; names that mean two things; circles of imports;
 //! files that grew too long, folders with too many of them; places of one machine; work left open; links in
 //! the documents that lead nowhere.
 
 mod dependencies;
 mod glossary;
+mod house;
 mod rules;
 
 use crate::source::Source;
@@ -74,6 +75,8 @@ pub fn run(root: &Path) -> Result<(), String> {
     findings.extend(rules::folders(&files));
     findings.extend(rules::dead_links(&files));
     findings.extend(glossary::check(&files));
+    findings.extend(house::doubled_names(&files));
+    findings.extend(house::circles(&files));
     findings.extend(dependencies::check(root, &files)?);
     if findings.is_empty() {
         println!("tidy: {} files, nothing to complain about", files.len());
