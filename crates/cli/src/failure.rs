@@ -165,6 +165,7 @@ fn code_of(error: &RunError) -> ExitCode {
         RunError::Io { .. }
         | RunError::InUse { .. }
         | RunError::Foreign { .. }
+        | RunError::TooLarge { .. }
         | RunError::Damaged { .. } => ExitCode::InputOutput,
     }
 }

@@ -1,6 +1,8 @@
 //! Files of results: read, kept from being replaced unasked, written whole or not at all.
 
 use crate::failure::Failure;
+use sphcut_record::create_anew;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The text of a file.
@@ -39,7 +41,8 @@ pub fn save(path: &Path, content: &[u8]) -> Result<(), Failure> {
     let mut beside = path.as_os_str().to_owned();
     beside.push(".new");
     let beside = PathBuf::from(beside);
-    std::fs::write(&beside, content)
+    create_anew(&beside)
+        .and_then(|mut file| file.write_all(content))
         .and_then(|()| std::fs::rename(&beside, path))
         .map_err(|error| Failure::output(format!("cannot write `{}`", path.display()), &error))
 }

@@ -1,11 +1,13 @@
 //! From a file name to a scenario, and to the threads that compute it.
 
+use crate::commands::verify::not_verified;
 use crate::common_arguments::{PatchableArguments, ScenarioArguments};
 use crate::failure::{ExitCode, Failure};
+use crate::terminal::note;
 use sphcut_diagnose::DiagnosisFile;
 use sphcut_identify::Identification;
 use sphcut_input::{Colours, Mistake, OutsideFiles, Problem};
-use sphcut_record::{Provenance, Setting};
+use sphcut_record::{Provenance, Run, RunFiles, Setting, has_checksums};
 use sphcut_recordings::RecordingPlan;
 use sphcut_scenario::{LoadOptions, Scenario, ScenarioPatch};
 use sphcut_sweep::Sweep;
@@ -13,6 +15,9 @@ use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
+
+/// More only wait for each other.
+const MOST_THREADS_PER_CORE: usize = 4;
 
 /// Reads, patches and checks the scenario.
 pub fn scenario(arguments: &PatchableArguments) -> Result<Scenario, Failure> {
@@ -131,6 +136,17 @@ pub fn provenance(scenario: &Scenario) -> Provenance {
     }
 }
 
+/// The run in `folder`; says so where its record cannot be verified.
+pub fn run(folder: &Path) -> Result<Run, Failure> {
+    let record = RunFiles::in_dir(folder).record();
+    let explain = |error| Failure::of_run(&error, folder);
+    let run = Run::load(&record).map_err(explain)?;
+    if !has_checksums(&record).map_err(explain)? {
+        note(&not_verified(&record));
+    }
+    Ok(run)
+}
+
 /// The number of threads asked for, or that of the cores.
 pub fn threads(wanted: Option<NonZeroUsize>) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
@@ -139,6 +155,12 @@ pub fn threads(wanted: Option<NonZeroUsize>) -> usize {
 
 /// The pool on which the solver works.
 pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    let most = MOST_THREADS_PER_CORE * self::threads(None);
+    if threads > most {
+        let message =
+            format!("{threads} threads are more than the {most} this machine is good for");
+        return Err(Failure::input(message).advise("leave out --threads: one per core is used"));
+    }
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

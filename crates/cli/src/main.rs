@@ -20,7 +20,7 @@ use failure::{ExitCode, Failure};
 
 fn main() -> std::process::ExitCode {
     let arguments = Arguments::parse();
-    match execute(arguments.command) {
+    match execute(arguments.command).and_then(|code| terminal::all_said().map(|()| code)) {
         Ok(code) => code.into(),
         Err(failure) => {
             terminal::note(&failure.to_string());
@@ -37,6 +37,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Export(arguments) => commands::export::export(&arguments),
         Command::Validate(arguments) => commands::validate::validate(&arguments),
         Command::Report(arguments) => commands::report::report(&arguments),
+        Command::Verify(arguments) => commands::verify::verify(&arguments),
         Command::Springback(arguments) => commands::springback::springback(&arguments),
         Command::Identify(arguments) => commands::identify::identify(&arguments),
         Command::Diagnose(arguments) => commands::diagnose::diagnose(&arguments),

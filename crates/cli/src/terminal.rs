@@ -1,8 +1,10 @@
 //! Writing to the terminal. A reader that has gone away (`sphcut run ... | head`) must not end a
-//! run, so nothing here can fail where the text is not the result.
+//! run, so nothing here can fail where the text is not the result; what is lost otherwise, because a
+//! disk is full, is remembered, and the command ends with an error.
 
 use crate::failure::{ExitCode, Failure};
-use std::io::{ErrorKind, Write};
+use std::io::{Error, ErrorKind, Write};
+use std::sync::OnceLock;
 
 /// Says something on standard error.
 pub fn note(text: &str) {
@@ -11,7 +13,8 @@ pub fn note(text: &str) {
 
 /// Writes the answer of a command to standard output.
 pub fn answer(text: &str) -> Result<ExitCode, Failure> {
-    match std::io::stdout().write_all(text.as_bytes()) {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::output("cannot write to standard output", &error))
         }
@@ -22,5 +25,18 @@ pub fn answer(text: &str) -> Result<ExitCode, Failure> {
 /// Writes a line to standard output at once.
 pub fn line(text: &str) {
     let mut out = std::io::stdout().lock();
-    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+    if let Err(error) = writeln!(out, "{text}").and_then(|()| out.flush())
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        let _ = LOST.set(error);
+    }
+}
+
+/// The first error of a line that was lost.
+static LOST: OnceLock<Error> = OnceLock::new();
+
+/// An error if a line was lost.
+pub fn all_said() -> Result<(), Failure> {
+    let lost = |error: &Error| Err(Failure::output("cannot write to standard output", error));
+    LOST.get().map_or(Ok(()), lost)
 }

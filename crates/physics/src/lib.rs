@@ -10,6 +10,7 @@
 pub mod candidate;
 pub mod catalogue;
 mod channel;
+pub mod csv;
 mod cutting_condition;
 pub mod effects;
 pub mod elasticity;

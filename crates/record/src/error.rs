@@ -59,6 +59,18 @@ pub enum RunError {
         /// What is wrong.
         reason: String,
     },
+    /// An array has more values than are read.
+    #[error("`{array}` has {values} values, more than {most}, in `{}`", .path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The array.
+        array: String,
+        /// Its values.
+        values: u64,
+        /// Most that are read.
+        most: u64,
+    },
     /// A stored state belongs to another run.
     #[error("`{}` belongs to another run: {reason}", .path.display())]
     Mismatch {

@@ -1,7 +1,7 @@
 //! The numbers of the setup that a reader of the result needs.
 
 use sphcut_sph::Setup;
-use sphcut_sph::setup::{CuttingFrame, Dimension, Pass, Vector};
+use sphcut_sph::setup::{CuttingFrame, Pass, Vector};
 
 /// What a reader of a run needs to know of its setup, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,10 +72,7 @@ impl Facts {
                 .collect(),
         });
         Self {
-            dimension: match setup.dimension {
-                Dimension::Two => 2,
-                Dimension::Three => 3,
-            },
+            dimension: setup.dimension.axes(),
             particle_spacing: setup.particle_spacing,
             width_of_cut: setup.width_of_cut,
             uncut_chip_thickness: setup.uncut_chip_thickness,
@@ -116,6 +113,7 @@ impl Facts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sphcut_sph::setup::Dimension;
 
     #[test]
     fn time_between_passes_is_not_spent_cutting() {

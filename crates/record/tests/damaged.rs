@@ -4,11 +4,13 @@
 mod support;
 
 use sphcut_record::driver::{self, Control, Progress, RunOptions, Start};
-use sphcut_record::{Outcome, Provenance, Run, RunError, RunFiles, recover};
+use sphcut_record::{
+    Outcome, Provenance, Run, RunError, RunFiles, Verified, recover, verify_h5, verify_run,
+};
 use std::fs;
 use std::path::Path;
 use std::time::Duration;
-use support::{Fake, Folder, assert_same_bits, options, provenance};
+use support::{Fake, Folder, Random, assert_same_bits, options, provenance};
 
 fn run(folder: &Path, start: Start) -> Result<Run, RunError> {
     run_as(&provenance(), folder, start)
@@ -70,6 +72,70 @@ fn a_changed_byte_never_brings_the_reader_down() {
         noticed += usize::from(read_all(&changed).is_err());
     }
     assert!(noticed > 0, "no change in the structure was noticed");
+}
+
+/// Everything that a record answers, as text.
+fn everything(path: &Path) -> Result<String, RunError> {
+    let run = Run::load(path)?;
+    let snapshots = (0..run.snapshots.len()).map(|number| run.snapshots.get(number));
+    let snapshots = snapshots.collect::<Result<Vec<_>, _>>()?;
+    let (performance, state) = (run.performance, Run::load_state(path)?);
+    let rest = (run.provenance, run.facts, run.samples, run.snapshots.index(), run.outcome);
+    Ok(format!("{rest:?} {snapshots:?} {performance:?} {state:?}"))
+}
+
+/// Flips of single bits that a test tries: some, or the number in `SPHCUT_FLIPS`.
+fn flips() -> usize {
+    std::env::var("SPHCUT_FLIPS").map_or(60, |count| count.parse().unwrap())
+}
+
+/// Flips one bit after the other of the file `name` of a run, and asks `answer` and [`verify_h5`].
+fn flip_bits(name: &str, answer: impl Fn(&Path) -> Result<String, RunError>) {
+    let folder = Folder::in_memory(&format!("flips-{name}"));
+    run(&folder.0, Start::New).unwrap();
+    let path = folder.0.join(name);
+    let (expected, bytes) = (answer(&path).unwrap(), fs::read(&path).unwrap());
+    assert_eq!(verify_h5(&path).unwrap(), Verified::Whole);
+    let (mut random, mut told, flips) = (Random(20_260_724), 0, flips());
+    for _ in 0..flips {
+        let (place, bit) = (random.below(bytes.len() as u64) as usize, random.below(8));
+        let mut changed = bytes.clone();
+        changed[place] ^= 1 << bit;
+        fs::write(&path, &changed).unwrap();
+        match answer(&path) {
+            Ok(found) => assert!(found == expected, "bit {bit} of byte {place}: another answer"),
+            Err(error) => {
+                told += 1;
+                assert!(verify_h5(&path).is_err(), "verify does not see: {error}");
+            }
+        }
+    }
+    eprintln!("{name}: {told} of {flips} flips told, the others change nothing");
+    assert!(told > flips / 2);
+}
+
+#[test]
+fn no_flipped_bit_of_a_record_gives_another_answer() {
+    flip_bits("run.h5", everything);
+}
+
+#[test]
+fn no_flipped_bit_of_the_snapshots_for_paraview_passes_the_check() {
+    flip_bits("snapshots.vtkhdf", |path| verify_h5(path).map(|found| format!("{found:?}")));
+}
+
+#[test]
+fn a_run_is_verified_with_its_companions() {
+    let folder = Folder::new("verified");
+    run(&folder.0, Start::New).unwrap();
+    let files = RunFiles::in_dir(&folder.0);
+    let found = verify_run(&files);
+    assert_eq!(found.len(), 3);
+    assert!(found.iter().all(|(_, found)| matches!(found, Ok(Verified::Whole))), "{found:?}");
+    let forces = fs::read_to_string(files.forces()).unwrap();
+    fs::write(files.forces(), forces.replacen("0.", "1.", 1)).unwrap();
+    let text = verify_run(&files)[2].1.as_ref().unwrap_err().to_string();
+    assert!(text.contains("differs from the channels"), "{text}");
 }
 
 #[test]
@@ -193,13 +259,66 @@ fn checkpoints_that_are_all_damaged_are_a_clear_error() {
 }
 
 #[test]
-fn a_damaged_snapshot_is_noticed() {
-    let folder = Folder::new("snapshot");
-    interrupt(&folder.0);
-    flip(&RunFiles::in_dir(&folder.0).partial().join("snapshot-000001.bin"));
-    let error = run(&folder.0, Start::Resume).unwrap_err();
-    assert!(matches!(error, RunError::Damaged { .. }), "{error}");
-    assert!(error.to_string().contains("snapshot-000001.bin"), "{error}");
+fn a_damaged_snapshot_is_noticed_and_the_rest_is_kept() {
+    let whole = Folder::new("snapshot-whole");
+    let expected = run(&whole.0, Start::New).unwrap();
+    for damage in [Start::Resume, Start::New] {
+        let folder = Folder::new("snapshot");
+        interrupt(&folder.0);
+        flip(&RunFiles::in_dir(&folder.0).partial().join("snapshot-000001.bin"));
+        let found = match damage {
+            Start::Resume => run(&folder.0, damage).unwrap(),
+            _ => recover(&folder.0).unwrap(),
+        };
+        let told = found.provenance.warnings.last().unwrap();
+        assert!(told.contains("snapshots 1 (from 0)"), "{told}");
+        let mut index = expected.snapshots.index().to_vec();
+        index.remove(1);
+        assert_eq!(found.snapshots.index(), &index[..found.snapshots.len()]);
+        let read = (0..found.snapshots.len()).map(|number| found.snapshots.get(number));
+        assert_eq!(read.filter_map(Result::ok).count(), found.snapshots.len());
+        if damage == Start::Resume {
+            assert_eq!((&found.samples, index.len()), (&expected.samples, found.snapshots.len()));
+        }
+    }
+}
+
+/// One file damaged at a time, everywhere: the run goes on to the end with the same samples.
+#[test]
+fn one_bad_byte_loses_no_run_that_has_a_checkpoint() {
+    let whole = Folder::in_memory("bad-byte-whole");
+    let expected = run(&whole.0, Start::New).unwrap();
+    let saved = Folder::in_memory("bad-byte-saved");
+    interrupt(&saved.0);
+    let partial = RunFiles::in_dir(&saved.0).partial();
+    let mut names: Vec<_> =
+        fs::read_dir(&partial).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    let mut random = Random(60);
+    let mut tried = 0;
+    for name in names.iter().filter(|name| *name != "lock") {
+        for _ in 0..6 {
+            let folder = Folder::in_memory("bad-byte");
+            let copy = RunFiles::in_dir(&folder.0).partial();
+            fs::create_dir_all(&copy).unwrap();
+            for other in &names {
+                fs::copy(partial.join(other), copy.join(other)).unwrap();
+            }
+            let mut bytes = fs::read(copy.join(name)).unwrap();
+            let place = random.below(bytes.len() as u64) as usize;
+            bytes[place] ^= 1 << random.below(8);
+            fs::write(copy.join(name), bytes).unwrap();
+            let recovered = recover(&folder.0).unwrap();
+            assert!(recovered.samples.len() >= 20, "{name:?}, byte {place}");
+            let found = run(&folder.0, Start::Resume)
+                .unwrap_or_else(|error| panic!("{name:?}, byte {place}: {error}"));
+            assert_eq!(found.samples, expected.samples, "{name:?}, byte {place}");
+            assert_eq!(verify_run(&RunFiles::in_dir(&folder.0)).len(), 3);
+            tried += 1;
+        }
+    }
+    eprintln!("{tried} flips in run.partial, all resumed");
+    assert!(tried >= 30);
 }
 
 #[test]
@@ -209,8 +328,8 @@ fn a_sample_cut_short_by_a_crash_is_dropped() {
     let journal = RunFiles::in_dir(&folder.0).partial().join("samples.journal");
     let length = fs::metadata(&journal).unwrap().len();
     shorten(&journal, length as usize - 100);
-    assert_eq!(recover(&folder.0).unwrap().samples.len(), 19);
     // The checkpoint has all of them.
+    assert_eq!(recover(&folder.0).unwrap().samples.len(), 20);
     assert_eq!(run(&folder.0, Start::Resume).unwrap().samples.len(), 29);
 }
 
@@ -242,4 +361,22 @@ fn flip(path: &Path) {
     let place = bytes.len() - 9;
     bytes[place] ^= 1;
     fs::write(path, bytes).unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn links_in_an_unfinished_run_are_not_written_through() {
+    for name in ["lock", "samples.journal", "checkpoint.bin.tmp", "origin.bin.tmp"] {
+        let folder = Folder::new("links");
+        interrupt(&folder.0);
+        let precious = folder.0.join("precious");
+        fs::write(&precious, "mine").unwrap();
+        let link = RunFiles::in_dir(&folder.0).partial().join(name);
+        let _ = fs::remove_file(&link);
+        std::os::unix::fs::symlink(&precious, &link).unwrap();
+        let resumed = run(&folder.0, Start::Resume);
+        assert_eq!(fs::read_to_string(&precious).unwrap(), "mine", "{name}: {resumed:?}");
+        let refused = ["lock", "samples.journal"].contains(&name);
+        assert!(resumed.is_ok() || refused, "{name}: {resumed:?}");
+    }
 }

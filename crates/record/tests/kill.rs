@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use support::cut::small_cut;
-use support::{Fake, Folder, assert_same_bits, options, provenance};
+use support::{Fake, Folder, Random, assert_same_bits, options, provenance};
 
 /// Names the folder of the victim; not set when the tests run in the ordinary way.
 const FOLDER: &str = "SPHCUT_KILL_TEST_FOLDER";
@@ -58,19 +58,6 @@ fn start_victim(name: &str, folder: &Path) -> Child {
         .stdout(Stdio::null())
         .spawn()
         .unwrap()
-}
-
-/// Small and good enough to choose moments (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (bits ^ (bits >> 31)) % limit
-    }
 }
 
 /// Kills the victim after `moment` unless it is done before; tells whether it was killed.

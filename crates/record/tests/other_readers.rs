@@ -9,7 +9,7 @@ mod support;
 use serde_json::Value;
 use sphcut_record::driver::{self, Control, Start};
 use sphcut_record::{Run, RunFiles, Snapshots, export_vtkhdf};
-use sphcut_sph::CHANNELS;
+use sphcut_sph::{CHANNELS, ChannelId};
 use std::path::Path;
 use std::process::Command;
 use support::{Fake, Folder, options, provenance, snapshot_of};
@@ -129,4 +129,23 @@ fn vtk_reads_what_a_run_leaves() {
         assert_eq!(frame["time"].as_f64().unwrap(), info.time);
         assert_eq!(frame["vertices"], 3000);
     }
+}
+
+#[test]
+fn h5py_compares_the_checksums() {
+    let folder = Folder::new("h5py-checksums");
+    let run = finished_run(&folder);
+    let record = RunFiles::in_dir(&folder.0).record();
+    let Some(seen) = read_back("checksums", &record) else { return };
+    assert!(seen["compared"].as_u64().unwrap() > CHANNELS.len() as u64, "{seen}");
+    assert_eq!(seen["wrong"].as_array().unwrap().len(), 0, "{seen}");
+    // The sign of one force on disk, where it is stored as it is.
+    let force = run.samples.channel(ChannelId::CuttingForce)[3].to_le_bytes();
+    let mut bytes = std::fs::read(&record).unwrap();
+    let place = bytes.windows(8).position(|window| window == force).unwrap();
+    bytes[place + 7] ^= 0x80;
+    std::fs::write(&record, bytes).unwrap();
+    let seen = read_back("checksums", &record).unwrap();
+    assert_eq!(seen["wrong"][0], "channels/cutting_force", "{seen}");
+    assert!(Run::load(&record).unwrap_err().to_string().contains("cutting_force"));
 }

@@ -3,7 +3,7 @@
 use super::cut::CutResult;
 use super::pooled::Pooled;
 use serde_json::{Value, json};
-use sphcut_physics::Channel;
+use sphcut_physics::{Channel, csv};
 use std::fmt::Write;
 
 const M_PER_MIN: f64 = 60.0;
@@ -93,7 +93,7 @@ pub fn cuts_csv(cuts: &[CutResult]) -> String {
                 found.and_then(|c| c.zero.drift()),
             ]);
         }
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let quoted = |text: &str| format!("\"{}\"", csv::shown(text).replace('"', "\"\""));
         text += &format!("{},{}", quoted(&known.name), if cut.accepted { "yes" } else { "no" });
         for value in row {
             let value = value.filter(|v| v.is_finite()).map(cell).unwrap_or_default();

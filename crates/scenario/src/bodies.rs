@@ -272,16 +272,6 @@ pub(crate) fn check_thickness(
 
 /// Particles of all bodies, from their volumes.
 pub(crate) fn particle_count(bodies: &[Body], spacing: f64, dimension: usize) -> f64 {
-    bodies.iter().map(|body| volume(&body.shape, dimension)).sum::<f64>()
+    bodies.iter().map(|body| body.shape.volume(dimension)).sum::<f64>()
         / spacing.powi(if dimension == 3 { 3 } else { 2 })
-}
-
-fn volume(shape: &Shape, dimension: usize) -> f64 {
-    match shape {
-        Shape::Box { min, max, .. } => (0..dimension).map(|axis| max[axis] - min[axis]).product(),
-        Shape::Cylinder { radius, inner_radius, length, .. } => {
-            let area = std::f64::consts::PI * (radius * radius - inner_radius * inner_radius);
-            if dimension == 3 { area * length } else { area }
-        }
-    }
 }

@@ -22,6 +22,17 @@ pub enum Dimension {
     Three,
 }
 
+impl Dimension {
+    /// Number of axes.
+    #[must_use]
+    pub fn axes(self) -> usize {
+        match self {
+            Self::Two => 2,
+            Self::Three => 3,
+        }
+    }
+}
+
 /// A run, fully resolved.
 #[derive(Debug, Clone)]
 pub struct Setup {
@@ -225,6 +236,22 @@ pub enum Shape {
         /// Length along z; ignored in 2D.
         length: f64,
     },
+}
+
+impl Shape {
+    /// Its volume in m^3, or its area in m^2 in two dimensions.
+    #[must_use]
+    pub fn volume(&self, dimension: usize) -> f64 {
+        match self {
+            Self::Box { min, max, .. } => {
+                (0..dimension).map(|axis| max[axis] - min[axis]).product()
+            }
+            Self::Cylinder { radius, inner_radius, length, .. } => {
+                let area = std::f64::consts::PI * (radius * radius - inner_radius * inner_radius);
+                if dimension == 3 { area * length } else { area }
+            }
+        }
+    }
 }
 
 /// An initial velocity field in m/s.

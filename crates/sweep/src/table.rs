@@ -5,6 +5,7 @@ use crate::plan::{CutSize, SweepPlan};
 use crate::store::{ResultEntry, Store};
 use crate::{Address, State};
 use serde_json::Value;
+use sphcut_physics::csv;
 use sphcut_record::{ColumnH5, FactH5, GroupH5, RunError, write_columns_h5};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -150,7 +151,14 @@ impl SweepTable {
                 .flat_map(|(symbol, _)| [format!("{symbol} [N]"), format!("{symbol}_ci95 [N]")]),
         );
         heads.extend(self.names.iter().cloned());
-        let mut text = format!("# {}\n", self.title.replace(['\n', '\r'], " "));
+        // A comma in it begins a cell.
+        let title = self.title.replace(['\n', '\r'], " ");
+        let shown = |part: &str| {
+            let text = part.trim_start();
+            format!("{}{}", &part[..part.len() - text.len()], csv::shown(text))
+        };
+        let title: Vec<String> = title.split(',').map(shown).collect();
+        let mut text = format!("# {}\n", title.join(","));
         line(&mut text, heads.into_iter().map(|head| quoted(&head)));
         for row in &self.rows {
             let mut cells = vec![
@@ -392,14 +400,15 @@ fn cells(line: &str) -> Vec<String> {
             _ => cells.last_mut().expect("never empty").push(letter),
         }
     }
-    cells
+    cells.iter().map(|cell| csv::meant(cell).to_owned()).collect()
 }
 
 fn quoted(text: &str) -> String {
+    let text = csv::shown(text);
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\"").replace(['\n', '\r'], " "))
     } else {
-        text.to_owned()
+        text
     }
 }
 
@@ -419,6 +428,8 @@ mod tests {
         assert_eq!(results_of(text).unwrap(), [("1".to_owned(), PathBuf::from("a, \"b\"/c"))]);
         assert!(results_of("v_c [m/min],h [mm]\n1,2\n").is_none());
         assert_eq!(cells(&quoted("a, \"b\"")), ["a, \"b\""]);
+        assert_eq!(quoted("=HYPERLINK(1)"), "'=HYPERLINK(1)");
+        assert_eq!(cells(&quoted("-x, y")), ["-x, y"]);
         assert_eq!(near(Path::new("out/store/x"), Path::new("out")), "store/x");
         assert!(Path::new(&near(Path::new("store/x"), Path::new("out"))).is_absolute());
     }

@@ -205,3 +205,57 @@ fn a_folder_with_other_things_is_refused() {
     assert!(matches!(Store::open(&store), Err(StoreError::Layout(_, 99))));
     std::fs::remove_dir_all(&place).unwrap();
 }
+
+/// Flips single bits of the notes of a store: none may pass, and nothing that is needed may be called a leftover.
+#[test]
+fn no_flipped_bit_of_a_note_passes() {
+    let place = folder("notes");
+    let store = Store::create(&place.join("store")).unwrap();
+    let (sweep, out) = (sweep(&place, 3), place.join("out"));
+    let plan = plan(&sweep).unwrap();
+    run(&Stub::default(), &sweep, &plan, &store, ONE);
+    std::fs::create_dir(&out).unwrap();
+    let addresses = plan.runs.iter().map(|run| run.address).collect();
+    store.note_needs(&Needs { folder: out, addresses }).unwrap();
+    assert!(store.damaged_notes().unwrap().is_empty());
+    assert!(store.damaged_results().unwrap().is_empty());
+    let entry = store.result(&plan.runs[1].address).join("entry.json");
+    let sweeps = std::fs::read_dir(store.root().join("sweeps")).unwrap();
+    let mut notes: Vec<_> = sweeps.map(|note| note.unwrap().path()).collect();
+    assert_eq!(notes.len(), 2, "a note and its backup");
+    notes.extend([entry, store.root().join("store.json")]);
+    let mut flips = 0;
+    for note in notes {
+        let whole = std::fs::read(&note).unwrap();
+        for place in (0..whole.len()).step_by(2) {
+            let mut bytes = whole.clone();
+            bytes[place] ^= 1 << (place % 8);
+            std::fs::write(&note, bytes).unwrap();
+            let seen = !store.damaged_notes().unwrap().is_empty()
+                || !store.damaged_results().unwrap().is_empty();
+            assert!(seen, "byte {place} of {}", note.display());
+            assert!(store.leftovers().is_err() || store.leftovers().unwrap().is_empty());
+            flips += 1;
+        }
+        std::fs::write(&note, &whole).unwrap();
+    }
+    assert!(flips > 500, "{flips}");
+    std::fs::remove_dir_all(&place).unwrap();
+}
+
+#[test]
+fn a_result_with_a_changed_summary_is_computed_again() {
+    let place = folder("changed_summary");
+    let store = Store::create(&place.join("store")).unwrap();
+    let sweep = sweep(&place, 2);
+    let plan = plan(&sweep).unwrap();
+    run(&Stub::default(), &sweep, &plan, &store, ONE);
+    let summary = store.result(&plan.runs[0].address).join("summary.json");
+    let text = std::fs::read_to_string(&summary).unwrap();
+    std::fs::write(&summary, text.replace('3', "4")).unwrap();
+    assert!(!store.has(&plan.runs[0].address));
+    let states = run(&Stub::default(), &sweep, &plan, &store, ONE);
+    assert_eq!(states, [State::Finished, State::Reused]);
+    assert_eq!(std::fs::read_to_string(&summary).unwrap(), text);
+    std::fs::remove_dir_all(&place).unwrap();
+}

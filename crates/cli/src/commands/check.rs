@@ -6,7 +6,7 @@ use crate::{loading, terminal, text};
 use clap::Args;
 use sphcut_input::{Origin, ResolvedEntry};
 use sphcut_scenario::Scenario;
-use sphcut_sph::setup::{Dimension, Setup};
+use sphcut_sph::setup::{Body, Dimension, Setup, Shape};
 use sphcut_sph::{Estimate, Simulation};
 use sphcut_sweep::CROWDING;
 use sphcut_tool_heat::ToolMeshFacts;
@@ -32,6 +32,10 @@ pub struct CheckArguments {
     pub no_measure: bool,
 }
 
+/// Most particles that are built for an estimate: a second and 200 MB.
+const MOST_BUILT: f64 = 100_000.0;
+/// Fewest layers of particles of what is left of a body.
+const LEAST_LAYERS: f64 = 20.0;
 /// Wall-clock time of the measurement.
 const MEASUREMENT: Duration = Duration::from_millis(1500);
 /// Bytes of the program and of the record's buffers beside the solver's arrays, measured on an
@@ -61,13 +65,46 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     terminal::answer(&page)
 }
 
-/// Builds the particles and, if wanted, measures the updates per second.
+/// Builds the particles, or a part of a large workpiece, and, if wanted, measures the updates per second.
 fn cost(setup: &Setup, measured: bool) -> Result<(Estimate, Option<f64>), Failure> {
-    let mut simulation =
-        Simulation::new(setup.clone()).map_err(|error| Failure::input(error.to_string()))?;
-    let estimate = simulation.estimate();
+    let build = |setup| Simulation::new(setup).map_err(|error| Failure::input(error.to_string()));
+    let (part, particles) = excerpt(setup);
+    let mut simulation = build(part)?;
+    let mut estimate = simulation.estimate();
+    if let Some(particles) = particles {
+        let times = particles / estimate.particles as f64;
+        estimate.particles = particles.round() as usize;
+        estimate.memory_bytes = (estimate.memory_bytes as f64 * times) as u64;
+        let memory = text::bytes(estimate.memory_bytes + BASE_BYTES);
+        let count = text::grouped(estimate.particles as u64);
+        terminal::note(&format!(
+            "about {count} particles need {memory} of memory; the costs are those of a part of them"
+        ));
+    }
     let speed = if measured { Some(speed(&mut simulation)?) } else { None };
     Ok((estimate, speed))
+}
+
+/// The setup with its longest body cut short if there are too many particles to be built for an estimate, and how
+/// many there are. A moving window is small already.
+fn excerpt(setup: &Setup) -> (Setup, Option<f64>) {
+    let (mut part, dimension) = (setup.clone(), setup.dimension.axes());
+    let spacing = setup.particle_spacing.powi(dimension as i32);
+    let volume = |body: &Body| body.shape.volume(dimension);
+    let particles = setup.bodies.iter().map(volume).sum::<f64>() / spacing;
+    if particles <= MOST_BUILT || setup.window.is_some() {
+        return (part, None);
+    }
+    let largest = part.bodies.iter_mut().max_by(|a, b| volume(a).total_cmp(&volume(b)));
+    let Some(Body { shape: Shape::Box { min, max, .. }, .. }) = largest else {
+        return (part, None);
+    };
+    let length = |axis: &usize| max[*axis] - min[*axis];
+    let axis = (0..dimension).max_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(0);
+    // The end at which the tool starts stays.
+    let kept = length(&axis) * MOST_BUILT / particles;
+    max[axis] = min[axis] + kept.max(LEAST_LAYERS * setup.particle_spacing);
+    (part, Some(particles))
 }
 
 /// Particle updates per second in the first steps.

@@ -1,10 +1,10 @@
 //! `sphcut export`: the particles of a run for ParaView.
 
 use crate::failure::{ExitCode, Failure};
-use crate::files;
 use crate::terminal::note;
+use crate::{files, loading};
 use clap::Args;
-use sphcut_record::{Run, RunFiles, export_vtkhdf};
+use sphcut_record::{RunFiles, export_vtkhdf};
 use std::path::PathBuf;
 
 /// Arguments of `export`.
@@ -25,9 +25,8 @@ pub fn export(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
     let files = RunFiles::in_dir(&arguments.run);
     let target = arguments.to.clone().unwrap_or_else(|| files.vtkhdf());
     files::unless_there([target.clone()], arguments.force)?;
-    let explain = |error| Failure::of_run(&error, &arguments.run);
-    let run = Run::load(&files.record()).map_err(explain)?;
-    export_vtkhdf(&run, &target).map_err(explain)?;
+    let run = loading::run(&arguments.run)?;
+    export_vtkhdf(&run, &target).map_err(|error| Failure::of_run(&error, &arguments.run))?;
     note(&format!("{} snapshots in {}", run.snapshots.len(), target.display()));
     Ok(ExitCode::Done)
 }

@@ -15,4 +15,5 @@ pub(crate) mod springback;
 pub(crate) mod store;
 pub(crate) mod sweep;
 pub(crate) mod validate;
+pub(crate) mod verify;
 pub(crate) mod wear;

@@ -2,9 +2,9 @@
 
 use crate::failure::{ExitCode, Failure};
 use crate::progress::OutputStyle;
-use crate::{outcome, results};
+use crate::{loading, outcome, results};
 use clap::Args;
-use sphcut_record::{Run, RunFiles, recover};
+use sphcut_record::{RunFiles, recover};
 use std::path::PathBuf;
 
 /// Arguments of `report`.
@@ -20,11 +20,10 @@ pub fn report(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     let folder = arguments.run.as_path();
     let files = RunFiles::in_dir(folder);
     let run = if !files.record().exists() && files.partial().exists() {
-        recover(folder)
+        recover(folder).map_err(|error| Failure::of_run(&error, folder))?
     } else {
-        Run::load(&files.record())
+        loading::run(folder)?
     };
-    let run = run.map_err(|error| Failure::of_run(&error, folder))?;
     let results = results::write(&run, folder)?;
     outcome::finished(&run, &results, OutputStyle::Human);
     Ok(ExitCode::Done)

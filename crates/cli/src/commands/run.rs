@@ -3,7 +3,7 @@
 use crate::common_arguments::{PatchableArguments, ToldArguments};
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{OutputStyle, RunDisplay, ShownForces, Status, Travel};
-use crate::{interrupt, loading, outcome, results};
+use crate::{interrupt, loading, outcome, results, terminal};
 use clap::Args;
 use sphcut_postprocess::steady::{Series, SteadyOptions, detect};
 use sphcut_record::driver::{self, Control, Export, Moment, Process, Progress, RunOptions, Start};
@@ -76,6 +76,10 @@ fn follow(arguments: &RunArguments, style: OutputStyle) -> Result<ExitCode, Fail
         return Ok(ExitCode::Interrupted);
     }
     let results = results::write(&run, &options.out_dir)?;
+    let new = |warning: &&String| !scenario.warnings.contains(warning);
+    for warning in run.provenance.warnings.iter().filter(new) {
+        terminal::note(&format!("warning: {warning}"));
+    }
     outcome::finished(&run, &results, style);
     Ok(ExitCode::Done)
 }

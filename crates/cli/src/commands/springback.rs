@@ -1,14 +1,14 @@
 //! `sphcut springback`: springback and residual stress of finished cuts, beside measurements.
 
 use crate::failure::{ExitCode, Failure};
-use crate::{files, terminal, text};
+use crate::{files, loading, terminal, text};
 use clap::Args;
 use sphcut_postprocess::springback::{
     Measurement, Springback, SpringbackEntry, SpringbackError, measure, springback_csv,
     springback_json,
 };
 use sphcut_postprocess::{ProcessResult, evaluate};
-use sphcut_record::{Run, RunFiles};
+use sphcut_record::Run;
 use sphcut_report::{SpringbackRun, render_springback};
 use sphcut_sweep::results_of;
 use std::path::{Path, PathBuf};
@@ -139,7 +139,7 @@ impl Measured {
     /// The inner error is that of a run without springback.
     fn load(name: &str, folder: &Path) -> Result<Result<Self, SpringbackError>, Failure> {
         let explain = |error| Failure::of_run(&error, folder);
-        let run = Run::load(&RunFiles::in_dir(folder).record()).map_err(explain)?;
+        let run = loading::run(folder)?;
         let result = evaluate(&run).map_err(explain)?;
         match measure(&run, &result) {
             Ok(springback) => Ok(Ok(Self { name: name.to_owned(), run, result, springback })),

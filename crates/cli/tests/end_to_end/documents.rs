@@ -48,6 +48,7 @@ const COMMANDS: &[(&str, Trial)] = &[
     ),
     ("sphcut report out/quickstart", AsItStands),
     ("sphcut export out/quickstart --force", AsItStands),
+    ("sphcut verify out/quickstart", AsItStands),
     ("sphcut run cut.toml", AsItStands),
     ("sphcut run mine.toml", AsItStands),
     (

@@ -15,3 +15,4 @@ mod same_bits;
 mod series;
 mod springback;
 mod sweep;
+mod trust;

@@ -3,6 +3,7 @@
 use super::{CutLine, Named, OverTime, SeriesDiagnosis, Track};
 use crate::check::self_test::Rate;
 use serde_json::{Value, json};
+use sphcut_physics::csv;
 use std::fmt::Write;
 
 /// All figures; SI units.
@@ -155,7 +156,7 @@ pub fn series_csv(found: &SeriesDiagnosis) -> String {
             let rotation = cut.revolution.map_or_else(String::new, |n| format!("{:.6}", n * 60.0));
             for (channel, own) in cut.channels.iter().zip(&line.channels) {
                 let Some(own) = own else { continue };
-                let name = cut.name.replace([',', '"', '\n'], " ");
+                let name = csv::shown(&cut.name).replace([',', '"', '\n'], " ");
                 let _ = writeln!(
                     text,
                     "{},{name},{:.6},{:.6},{rotation},{},{:.6},{:.6},{:.6},{:.6},{:.6},{:.4},{:.3e},{follows}",
@@ -196,7 +197,7 @@ pub fn trends_csv(found: &SeriesDiagnosis) -> String {
             let _ = writeln!(
                 text,
                 "{},{:.6},{:.6},{},{:.6},{:.6},{:.1},{change:.6},{low:.6},{high:.6},{},{:.6},{:.6},{zero},{},{run_in}",
-                cut.name.replace([',', '"', '\n'], " "),
+                csv::shown(&cut.name).replace([',', '"', '\n'], " "),
                 cut.cutting_speed * 60.0,
                 cut.uncut_chip_thickness * 1e3,
                 of.component.symbol(),

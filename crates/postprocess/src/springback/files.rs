@@ -5,6 +5,7 @@ use super::result::Springback;
 use crate::forces::Force;
 use crate::result::ProcessResult;
 use serde_json::{Value, json};
+use sphcut_physics::csv;
 use std::fmt::Write;
 
 /// Version of the schema of `springback.json`.
@@ -136,7 +137,8 @@ pub fn springback_csv(entries: &[SpringbackEntry<'_>], measurements: &[Measureme
             comparison.map(|c| c.measured.uncertainty * UM),
         ];
         // A name is quoted: it may hold a comma.
-        write!(text, "\"{}\"", entry.name.replace('"', "\"\"")).expect("a string can be written");
+        write!(text, "\"{}\"", csv::shown(&entry.name).replace('"', "\"\""))
+            .expect("a string can be written");
         for number in numbers {
             let cell = number.filter(|n| n.is_finite()).map(|n| n.to_string()).unwrap_or_default();
             write!(text, ",{cell}").expect("a string can be written");

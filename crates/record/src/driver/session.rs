@@ -1,7 +1,7 @@
 //! One call of [`super::run`]: the loop over the steps and what is saved when.
 
 use super::{Control, Moment, Process, Progress, RunOptions, Source, Stepper};
-use crate::files::partial::Partial;
+use crate::files::partial::{Partial, SavedSnapshots};
 use crate::files::{self, RunBody, RunFiles};
 use crate::{
     Facts, Outcome, Performance, Provenance, Run, RunError, Samples, SnapshotInfo, Snapshots,
@@ -24,6 +24,8 @@ pub(super) struct Session<'a, S: Source> {
     pub(super) stepper: S::Stepper,
     pub(super) samples: Samples,
     pub(super) snapshots: Vec<SnapshotInfo>,
+    /// Numbers of the snapshots whose files were damaged when the run was taken up.
+    pub(super) lost: Vec<usize>,
     pub(super) meter: Meter,
 }
 
@@ -73,9 +75,8 @@ impl<S: Source> Session<'_, S> {
         control: &mut dyn FnMut(&Progress) -> Control,
     ) -> Result<Run, RunError> {
         let end = self.step_to_end(control).map_err(|error| error.keeping(&self.kept()))?;
-        let (outcome, performance) =
-            self.write_end(&end).map_err(|error| error.keeping(&self.kept()))?;
-        self.deliver(end, outcome, performance)
+        let saved = self.write_end(&end).map_err(|error| error.keeping(&self.kept()))?;
+        self.deliver(end, saved)
     }
 
     fn step_to_end(
@@ -226,7 +227,7 @@ impl<S: Source> Session<'_, S> {
     }
 
     /// Saves what the end of the loop leaves and puts the record together.
-    fn write_end(&mut self, end: &End) -> Result<(Outcome, Performance), RunError> {
+    fn write_end(&mut self, end: &End) -> Result<Run, RunError> {
         let outcome = match end {
             End::Reached(outcome) => outcome.clone(),
             End::Diverged(diverged) => Outcome::Diverged(diverged.clone()),
@@ -240,9 +241,25 @@ impl<S: Source> Session<'_, S> {
             self.save_last_snapshot()?;
         }
         let (performance, state) = (self.performance(), self.stepper.checkpoint());
-        let body = self.body(&performance, &outcome, &state);
-        files::assemble(&self.files, &self.partial, &body, &self.snapshots, self.options.export)?;
-        Ok((outcome, performance))
+        let saved = self.saved_snapshots();
+        let mut provenance = self.provenance.clone();
+        provenance.warnings.extend(saved.loss());
+        let body = RunBody { provenance: &provenance, ..self.body(&performance, &outcome, &state) };
+        files::assemble(&self.files, &self.partial, &body, &saved, self.options.export)?;
+        Ok(Run {
+            provenance,
+            facts: self.facts.clone(),
+            samples: std::mem::take(&mut self.samples),
+            snapshots: Snapshots::in_file(self.files.record(), saved.index()),
+            performance,
+            outcome,
+        })
+    }
+
+    fn saved_snapshots(&self) -> SavedSnapshots {
+        let numbered = self.snapshots.iter().copied().enumerate();
+        let whole = numbered.filter(|(number, _)| !self.lost.contains(number)).collect();
+        SavedSnapshots { whole, lost: self.lost.clone() }
     }
 
     /// A simulation that diverged is of no further use. Its last good state is computed once more
@@ -266,28 +283,16 @@ impl<S: Source> Session<'_, S> {
     }
 
     /// The record is on disk: what the unfinished run had saved is not needed any more.
-    fn deliver(
-        self,
-        end: End,
-        outcome: Outcome,
-        performance: Performance,
-    ) -> Result<Run, RunError> {
+    fn deliver(self, end: End, run: Run) -> Result<Run, RunError> {
         drop(self.partial);
-        if outcome != Outcome::Interrupted {
+        if run.outcome != Outcome::Interrupted {
             files::partial::remove(&self.files)?;
         }
-        let record = self.files.record();
         if let End::Diverged(diverged) = end {
+            let record = self.files.record();
             return Err(RunError::Diverged { divergence: diverged, record });
         }
-        Ok(Run {
-            provenance: self.provenance.clone(),
-            facts: self.facts,
-            samples: self.samples,
-            snapshots: Snapshots::in_file(record, self.snapshots),
-            performance,
-            outcome,
-        })
+        Ok(run)
     }
 
     /// What a run that cannot go on leaves, in words for the user.

@@ -20,6 +20,7 @@ struct Begun<S: Source> {
     partial: Partial,
     samples: Samples,
     snapshots: Vec<SnapshotInfo>,
+    lost: Vec<usize>,
     performance: Performance,
 }
 
@@ -43,7 +44,7 @@ pub(super) fn begin<'a, S: Source>(
             fresh(source, provenance, &files)?
         }
     };
-    let Begun { stepper, partial, samples, snapshots, performance } = begun;
+    let Begun { stepper, partial, samples, snapshots, lost, performance } = begun;
     Ok(Begin::Session(Box::new(Session {
         source,
         provenance,
@@ -55,6 +56,7 @@ pub(super) fn begin<'a, S: Source>(
         stepper,
         samples,
         snapshots,
+        lost,
     })))
 }
 
@@ -88,25 +90,30 @@ fn resume<S: Source>(
     provenance: &Provenance,
     files: &RunFiles,
 ) -> Result<Begun<S>, RunError> {
-    let partial = Partial::open(files)?;
+    let mut partial = Partial::open(files)?;
     let (stored, _) = partial.origin()?;
     if let Some(reason) = provenance.difference(&stored) {
         return Err(RunError::Mismatch { path: files.partial(), reason });
     }
     files.prepare()?;
+    let facts = source.facts();
     let Some(saved) = partial.checkpoint(provenance)? else {
-        return Ok(Begun::at_start(source.start()?, partial));
+        let stepper = source.start()?;
+        partial.take_up((provenance, &facts), &Samples::default())?;
+        return Ok(Begun::at_start(stepper, partial));
     };
-    partial.check_snapshots(saved.snapshots.len())?;
     let stepper = source.restore(&saved.state)?;
+    partial.take_up((provenance, &facts), &saved.samples)?;
+    let lost = partial.read_snapshots(saved.snapshots.len())?.lost;
     let Checkpoint { samples, snapshots, performance, .. } = saved;
-    Ok(Begun { stepper, partial, samples, snapshots, performance })
+    Ok(Begun { stepper, partial, samples, snapshots, lost, performance })
 }
 
 impl<S: Source> Begun<S> {
     fn at_start(stepper: S::Stepper, partial: Partial) -> Self {
         let (samples, performance) = (Samples::default(), Performance::default());
-        Self { stepper, partial, samples, snapshots: Vec::new(), performance }
+        let (snapshots, lost) = (Vec::new(), Vec::new());
+        Self { stepper, partial, samples, snapshots, lost, performance }
     }
 }
 

@@ -64,7 +64,8 @@ impl Data<'_> {
     }
 }
 
-fn blocks<T: Copy>(
+/// Gives the bytes of `values` to `take`, block by block.
+pub(super) fn blocks<T: Copy>(
     values: &[T],
     convert: fn(T) -> [u8; 8],
     mut take: impl FnMut(&[u8]) -> io::Result<()>,
@@ -192,12 +193,6 @@ impl ArchiveFile {
     /// Names of all sections, in the order written.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.sections.iter().map(|section| section.name.as_str())
-    }
-
-    /// Number of numbers in the section `name`; 0 if it is missing.
-    pub(crate) fn count(&self, name: &str) -> usize {
-        let section = self.sections.iter().find(|section| section.name == name);
-        section.map_or(0, |section| section.length as usize / 8)
     }
 
     /// Whether the section `name` holds whole numbers.

@@ -2,7 +2,7 @@
 
 use crate::RunError;
 use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -50,9 +50,40 @@ fn write_and_sync(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut writer = BufWriter::new(File::create(path)?);
+    let mut writer = BufWriter::new(create_anew(path)?);
     write(&mut writer)?;
     writer.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()
+}
+
+/// A new, empty file at `path`. What was there is removed and not written into: a link leads nowhere.
+///
+/// # Errors
+/// A file that cannot be removed or created.
+pub fn create_anew(path: &Path) -> io::Result<File> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    OpenOptions::new().write(true).create_new(true).open(path)
+}
+
+/// The file at `path` to be locked, made if it is missing, its content kept.
+///
+/// # Errors
+/// A link, a file that cannot be opened.
+pub fn open_lock(path: &Path) -> io::Result<File> {
+    refuse_link(path)?;
+    OpenOptions::new().write(true).create(true).truncate(false).open(path)
+}
+
+/// An error if `path` is a link.
+pub(crate) fn refuse_link(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_symlink() => {
+            Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a link, which is not followed"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Makes renames and removals in `folder` survive a loss of power, where the platform can.

@@ -74,22 +74,67 @@ fn attributes<'a>(facts: &[(&'a str, FactH5)]) -> Vec<(&'a str, Attribute)> {
         .collect()
 }
 
+/// Most values of an array that are read unless more are allowed: a quarter of an hour at 20 kHz.
+pub const MOST_VALUES: u64 = 20_000_000;
+
 /// The one-dimensional arrays of numbers in the group `group` of a file that any program has written:
-/// name and values. Arrays of texts and of other shapes are left out.
+/// name and values. Arrays of other shapes, and those that cannot be read as numbers, are left out.
 ///
 /// # Errors
-/// A file that cannot be read, or no such group.
+/// A file that cannot be read, no such group, an array of more than [`MOST_VALUES`].
 pub fn read_columns_h5(path: &Path, group: &str) -> Result<Vec<(String, Vec<f64>)>, RunError> {
+    read_named_columns_h5(path, group, &|_| Wanted::IfNumbers, MOST_VALUES)
+}
+
+/// Whether an array is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// It has to be.
+    Yes,
+    /// Its name is listed with no values.
+    NameOnly,
+    /// If it holds numbers.
+    IfNumbers,
+}
+
+/// As [`read_columns_h5`], but `wanted` says of each name whether its values are read. An array of more than
+/// `most_values` is refused before memory is asked for.
+///
+/// # Errors
+/// As there, and a wanted array that cannot be read.
+pub fn read_named_columns_h5(
+    path: &Path,
+    group: &str,
+    wanted: &dyn Fn(&str) -> Wanted,
+    most_values: u64,
+) -> Result<Vec<(String, Vec<f64>)>, RunError> {
     let reader = HdfReader::open(path, "recordings")?;
     let group = group.trim_matches('/');
     let inside = if group.is_empty() { "/" } else { group };
     let mut columns = Vec::new();
     for name in reader.arrays(inside)? {
         let array = if group.is_empty() { name.clone() } else { format!("{group}/{name}") };
-        if reader.shape(&array)?.len() == 1
-            && let Ok(values) = reader.reals(&array)
-        {
-            columns.push((name, values));
+        let wanted = wanted(&name);
+        if wanted == Wanted::NameOnly {
+            columns.push((name, Vec::new()));
+            continue;
+        }
+        match (reader.series(&array, most_values), wanted) {
+            (Ok(Some(values)), _) => columns.push((name, values)),
+            (Ok(None), Wanted::Yes) => {
+                let reason = format!("`{array}` is no one-dimensional array of numbers");
+                return Err(RunError::Foreign {
+                    path: path.to_owned(),
+                    expected: "recordings",
+                    reason,
+                });
+            }
+            (Ok(None), _) => {}
+            (Err(error @ RunError::TooLarge { .. }), _) | (Err(error), Wanted::Yes) => {
+                return Err(error);
+            }
+            (Err(error), _) if reader.has_checksums() => return Err(error),
+            (Err(_), _) => {}
         }
     }
     Ok(columns)
@@ -98,6 +143,35 @@ pub fn read_columns_h5(path: &Path, group: &str) -> Result<Vec<(String, Vec<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A small file that says it holds 2^40 values, and one whose single chunk does.
+    #[test]
+    fn no_memory_is_asked_for_what_a_file_only_says() {
+        let path = std::env::temp_dir().join(format!("sphcut-huge-{}.h5", std::process::id()));
+        let file = hdf5_pure::File::create(&path).unwrap();
+        let create = file.root().create_dataset("Fx", |dataset| {
+            let extent = [hdf5_pure::MaxExtent::Unlimited];
+            dataset.with_f64_data(&[0.0; 64]).with_shape(&[64]).with_maxshape(&extent);
+            dataset.with_chunks(&[64]).with_deflate(1);
+        });
+        create.unwrap();
+        file.close().unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let wanted = |_: &str| Wanted::Yes;
+        assert!(read_named_columns_h5(&path, "/", &wanted, 64).is_ok());
+        let error = read_named_columns_h5(&path, "/", &wanted, 63).unwrap_err().to_string();
+        assert!(error.contains("64 values, more than 63"), "{error}");
+        // Bits of its lengths: whatever they say, little memory is asked for and nothing is silent.
+        let mut refused = 0;
+        for place in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[place] ^= 0x55;
+            std::fs::write(&path, changed).unwrap();
+            refused += usize::from(read_named_columns_h5(&path, "/", &wanted, 64).is_err());
+        }
+        std::fs::remove_file(&path).unwrap();
+        assert!(refused > 100, "{refused}");
+    }
 
     #[test]
     fn what_is_written_is_read_back() {
@@ -121,6 +195,15 @@ mod tests {
         assert_eq!(read[0], ("F_c".to_owned(), values.clone()));
         assert!(read_columns_h5(&path, "/").unwrap().is_empty());
         assert!(read_columns_h5(&path, "nowhere").is_err());
+        let named = |most| {
+            let wanted = |name: &str| if name == "F_f" { Wanted::Yes } else { Wanted::NameOnly };
+            read_named_columns_h5(&path, "cut_one", &wanted, most)
+        };
+        let all = named(2000).unwrap();
+        let of = |name: &str| all.iter().find(|(n, _)| n == name).map(|(_, values)| values.len());
+        assert_eq!((of("F_c"), of("F_f")), (Some(0), Some(2000)));
+        let error = named(1999).unwrap_err().to_string();
+        assert!(error.contains("`cut_one/F_f` has 2000 values, more than 1999"), "{error}");
         std::fs::write(&path, "no").unwrap();
         assert!(read_columns_h5(&path, "/").is_err());
         std::fs::remove_dir_all(&folder).unwrap();

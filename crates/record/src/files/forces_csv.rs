@@ -30,10 +30,12 @@ const TEMPERATURES: [(ChannelId, &str); 2] = [
 
 /// Writes the forces of `samples`, in N and in a plane run also per mm of width, energies and temperatures.
 pub(crate) fn write(path: &Path, facts: &Facts, samples: &Samples) -> Result<(), RunError> {
-    atomic::replace(path, |writer| {
-        writeln!(writer, "{}", header(facts))?;
-        (0..samples.len()).try_for_each(|index| row(writer, facts, samples, index))
-    })
+    atomic::replace(path, |writer| put(writer, facts, samples))
+}
+
+pub(crate) fn put(writer: &mut dyn Write, facts: &Facts, samples: &Samples) -> io::Result<()> {
+    writeln!(writer, "{}", header(facts))?;
+    (0..samples.len()).try_for_each(|index| row(writer, facts, samples, index))
 }
 
 /// Whether sphcut wrote `path`.

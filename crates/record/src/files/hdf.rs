@@ -2,11 +2,14 @@
 //! reading one back, and turning the library's errors into ours.
 
 use super::atomic;
+use super::checksums::{self, CHECKSUMS, ChecksumEntry, Checksums, ObjectKind};
 use crate::RunError;
 use hdf5_pure::{
     AttrValue, Error, File, FileAccessProperties, FileCreateProperties, FormatError, MaxExtent,
     SyncPolicy, is_hdf5,
 };
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +44,20 @@ impl Attribute {
             Self::Reals(values) => AttrValue::F64Array(values.clone()),
             Self::Integer(value) => AttrValue::I64(*value),
             Self::Integers(values) => AttrValue::I64Array(values.clone()),
+        }
+    }
+
+    /// What a file holds, if it is of a type that we write.
+    fn of(value: &AttrValue) -> Option<Self> {
+        if let Some(text) = value.as_str() {
+            return Some(Self::text(text));
+        }
+        match value {
+            AttrValue::I64(value) => Some(Self::Integer(*value)),
+            AttrValue::I64Array(values) => Some(Self::Integers(values.clone())),
+            AttrValue::F64(value) => Some(Self::Real(*value)),
+            AttrValue::F64Array(values) => Some(Self::Reals(values.clone())),
+            _ => None,
         }
     }
 }
@@ -88,6 +105,7 @@ pub(crate) enum ArrayLayout {
 pub(crate) struct HdfWriter {
     path: PathBuf,
     file: Option<File>,
+    checksums: RefCell<Checksums>,
 }
 
 impl HdfWriter {
@@ -95,7 +113,9 @@ impl HdfWriter {
         // Nobody reads the temporary file, so one sync when it is closed is enough.
         let access = FileAccessProperties::new().with_sync_policy(SyncPolicy::OnClose);
         let temporary = atomic::temporary(path);
-        let mut writer = Self { path: path.to_owned(), file: None };
+        // What a crash has left there may be a link.
+        atomic::remove_if_there(&temporary)?;
+        let mut writer = Self { path: path.to_owned(), file: None, checksums: RefCell::default() };
         let file = File::create_with_options(temporary, FileCreateProperties::new(), access);
         writer.file = Some(file.map_err(|error| writer.error(error))?);
         Ok(writer)
@@ -108,11 +128,17 @@ impl HdfWriter {
                 group.set_attr(name, attribute.value());
             }
         });
+        self.note_group(path, attributes);
         created.map(|_| ()).map_err(|error| self.error(error))
     }
 
     /// Sets the attributes of the file itself.
     pub(crate) fn root(&self, attributes: &Attributes) -> Result<(), RunError> {
+        self.note_group("/", attributes);
+        self.set(attributes)
+    }
+
+    fn set(&self, attributes: &Attributes) -> Result<(), RunError> {
         let root = self.file().root();
         attributes
             .iter()
@@ -120,8 +146,29 @@ impl HdfWriter {
             .map_err(|error| self.error(error))
     }
 
+    /// Enters a group into the table of checksums.
+    fn note_group(&self, path: &str, attributes: &Attributes) {
+        let attributes = checksums::of_attributes(attributes);
+        let entry =
+            ChecksumEntry { kind: ObjectKind::Group, shape: Vec::new(), content: 0, attributes };
+        self.checksums.borrow_mut().0.insert(path.to_owned(), entry);
+    }
+
     /// Adds an array.
     pub(crate) fn array(
+        &self,
+        path: &str,
+        array: Array,
+        shape: ArrayLayout,
+        attributes: &Attributes,
+    ) -> Result<(), RunError> {
+        let attributes_sum = checksums::of_attributes(attributes);
+        let entry = checksums::entry_of(&array, lengths(array.len(), shape), attributes_sum);
+        self.checksums.borrow_mut().0.insert(path.to_owned(), entry);
+        self.unlisted_array(path, array, shape, attributes)
+    }
+
+    fn unlisted_array(
         &self,
         path: &str,
         array: Array,
@@ -144,7 +191,7 @@ impl HdfWriter {
                     }
                 },
             };
-            lay_out(dataset, array.len(), shape);
+            lay_out(dataset, &array, shape);
             for (name, attribute) in attributes {
                 dataset.set_attr(name, attribute.value());
             }
@@ -162,6 +209,10 @@ impl HdfWriter {
 
     /// Completes the file and gives it its name.
     pub(crate) fn finish(mut self) -> Result<(), RunError> {
+        let table = self.checksums.borrow().text();
+        self.unlisted_array(CHECKSUMS, Array::Text(&[&table]), ArrayLayout::Rows, &[])?;
+        let sum = i64::from(crc32fast::hash(table.as_bytes()));
+        self.set(&[(CHECKSUMS, Attribute::Integer(sum))])?;
         self.flush()?;
         let file = self.file.take().expect("the file is there until it is finished");
         file.close().map_err(|error| self.error(error))?;
@@ -189,28 +240,28 @@ impl Drop for HdfWriter {
     }
 }
 
-fn lay_out(dataset: &mut hdf5_pure::DatasetBuilder, length: usize, shape: ArrayLayout) {
-    let width = if let ArrayLayout::Table(width) = shape { width } else { 1 };
-    let rows = length / width;
-    let chunk = rows.clamp(1, CHUNK) as u64;
+/// The lengths of an array of so many entries.
+fn lengths(entries: usize, shape: ArrayLayout) -> Vec<u64> {
     match shape {
-        ArrayLayout::Series => {
-            let extent = [MaxExtent::Unlimited];
-            dataset.with_shape(&[rows as u64]).with_maxshape(&extent).with_chunks(&[chunk]);
-        }
-        ArrayLayout::Rows => {
-            dataset.with_shape(&[rows as u64]);
-        }
-        ArrayLayout::Table(_) => {
-            dataset.with_shape(&[rows as u64, width as u64]);
-        }
+        ArrayLayout::Rows | ArrayLayout::Series => vec![entries as u64],
+        ArrayLayout::Table(width) => vec![(entries / width) as u64, width as u64],
     }
-    if length >= SMALLEST_COMPRESSED {
-        match shape {
-            ArrayLayout::Table(_) => dataset.with_chunks(&[chunk, width as u64]),
-            ArrayLayout::Rows | ArrayLayout::Series => dataset.with_chunks(&[chunk]),
-        };
-        dataset.with_shuffle().with_deflate(DEFLATE_LEVEL);
+}
+
+fn lay_out(dataset: &mut hdf5_pure::DatasetBuilder, array: &Array, shape: ArrayLayout) {
+    let lengths = lengths(array.len(), shape);
+    dataset.with_shape(&lengths);
+    let mut chunks = lengths;
+    chunks[0] = chunks[0].clamp(1, CHUNK as u64);
+    if shape == ArrayLayout::Series {
+        dataset.with_maxshape(&[MaxExtent::Unlimited]).with_chunks(&chunks);
+    }
+    if array.len() >= SMALLEST_COMPRESSED {
+        dataset.with_chunks(&chunks).with_shuffle().with_deflate(DEFLATE_LEVEL);
+    }
+    // Other programs check it; filters act on chunks, and not on texts, which are kept elsewhere.
+    if array.len() > 0 && !matches!(array, Array::Text(_)) {
+        dataset.with_chunks(&chunks).with_fletcher32();
     }
 }
 
@@ -218,6 +269,9 @@ fn lay_out(dataset: &mut hdf5_pure::DatasetBuilder, length: usize, shape: ArrayL
 pub(crate) fn looks_like_hdf5(path: &Path) -> bool {
     is_hdf5(path).unwrap_or(false)
 }
+
+/// Values of a chunk that never ask for much memory.
+const SMALLEST_CHUNK: u64 = 1 << 20;
 
 /// Largest file in bytes that is read at once.
 const SMALL: u64 = 8 << 20;
@@ -227,6 +281,8 @@ const SMALL: u64 = 8 << 20;
 pub(crate) struct HdfReader {
     path: PathBuf,
     file: File,
+    /// `None`: the file is not ours, or from before there were checksums.
+    checksums: Option<Checksums>,
 }
 
 impl HdfReader {
@@ -257,40 +313,151 @@ impl HdfReader {
             );
             return Err(RunError::Damaged { path: path.to_owned(), reason });
         }
-        Ok(Self { path: path.to_owned(), file })
+        let mut reader = Self { path: path.to_owned(), file, checksums: None };
+        reader.checksums = reader.read_checksums()?;
+        Ok(reader)
+    }
+
+    /// The table of checksums, itself checked.
+    fn read_checksums(&self) -> Result<Option<Checksums>, RunError> {
+        // Attributes of other programs may be of types that cannot be read.
+        let attributes = self.file.root().attrs().ok();
+        let stored = attributes.and_then(|mut attributes| attributes.remove(CHECKSUMS));
+        let table = match self.file.dataset(CHECKSUMS) {
+            Err(Error::Format(FormatError::PathNotFound(_))) if stored.is_none() => {
+                return Ok(None);
+            }
+            dataset => dataset.and_then(|dataset| dataset.read_string()),
+        };
+        let table = table.map_err(|error| read_error(&self.path, CHECKSUMS, error))?.concat();
+        let sum = i64::from(crc32fast::hash(table.as_bytes()));
+        if stored.and_then(|sum| sum.as_i64()) != Some(sum) {
+            return Err(self.damaged("the checksum of its table of checksums is wrong"));
+        }
+        let table = Checksums::parse(&table);
+        table.map(Some).ok_or_else(|| self.damaged("its table of checksums is wrong"))
+    }
+
+    pub(crate) fn has_checksums(&self) -> bool {
+        self.checksums.is_some()
+    }
+
+    /// Reads everything and compares it with its checksum; tells whether the file has checksums.
+    pub(crate) fn verify(&self) -> Result<bool, RunError> {
+        let Some(Checksums(table)) = &self.checksums else { return Ok(false) };
+        for (path, entry) in table {
+            match entry.kind {
+                ObjectKind::Group => {
+                    self.attributes(path)?;
+                    self.groups(path)?;
+                    self.arrays(path)?;
+                }
+                ObjectKind::Reals => drop(self.reals(path)?),
+                ObjectKind::Integers => drop(self.integers(path)?),
+                ObjectKind::Texts => drop(self.texts(path)?),
+            }
+            if entry.kind != ObjectKind::Group {
+                self.array_attributes(path)?;
+            }
+        }
+        Ok(true)
     }
 
     pub(crate) fn reals(&self, path: &str) -> Result<Vec<f64>, RunError> {
-        self.read(path, |dataset| dataset.read_f64())
+        self.checked(path, |dataset| dataset.read_f64(), |values| checksums::of_reals(values))
+    }
+
+    /// The numbers of a one-dimensional array of at most `most` values; `None` if it has another shape
+    /// or holds texts.
+    pub(crate) fn series(&self, path: &str, most: u64) -> Result<Option<Vec<f64>>, RunError> {
+        let text = self.entry(path)?.is_some_and(|entry| entry.kind == ObjectKind::Texts);
+        let &[length] = self.shape(path)?.as_slice() else { return Ok(None) };
+        if text {
+            return Ok(None);
+        }
+        let chunk = self.read(path, |dataset| dataset.chunk_shape())?;
+        let chunk = chunk.map_or(0, |lengths| lengths.iter().fold(1, |n, l| l.saturating_mul(n)));
+        // A chunk is unpacked as a whole, and may be longer than the array.
+        let values = length.max(if chunk > SMALLEST_CHUNK { chunk } else { 0 });
+        if values > most {
+            let (path, array) = (self.path.clone(), path.to_owned());
+            return Err(RunError::TooLarge { path, array, values, most });
+        }
+        self.reals(path).map(Some)
     }
 
     pub(crate) fn integers(&self, path: &str) -> Result<Vec<u64>, RunError> {
-        self.read(path, |dataset| dataset.read_u64())
+        self.checked(path, |dataset| dataset.read_u64(), |values| checksums::of_integers(values))
     }
 
     pub(crate) fn texts(&self, path: &str) -> Result<Vec<String>, RunError> {
-        self.read(path, |dataset| dataset.read_string())
+        self.checked(path, |dataset| dataset.read_string(), |texts| checksums::of_texts(texts))
+    }
+
+    /// Values that have their shape and their checksum.
+    fn checked<T>(
+        &self,
+        path: &str,
+        read: impl FnOnce(&hdf5_pure::Dataset) -> Result<Vec<T>, Error>,
+        sum: impl FnOnce(&[T]) -> u32,
+    ) -> Result<Vec<T>, RunError> {
+        // First, so that a damaged length does not ask for memory.
+        self.shape(path)?;
+        let values = self.read(path, read)?;
+        match self.entry(path)? {
+            Some(entry) if entry.content != sum(&values) => Err(self.wrong_checksum(path)),
+            _ => Ok(values),
+        }
     }
 
     /// The lengths of an array.
     pub(crate) fn shape(&self, path: &str) -> Result<Vec<u64>, RunError> {
-        self.read(path, |dataset| dataset.shape())
+        let shape = self.read(path, |dataset| dataset.shape())?;
+        match self.entry(path)? {
+            Some(entry) if entry.shape != shape => Err(self.wrong_checksum(path)),
+            _ => Ok(shape),
+        }
+    }
+
+    /// What the table says of `path`; `None` if there is no table.
+    fn entry(&self, path: &str) -> Result<Option<&ChecksumEntry>, RunError> {
+        let Some(Checksums(table)) = &self.checksums else { return Ok(None) };
+        let entry = table.get(path);
+        entry.map(Some).ok_or_else(|| self.damaged(format!("`{path}` has no checksum")))
+    }
+
+    fn wrong_checksum(&self, path: &str) -> RunError {
+        self.damaged(format!("the checksum of `{path}` is wrong"))
     }
 
     /// Names of the groups in a group, in alphabetical order.
     pub(crate) fn groups(&self, path: &str) -> Result<Vec<String>, RunError> {
-        let groups = self.file.group(path).and_then(|group| group.groups());
-        let mut names = groups.map_err(|error| read_error(&self.path, path, error))?;
-        names.sort();
-        Ok(names)
+        let groups = self.group(path).and_then(|group| group.groups());
+        self.listed(path, groups, true)
     }
 
     /// Names of the arrays in a group, in alphabetical order.
     pub(crate) fn arrays(&self, path: &str) -> Result<Vec<String>, RunError> {
-        let arrays = self.file.group(path).and_then(|group| group.datasets());
-        let mut names = arrays.map_err(|error| read_error(&self.path, path, error))?;
+        let arrays = self.group(path).and_then(|group| group.datasets());
+        self.listed(path, arrays, false)
+    }
+
+    /// The names found in a group, which are those that the table has.
+    fn listed(
+        &self,
+        path: &str,
+        found: Result<Vec<String>, Error>,
+        groups: bool,
+    ) -> Result<Vec<String>, RunError> {
+        let mut names = found.map_err(|error| read_error(&self.path, path, error))?;
+        names.retain(|name| path != "/" || name != CHECKSUMS);
         names.sort();
-        Ok(names)
+        match &self.checksums {
+            Some(table) if table.inside(path, groups) != names => {
+                Err(self.damaged(format!("`{path}` does not hold what it should")))
+            }
+            _ => Ok(names),
+        }
     }
 
     /// A text attribute of the group `path`.
@@ -318,14 +485,18 @@ impl HdfReader {
 
     /// A text attribute of the array `path`.
     pub(crate) fn array_text(&self, path: &str, name: &str) -> Result<String, RunError> {
-        let attributes = self.read(path, |dataset| dataset.attrs())?;
+        let attributes = self.array_attributes(path)?;
         let text = attributes.get(name).and_then(|value| value.as_str().map(ToOwned::to_owned));
         text.ok_or_else(|| self.wrong_type(path, name))
     }
 
-    /// Whether the group `path` has the attribute `name`.
-    pub(crate) fn has(&self, path: &str, name: &str) -> bool {
-        self.attribute(path, name).is_ok()
+    /// Whether the group `path` is there and has the attribute `name`.
+    pub(crate) fn has(&self, path: &str, name: &str) -> Result<bool, RunError> {
+        match (self.attributes(path), &self.checksums) {
+            (Ok(attributes), _) => Ok(attributes.contains_key(name)),
+            (Err(error), Some(Checksums(table))) if table.contains_key(path) => Err(error),
+            (Err(_), _) => Ok(false),
+        }
     }
 
     pub(crate) fn damaged(&self, reason: impl Into<String>) -> RunError {
@@ -333,13 +504,40 @@ impl HdfReader {
     }
 
     fn attribute(&self, path: &str, name: &str) -> Result<AttrValue, RunError> {
-        let attributes = if path == "/" {
-            self.file.root().attrs()
-        } else {
-            self.file.group(path).and_then(|group| group.attrs())
-        };
+        let value = self.attributes(path)?.remove(name);
+        value.ok_or_else(|| self.damaged(format!("`{path}` has no `{name}`")))
+    }
+
+    /// The attributes of the group `path`.
+    fn attributes(&self, path: &str) -> Result<HashMap<String, AttrValue>, RunError> {
+        let attributes = self.group(path).and_then(|group| group.attrs());
         let mut attributes = attributes.map_err(|error| read_error(&self.path, path, error))?;
-        attributes.remove(name).ok_or_else(|| self.damaged(format!("`{path}` has no `{name}`")))
+        if path == "/" {
+            attributes.remove(CHECKSUMS);
+        }
+        self.checked_attributes(path, attributes)
+    }
+
+    fn array_attributes(&self, path: &str) -> Result<HashMap<String, AttrValue>, RunError> {
+        self.checked_attributes(path, self.read(path, |dataset| dataset.attrs())?)
+    }
+
+    fn checked_attributes(
+        &self,
+        path: &str,
+        attributes: HashMap<String, AttrValue>,
+    ) -> Result<HashMap<String, AttrValue>, RunError> {
+        let Some(entry) = self.entry(path)? else { return Ok(attributes) };
+        let ours =
+            attributes.iter().map(|(name, value)| Some((name.as_str(), Attribute::of(value)?)));
+        match ours.collect::<Option<Vec<_>>>() {
+            Some(ours) if checksums::of_attributes(&ours) == entry.attributes => Ok(attributes),
+            _ => Err(self.wrong_checksum(path)),
+        }
+    }
+
+    fn group(&self, path: &str) -> Result<hdf5_pure::Group, Error> {
+        if path == "/" { Ok(self.file.root()) } else { self.file.group(path) }
     }
 
     fn read<T>(

@@ -6,6 +6,7 @@
 
 mod archive;
 mod atomic;
+mod checksums;
 mod columns_h5;
 mod fields;
 mod forces_csv;
@@ -18,17 +19,23 @@ mod run_files;
 mod run_h5;
 mod run_h5_attributes;
 mod segment;
+mod verify;
 mod vtkhdf;
 
-use crate::{Outcome, Run, RunError, SnapshotInfo};
-pub use columns_h5::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
+use crate::{Outcome, Run, RunError, Samples};
+pub use atomic::{create_anew, open_lock};
+pub use columns_h5::{
+    ColumnH5, FactH5, GroupH5, MOST_VALUES, Wanted, read_columns_h5, read_named_columns_h5,
+    write_columns_h5,
+};
 use fields::Field;
-use partial::Partial;
+use partial::{Checkpoint, Partial, SavedSnapshots};
 pub use run_files::RunFiles;
 pub(crate) use run_h5::RunBody;
 use segment::Segment;
 use sphcut_sph::Snapshot;
 use std::path::{Path, PathBuf};
+pub use verify::{Verified, has_checksums, verify_h5, verify_run};
 
 /// What is written beside `run.h5` and `forces.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,27 +52,27 @@ pub(crate) fn assemble(
     files: &RunFiles,
     partial: &Partial,
     body: &RunBody,
-    index: &[SnapshotInfo],
+    saved: &SavedSnapshots,
     export: Export,
 ) -> Result<(), RunError> {
     forces_csv::write(&files.forces(), body.facts, body.samples)?;
     if export == Export::Vtkhdf {
-        vtkhdf::write(&files.vtkhdf(), index, &|number, field: &Field| {
-            let segment = Segment::open(&partial.snapshot_path(number))?;
+        vtkhdf::write(&files.vtkhdf(), &saved.index(), &|place, field: &Field| {
+            let segment = Segment::open(&partial.snapshot_path(saved.whole[place].0))?;
             let mut snapshot = segment.head()?;
             segment.fill(field, &mut snapshot)?;
             Ok(snapshot)
         })?;
     }
-    let snapshots = (0..index.len()).map(|number| -> Result<Snapshot, RunError> {
-        Segment::open(&partial.snapshot_path(number))?.read()
+    let snapshots = saved.whole.iter().map(|(number, _)| -> Result<Snapshot, RunError> {
+        Segment::open(&partial.snapshot_path(*number))?.read()
     });
     run_h5::write(&files.record(), body, snapshots)
 }
 
 /// Puts the record of an unfinished run together from what it has saved so far: samples and
 /// snapshots up to the moment it died, those after its last checkpoint included. The unfinished run
-/// stays as it is and can still be resumed.
+/// stays as it is and can still be resumed. What is damaged is left out, with a warning in the record.
 ///
 /// # Errors
 /// No unfinished run in `dir`, one that another process is writing, a file that cannot be read or
@@ -73,10 +80,19 @@ pub(crate) fn assemble(
 pub fn recover(dir: &Path) -> Result<Run, RunError> {
     let files = RunFiles::in_dir(dir);
     let partial = Partial::open(&files)?;
-    let (provenance, facts) = partial.origin()?;
-    let samples = partial.samples()?;
-    let index = partial.saved_snapshots()?;
-    let checkpoint = partial.checkpoint(&provenance)?;
+    let (mut provenance, facts) = partial.origin()?;
+    let mut loss = Vec::new();
+    let checkpoint = partial.checkpoint(&provenance).or_else(|error| match error {
+        RunError::Damaged { .. } | RunError::Foreign { .. } => {
+            loss.push(error.to_string());
+            Ok(None)
+        }
+        error => Err(error),
+    })?;
+    let samples = saved_samples(&partial, checkpoint.as_ref(), &mut loss)?;
+    let saved = partial.read_snapshots(partial.saved_snapshots())?;
+    loss.extend(saved.loss());
+    provenance.warnings.extend(loss);
     let body = RunBody {
         provenance: &provenance,
         facts: &facts,
@@ -85,8 +101,30 @@ pub fn recover(dir: &Path) -> Result<Run, RunError> {
         outcome: &Outcome::Interrupted,
         state: checkpoint.as_ref().map(|saved| &saved.state),
     };
-    assemble(&files, &partial, &body, &index, Export::Vtkhdf)?;
+    assemble(&files, &partial, &body, &saved, Export::Vtkhdf)?;
     Run::load(&files.record())
+}
+
+/// The samples of the journal, or those of the checkpoint if it has more.
+fn saved_samples(
+    partial: &Partial,
+    checkpoint: Option<&Checkpoint>,
+    loss: &mut Vec<String>,
+) -> Result<Samples, RunError> {
+    let samples = match (partial.samples(), checkpoint) {
+        (Ok((samples, 0)), _) => samples,
+        (Ok((samples, hidden)), _) => {
+            loss.push(format!("lost after a damaged sample: up to {hidden} samples"));
+            samples
+        }
+        (Err(error), Some(_)) => {
+            loss.push(error.to_string());
+            Samples::default()
+        }
+        (Err(error), None) => return Err(error),
+    };
+    let more = checkpoint.map(|saved| &saved.samples).filter(|more| more.len() > samples.len());
+    Ok(more.cloned().unwrap_or(samples))
 }
 
 /// Refuses to replace files that only have the names of ours.

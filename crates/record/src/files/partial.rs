@@ -12,7 +12,7 @@
 //! A crash therefore loses at most the sample being appended.
 
 use super::archive::{Archive, ArchiveFile};
-use super::journal::Journal;
+use super::journal::{self, Journal};
 use super::run_files::RunFiles;
 use super::run_h5::RunBody;
 use super::segment::{self, Segment};
@@ -20,6 +20,7 @@ use super::{atomic, origin};
 use crate::{Facts, Performance, Provenance, RunError, Samples, SnapshotInfo};
 use sphcut_sph::{CHANNELS, CheckpointState, Sample, Snapshot};
 use std::fs::{self, File, TryLockError};
+use std::io;
 use std::path::{Path, PathBuf};
 
 const ORIGIN: &str = "the origin of an unfinished run";
@@ -29,7 +30,8 @@ const CHECKPOINT: &str = "a checkpoint";
 #[derive(Debug)]
 pub(crate) struct Partial {
     dir: PathBuf,
-    journal: Journal,
+    /// `None` until the run is taken up.
+    journal: Option<Journal>,
     _lock: Lock,
 }
 
@@ -40,6 +42,29 @@ pub(crate) struct Checkpoint {
     pub(crate) samples: Samples,
     pub(crate) snapshots: Vec<SnapshotInfo>,
     pub(crate) performance: Performance,
+}
+
+/// The snapshots of an unfinished run.
+#[derive(Debug, Default)]
+pub(crate) struct SavedSnapshots {
+    /// Numbers of those that can be read, with what they are.
+    pub(crate) whole: Vec<(usize, SnapshotInfo)>,
+    /// Numbers of the others.
+    pub(crate) lost: Vec<usize>,
+}
+
+impl SavedSnapshots {
+    /// Entries of those that can be read.
+    pub(crate) fn index(&self) -> Vec<SnapshotInfo> {
+        self.whole.iter().map(|(_, info)| *info).collect()
+    }
+
+    /// What is lost, in words for the user.
+    pub(crate) fn loss(&self) -> Option<String> {
+        let numbers: Vec<String> = self.lost.iter().map(usize::to_string).collect();
+        let what = "lost, because their files were damaged before the run ended: snapshots";
+        (!numbers.is_empty()).then(|| format!("{what} {} (from 0)", numbers.join(", ")))
+    }
 }
 
 /// Whether `files` holds an unfinished run that can be resumed.
@@ -83,34 +108,54 @@ impl Partial {
         let dir = files.partial();
         fs::create_dir_all(&dir).map_err(|error| RunError::io(&dir, "create", error))?;
         let lock = lock(&dir)?;
-        let journal = Journal::create(&dir.join("samples.journal"))?;
-        let mut archive = Archive::new(ORIGIN);
-        origin::put(&mut archive, provenance, facts);
-        atomic::replace(&origin_path(&dir), |writer| archive.write(writer))?;
+        let journal = Some(Journal::create(&journal_path(&dir))?);
+        write_origin(&dir, provenance, facts)?;
         Ok(Self { dir, journal, _lock: lock })
     }
 
-    /// Takes up the unfinished run in `files` again.
+    /// Opens the unfinished run in `files` and changes nothing.
     pub(crate) fn open(files: &RunFiles) -> Result<Self, RunError> {
         let dir = files.partial();
         let lock = lock(&dir)?;
-        let journal = Journal::open(&dir.join("samples.journal"))?;
-        Ok(Self { dir, journal, _lock: lock })
+        Ok(Self { dir, journal: None, _lock: lock })
     }
 
-    /// Provenance and facts of the unfinished run.
+    /// Takes up the run again after `samples`: what is damaged of its beginning is written anew.
+    pub(crate) fn take_up(
+        &mut self,
+        (provenance, facts): (&Provenance, &Facts),
+        samples: &Samples,
+    ) -> Result<(), RunError> {
+        if self.read_origin().is_err() {
+            write_origin(&self.dir, provenance, facts)?;
+        }
+        self.journal = Some(Journal::open(&journal_path(&self.dir), samples)?);
+        Ok(())
+    }
+
+    /// Provenance and facts of the unfinished run, from a checkpoint where they cannot be read elsewhere.
     pub(crate) fn origin(&self) -> Result<(Provenance, Facts), RunError> {
+        let from = |path: PathBuf| origin::get(&ArchiveFile::open(&path, CHECKPOINT)?);
+        self.read_origin().or_else(|error| {
+            from(self.checkpoint_path())
+                .or_else(|_| from(self.previous_checkpoint_path()))
+                .map_err(|_| error)
+        })
+    }
+
+    fn read_origin(&self) -> Result<(Provenance, Facts), RunError> {
         origin::get(&ArchiveFile::open(&origin_path(&self.dir), ORIGIN)?)
     }
 
-    /// All samples saved, those after the last checkpoint included.
-    pub(crate) fn samples(&self) -> Result<Samples, RunError> {
-        self.journal.read()
+    /// All samples saved, those after the last checkpoint included, and how many a damaged one hides.
+    pub(crate) fn samples(&self) -> Result<(Samples, usize), RunError> {
+        journal::read(&journal_path(&self.dir))
     }
 
     /// Saves the sample `index`.
     pub(crate) fn append(&mut self, index: usize, sample: &Sample) -> Result<(), RunError> {
-        self.journal.append(index, sample)
+        let journal = self.journal.as_mut().expect("a run that steps was begun or taken up");
+        journal.append(index, sample)
     }
 
     /// Path of the snapshot `number`.
@@ -164,18 +209,25 @@ impl Partial {
         self.checkpoint_path().exists() || self.previous_checkpoint_path().exists()
     }
 
-    /// Checks that the first `count` snapshots are there and whole.
-    pub(crate) fn check_snapshots(&self, count: usize) -> Result<(), RunError> {
-        (0..count).try_for_each(|number| Segment::open(&self.snapshot_path(number)).map(|_| ()))
+    /// Number of snapshots saved, those after the last checkpoint included.
+    pub(crate) fn saved_snapshots(&self) -> usize {
+        (0..).take_while(|number| self.snapshot_path(*number).exists()).count()
     }
 
-    /// Times of all snapshots saved, those after the last checkpoint included.
-    pub(crate) fn saved_snapshots(&self) -> Result<Vec<SnapshotInfo>, RunError> {
-        (0..)
-            .map(|number| self.snapshot_path(number))
-            .take_while(|path| path.exists())
-            .map(|path| Segment::open(&path)?.info())
-            .collect()
+    /// Which of the first `count` snapshots are whole, and which are lost.
+    pub(crate) fn read_snapshots(&self, count: usize) -> Result<SavedSnapshots, RunError> {
+        let mut saved = SavedSnapshots::default();
+        for number in 0..count {
+            let path = self.snapshot_path(number);
+            match Segment::open(&path).and_then(|segment| segment.read()) {
+                Ok(snapshot) => saved.whole.push((number, SnapshotInfo::of(&snapshot))),
+                Err(RunError::Io { source, .. }) if source.kind() != io::ErrorKind::NotFound => {
+                    return Err(RunError::io(&path, "read", source));
+                }
+                Err(_) => saved.lost.push(number),
+            }
+        }
+        Ok(saved)
     }
 
     fn checkpoint_path(&self) -> PathBuf {
@@ -189,6 +241,16 @@ impl Partial {
 
 fn origin_path(dir: &Path) -> PathBuf {
     dir.join("origin.bin")
+}
+
+fn journal_path(dir: &Path) -> PathBuf {
+    dir.join("samples.journal")
+}
+
+fn write_origin(dir: &Path, provenance: &Provenance, facts: &Facts) -> Result<(), RunError> {
+    let mut archive = Archive::new(ORIGIN);
+    origin::put(&mut archive, provenance, facts);
+    atomic::replace(&origin_path(dir), |writer| archive.write(writer))
 }
 
 /// Keeps other processes out of a folder as long as it lives.
@@ -205,7 +267,7 @@ impl Drop for Lock {
 
 fn lock(dir: &Path) -> Result<Lock, RunError> {
     let path = dir.join("lock");
-    let file = File::create(&path).map_err(|error| RunError::io(&path, "write", error))?;
+    let file = atomic::open_lock(&path).map_err(|error| RunError::io(&path, "write", error))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(RunError::InUse { path: dir.to_owned() }),
         // Some network file systems know no locks: then nobody is kept out.

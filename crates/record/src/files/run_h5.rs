@@ -164,7 +164,7 @@ fn open(path: &Path) -> Result<HdfReader, RunError> {
     let reader = HdfReader::open(path, EXPECTED)?;
     let foreign =
         |reason: String| RunError::Foreign { path: path.to_owned(), expected: EXPECTED, reason };
-    if !reader.has("/", "sphcut_layout") {
+    if !reader.has("/", "sphcut_layout")? {
         return Err(foreign("it is an HDF5 file, but sphcut did not write it".to_owned()));
     }
     match reader.integer("/", "sphcut_layout")? {
@@ -178,7 +178,7 @@ fn open(path: &Path) -> Result<HdfReader, RunError> {
 /// Whether sphcut wrote `path`, damaged or of another version as it may be.
 pub(crate) fn is_ours(path: &Path) -> bool {
     match HdfReader::open(path, EXPECTED) {
-        Ok(reader) => reader.has("/", "sphcut_layout"),
+        Ok(reader) => reader.has("/", "sphcut_layout").unwrap_or(true),
         Err(RunError::Foreign { .. }) => false,
         Err(_) => true,
     }
@@ -276,7 +276,7 @@ fn read_field(
 /// Reads the final state, if the record has one.
 pub(crate) fn read_state(path: &Path) -> Result<Option<CheckpointState>, RunError> {
     let reader = open(path)?;
-    if !reader.has("checkpoint", "meaning") {
+    if !reader.has("checkpoint", "meaning")? {
         return Ok(None);
     }
     let mut state = CheckpointState::default();

@@ -70,7 +70,7 @@ fn flow_stress_group(number: usize) -> String {
 
 pub(crate) fn read_facts(reader: &HdfReader) -> Result<Facts, RunError> {
     let real = |name: &str| reader.real("facts", name);
-    let optional = |name: &str| reader.has("facts", name).then(|| real(name)).transpose();
+    let optional = |name: &str| reader.has("facts", name)?.then(|| real(name)).transpose();
     let vector = |name: &str| -> Result<Vector, RunError> {
         let values = reader.real_list("facts", name)?;
         values.try_into().map_err(|_| reader.damaged(format!("`{name}` is not a vector")))
@@ -83,7 +83,7 @@ pub(crate) fn read_facts(reader: &HdfReader) -> Result<Facts, RunError> {
         uncut_chip_thickness: optional("uncut_chip_thickness")?,
         edge_radius: optional("edge_radius")?,
         tool_velocity: reader
-            .has("facts", "tool_velocity")
+            .has("facts", "tool_velocity")?
             .then(|| vector("tool_velocity"))
             .transpose()?,
         frame: CuttingFrame {
@@ -91,7 +91,7 @@ pub(crate) fn read_facts(reader: &HdfReader) -> Result<Facts, RunError> {
             feed: vector("feed_direction")?,
             passive: vector("passive_direction")?,
         },
-        passes: match reader.has("facts", "passes") {
+        passes: match reader.has("facts", "passes")? {
             true => reader.real_list("facts", "passes")?.chunks_exact(2).map(pass).collect(),
             false => Vec::new(),
         },
@@ -156,10 +156,10 @@ pub(crate) fn read_performance(reader: &HdfReader) -> Result<Performance, RunErr
         particles: count("particles")? as usize,
         steps: count("steps")?,
         wall_seconds: reader.real("performance", "wall_seconds")?,
-        cpu_seconds: has("cpu_seconds")
+        cpu_seconds: has("cpu_seconds")?
             .then(|| reader.real("performance", "cpu_seconds"))
             .transpose()?,
-        peak_memory_bytes: has("peak_memory_bytes")
+        peak_memory_bytes: has("peak_memory_bytes")?
             .then(|| count("peak_memory_bytes"))
             .transpose()?,
         threads: count("threads")? as usize,

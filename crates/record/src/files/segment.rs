@@ -3,7 +3,7 @@
 use super::archive::{Archive, ArchiveFile};
 use super::atomic;
 use super::fields::{Column, Field, all_fields};
-use crate::{RunError, SnapshotInfo};
+use crate::RunError;
 use sphcut_sph::Snapshot;
 use std::path::Path;
 
@@ -48,12 +48,6 @@ impl Segment {
         };
         let dimension = dimension as usize;
         Ok(Snapshot { time, step, dimension, particle_spacing, ..Snapshot::default() })
-    }
-
-    /// When it was taken and of how many particles.
-    pub(crate) fn info(&self) -> Result<SnapshotInfo, RunError> {
-        let particles = self.archive.count("id");
-        Ok(SnapshotInfo { particles, ..SnapshotInfo::of(&self.head()?) })
     }
 
     /// Adds the column `field` to `snapshot`.

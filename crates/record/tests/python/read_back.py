@@ -1,6 +1,6 @@
 """Reads run.h5 with h5py and snapshots.vtkhdf with VTK, and prints what it finds as JSON.
 
-usage: read_back.py h5py|vtk FILE
+usage: read_back.py h5py|checksums|vtk FILE
 """
 
 import importlib
@@ -45,6 +45,32 @@ def with_h5py(path):
         }
 
 
+def checksums(path):
+    """Compares the arrays of numbers with the table, as docs/run_h5.md shows it, and names those that differ."""
+    import zlib
+
+    import h5py
+    import numpy as np
+
+    compared, wrong = 0, []
+    with h5py.File(path) as file:
+        table = file["sphcut_checksums"][0]
+        assert zlib.crc32(table) == file.attrs["sphcut_checksums"]
+        for line in table.decode().splitlines():
+            kind, _, content, _, name = line.split(" ", 4)
+            if kind not in ("reals", "integers"):
+                continue
+            compared += 1
+            try:
+                values = np.asarray(file[name], dtype="<f8" if kind == "reals" else "<u8")
+            except OSError:
+                wrong.append(name)
+                continue
+            if zlib.crc32(values.tobytes()) != int(content, 16):
+                wrong.append(name)
+    return {"compared": compared, "wrong": wrong}
+
+
 def with_vtk(path):
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOHDF import vtkHDFReader
@@ -84,7 +110,7 @@ def text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
-READERS = {"h5py": ("h5py", with_h5py), "vtk": ("vtkmodules", with_vtk)}
+READERS = {"h5py": ("h5py", with_h5py), "checksums": ("h5py", checksums), "vtk": ("vtkmodules", with_vtk)}
 
 module, read = READERS[sys.argv[1]]
 try:

@@ -232,6 +232,19 @@ pub fn options(dir: &Path, start: Start) -> RunOptions {
     }
 }
 
+/// Small and good enough to choose moments and places (splitmix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn below(&mut self, limit: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (bits ^ (bits >> 31)) % limit
+    }
+}
+
 /// A folder that is gone when the test is over.
 #[derive(Debug)]
 pub struct Folder(pub PathBuf);

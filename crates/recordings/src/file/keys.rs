@@ -106,6 +106,12 @@ pub(crate) fn file() -> Section {
                 "0 s",
                 "longest gap, samples missing or no numbers, that a straight line may bridge",
             ),
+            Field::with_default(
+                "most_values",
+                Kind::Count { min: 1, max: 1 << 40 },
+                "20000000",
+                "hdf5: a channel with more values is refused before memory is asked for",
+            ),
         ],
     )
 }

@@ -46,7 +46,10 @@ pub enum RecordingFormat {
     /// Text of LabVIEW.
     Lvm,
     /// Arrays of a group in an HDF5 file.
-    Hdf5,
+    Hdf5 {
+        /// Most values of a channel that are read.
+        most_values: u64,
+    },
 }
 
 /// One record.
@@ -187,7 +190,7 @@ fn layout(findings: &mut Findings, file: &Record<'_>) -> Option<(RecordingFormat
     };
     let format = match format.as_str() {
         "lvm" => RecordingFormat::Lvm,
-        "hdf5" => RecordingFormat::Hdf5,
+        "hdf5" => RecordingFormat::Hdf5 { most_values: file.count("most_values")?.unsigned_abs() },
         _ => RecordingFormat::Csv(layout),
     };
     let longest_gap = file.number("longest_gap")?;

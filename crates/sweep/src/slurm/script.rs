@@ -67,6 +67,18 @@ pub fn refused_option(option: &str) -> Option<String> {
     Some(format!("{long} of sbatch is set by sphcut: {instead}"))
 }
 
+/// Why `path` cannot stand in a script. A line break in it would end a line of the script.
+#[must_use]
+pub fn refused_path(path: &Path) -> Option<String> {
+    let reason = match path.to_str() {
+        None => "is not UTF-8 text",
+        Some(text) if text.contains(char::is_control) => "has control characters",
+        Some(_) => return None,
+    };
+    let shown = path.display().to_string();
+    Some(format!("`{}` {reason}: no script can name it; rename it", shown.escape_debug()))
+}
+
 /// The script of the job array.
 #[must_use]
 pub fn array_script(script: &Script) -> String {
@@ -212,6 +224,73 @@ mod tests {
             text.contains("#SBATCH --partition=short\n") && !text.contains("--array"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn paths_that_would_break_a_script_are_refused() {
+        for bad in ["a\nb", "a\rb", "\u{1b}[2J", "a\u{85}b"] {
+            let told = refused_path(Path::new(bad)).unwrap();
+            assert!(told.contains("control characters") && !told.contains(bad), "{told}");
+        }
+        assert_eq!(refused_path(Path::new("/o'hara/\u{fc} $(x) `y` \"z\" \\ %a")), None);
+        #[cfg(unix)]
+        {
+            use std::os::unix::ffi::OsStrExt;
+            let told = refused_path(Path::new(std::ffi::OsStr::from_bytes(b"a\xff"))).unwrap();
+            assert!(told.contains("not UTF-8"), "{told}");
+        }
+    }
+
+    /// Names that a shell could take for commands: the script says them to the program as they are, and runs nothing.
+    #[cfg(unix)]
+    #[test]
+    fn a_shell_takes_hostile_names_as_they_are() {
+        use std::os::unix::fs::PermissionsExt;
+        let place = std::env::temp_dir().join(format!("sphcut_hostile_{}", std::process::id()));
+        std::fs::create_dir_all(&place).unwrap();
+        let program = place.join("stub '$(touch hit)'");
+        std::fs::write(&program, "#!/bin/sh\nprintf '%s|' \"$@\" > told\n").unwrap();
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+        for name in [
+            "a b",
+            "a'b",
+            "'; touch hit; '",
+            "$(touch hit)",
+            "`touch hit`",
+            "a\"b",
+            "a\\",
+            "-rf",
+            "*",
+            "a;touch hit",
+            "a&touch hit&",
+            "a|touch hit",
+            "a>hit",
+            "#a",
+            "~",
+            "!x",
+            "%a",
+            "a\\'",
+            "${IFS}touch hit",
+            "\u{202e}x",
+        ] {
+            let folder = PathBuf::from(name);
+            assert_eq!(refused_path(&folder), None);
+            let script =
+                Script { program: program.clone(), folder, name: name.to_owned(), ..script() };
+            for text in [array_script(&script), collecting_script(&script, Path::new(name))] {
+                std::fs::write(place.join("script.sh"), &text).unwrap();
+                let status = std::process::Command::new("bash")
+                    .arg("script.sh")
+                    .current_dir(&place)
+                    .env("SLURM_ARRAY_TASK_ID", "1")
+                    .status();
+                assert!(status.unwrap().success(), "{text}");
+                let told = std::fs::read_to_string(place.join("told")).unwrap();
+                assert!(told.contains(&format!("|{name}|")), "{told}");
+                assert!(!place.join("hit").exists(), "{text}");
+            }
+        }
+        std::fs::remove_dir_all(&place).unwrap();
     }
 
     #[test]

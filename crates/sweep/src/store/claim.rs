@@ -3,8 +3,9 @@
 use super::entry::StoredFile;
 use super::{Durability, ResultEntry, RunFailure, Store, StoreError, at, sync_folder};
 use crate::Address;
+use sphcut_record::{create_anew, open_lock};
 use std::fs::{self, File, TryLockError};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 const LOCK: &str = "lock";
@@ -76,7 +77,7 @@ impl Store {
             }
             at(&folder, "create", fs::create_dir_all(&folder))?;
             let path = folder.join(LOCK);
-            let lock = match File::create(&path) {
+            let lock = match open_lock(&path) {
                 // Moved away since: look again.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 file => at(&path, "write", file)?,
@@ -121,7 +122,8 @@ impl Store {
     /// A file that cannot be written.
     pub fn keep_scenario(&self, work: &Work, text: &str) -> Result<(), StoreError> {
         let path = work.folder.join("scenario.toml");
-        at(&path, "write", fs::write(&path, text))
+        let write = || create_anew(&path)?.write_all(text.as_bytes());
+        at(&path, "write", write())
     }
 
     /// Publishes what lies in the folder of `work` as the result of its address.

@@ -11,6 +11,9 @@ use std::path::Path;
 pub(super) const ENTRY: &str = "entry.json";
 pub(super) const FAILURE: &str = "failure.json";
 
+/// Most bytes of a file that is read whole whenever somebody asks for a result: summary and scenario.
+const SMALL: u64 = 1 << 18;
+
 /// A finished run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResultEntry {
@@ -71,10 +74,14 @@ impl StoredFile {
 }
 
 impl ResultEntry {
-    /// Whether all its files are in `folder` with their sizes.
+    /// Whether all its files are in `folder` with their sizes, small ones with their content; a record has checksums of
+    /// its own.
     pub(super) fn fits(&self, folder: &Path) -> bool {
         self.files.iter().all(|file| {
-            fs::metadata(folder.join(&file.name)).is_ok_and(|found| found.len() == file.bytes)
+            let found = fs::symlink_metadata(folder.join(&file.name));
+            found.is_ok_and(|found| found.is_file() && found.len() == file.bytes)
+                && (file.bytes > SMALL
+                    || StoredFile::of(folder, &file.name).is_ok_and(|f| f == *file))
         })
     }
 

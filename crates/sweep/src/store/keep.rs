@@ -1,13 +1,19 @@
 //! Looking after a store: what is in it, whether it is whole, what nobody needs.
 
 use super::entry::StoredFile;
-use super::{Durability, ResultEntry, RunFailure, Store, StoreError, at, read_json, write_json};
+use super::{
+    Durability, MARK, ResultEntry, RunFailure, Store, StoreError, at, read_json, write_json,
+};
 use crate::Address;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// Endings of the notes of what a sweep needs: the note and its backup.
+const NEEDS: [&str; 2] = ["json", "backup"];
 
 /// What a store holds.
 #[derive(Debug, Default)]
@@ -127,8 +133,55 @@ impl Store {
             .take(8)
             .map(|byte| format!("{byte:02x}"))
             .collect();
-        let path = self.root.join("sweeps").join(format!("{name}.json"));
-        write_json(&path, needs, Durability::Synced)
+        NEEDS.iter().try_for_each(|ending| {
+            let path = self.root.join("sweeps").join(format!("{name}.{ending}"));
+            write_json(&path, needs, Durability::Synced)
+        })
+    }
+
+    /// Files with notes of what sweeps need, backups included.
+    fn needs_files(&self) -> Result<Vec<PathBuf>, StoreError> {
+        let folder = self.root.join("sweeps");
+        let entries = at(&folder, "read", fs::read_dir(&folder))?;
+        let paths = entries.map(|entry| at(&folder, "read", entry).map(|entry| entry.path()));
+        let mut paths: Vec<PathBuf> = paths.collect::<Result<_, _>>()?;
+        paths.retain(|path| path.extension().is_some_and(|e| NEEDS.iter().any(|n| e == *n)));
+        paths.sort();
+        Ok(paths)
+    }
+
+    /// What is wrong with the store's notes about itself, its sweeps and its failures.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    pub fn damaged_notes(&self) -> Result<Vec<StoreError>, StoreError> {
+        let mut paths = self.needs_files()?;
+        paths.push(self.root.join(MARK));
+        let failures = self.folders("failed")?;
+        let notes = paths.iter().map(|path| read_json::<Value>(path).map(|_| ()));
+        let failures = failures.iter().map(|folder| RunFailure::read(folder).map(|_| ()));
+        Ok(notes.chain(failures).filter_map(Result::err).collect())
+    }
+
+    /// Folders of results that are not what was written, each with what is wrong.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    pub fn damaged_results(&self) -> Result<Vec<(PathBuf, String)>, StoreError> {
+        let mut damaged = Vec::new();
+        for folder in self.result_folders()? {
+            let verdict = match ResultEntry::read(&folder) {
+                Ok(entry) if !folder.ends_with(entry.address.to_string()) => {
+                    Integrity::Damaged(format!("the folder of {} has another name", entry.address))
+                }
+                Ok(entry) => self.verify(&entry),
+                Err(error) => Integrity::Damaged(error.to_string()),
+            };
+            if let Integrity::Damaged(reason) = verdict {
+                damaged.push((folder, reason));
+            }
+        }
+        Ok(damaged)
     }
 
     /// What all sweeps need whose folders are still there.
@@ -136,16 +189,13 @@ impl Store {
     /// # Errors
     /// A record that cannot be read: then nothing may be thrown away.
     pub fn needs(&self) -> Result<Vec<Needs>, StoreError> {
-        let folder = self.root.join("sweeps");
-        let mut all = Vec::new();
-        for entry in at(&folder, "read", fs::read_dir(&folder))?.flatten() {
-            let path = entry.path();
-            if path.extension().is_none_or(|ending| ending != "json") {
-                continue;
-            }
+        let mut all: Vec<Needs> = Vec::new();
+        for path in self.needs_files()? {
             let needs: Needs = read_json(&path)?;
-            if needs.folder.exists() {
-                all.push(needs);
+            match all.iter_mut().find(|known| known.folder == needs.folder) {
+                Some(known) => known.addresses.extend(needs.addresses),
+                None if needs.folder.exists() => all.push(needs),
+                None => {}
             }
         }
         Ok(all)

@@ -5,7 +5,7 @@
 //! results/ab/ADDRESS/        a finished run: run.h5, summary.json, forces.csv, scenario.toml, entry.json
 //! failed/ab/ADDRESS/         a run that cannot finish: failure.json beside what it left
 //! work/ADDRESS/              a run that is not finished, with the lock of the process that computes it
-//! sweeps/NAME.json           which addresses a sweep needs
+//! sweeps/NAME.json           which addresses a sweep needs; NAME.backup the same once more
 //! ```
 //!
 //! A result appears by one rename of its complete, synced folder: it is there whole or not at all. `ab` are
@@ -15,6 +15,7 @@
 mod claim;
 mod entry;
 mod keep;
+mod self_digest;
 
 pub use claim::{Claim, Work};
 pub use entry::{ResultEntry, RunFailure, StoredFile};
@@ -141,7 +142,8 @@ impl Store {
         self.root.join(kind).join(&name[..2]).join(name)
     }
 
-    /// Whether the run with this address is finished: its record can be read, and all its files have their size.
+    /// Whether the run with this address is finished: its record can be read, all its files have their size, and those
+    /// that tables are made of their content.
     #[must_use]
     pub fn has(&self, address: &Address) -> bool {
         let folder = self.result(address);
@@ -217,9 +219,9 @@ pub(crate) fn write_json(
     // Threads and processes that write the same file each have their own half.
     let turn = TURN.fetch_add(1, Ordering::Relaxed);
     let beside = path.with_extension(format!("json.{}.{turn}.tmp", std::process::id()));
-    let text = format!("{text:#}\n");
+    let text = self_digest::sign(&format!("{text:#}\n"));
     let write = || {
-        let mut file = File::create(&beside)?;
+        let mut file = sphcut_record::create_anew(&beside)?;
         file.write_all(text.as_bytes())?;
         if durability == Durability::Synced {
             file.sync_all()?;
@@ -231,7 +233,9 @@ pub(crate) fn write_json(
 
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, StoreError> {
     let text = at(path, "read", fs::read_to_string(path))?;
-    serde_json::from_str(&text).map_err(|error| damaged(path, &error))
+    let value =
+        self_digest::check(&text).map_err(|reason| StoreError::Damaged(path.to_owned(), reason))?;
+    serde_json::from_value(value).map_err(|error| damaged(path, &error))
 }
 
 fn damaged(path: &Path, error: &serde_json::Error) -> StoreError {

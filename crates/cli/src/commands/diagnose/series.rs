@@ -20,7 +20,7 @@ pub fn diagnose(file: &DiagnosisFile, plan: &SeriesPlan) -> Result<SeriesDiagnos
     let format = plan.recordings.format;
     let mut cuts = Vec::new();
     for cut in &plan.recordings.cuts {
-        let table = read_record((&cut.path, &cut.group), format)?;
+        let table = read_record((&cut.path, &cut.group), format, &settings)?;
         let found = evaluate_cut(&table, &settings, &cut.conditions);
         let kept =
             if found.accepted { " (kept: what changes within a cut is looked for)" } else { "" };
@@ -62,7 +62,7 @@ fn read_air(
     format: RecordingFormat,
     settings: &EvaluationSettings,
 ) -> Result<AirSeries, Failure> {
-    let table = read_record((&air.path, &air.group), format)?;
+    let table = read_record((&air.path, &air.group), format, settings)?;
     let channels = &settings.channels;
     let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
     let found = table.channels(&names, &settings.time).map_err(|faults| {

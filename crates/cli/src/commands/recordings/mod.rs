@@ -6,10 +6,12 @@ use crate::common_arguments::FileArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{files, loading, terminal};
 use clap::Args;
-use sphcut_record::{ColumnH5, FactH5, GroupH5, read_columns_h5, write_columns_h5};
+use sphcut_record::{
+    ColumnH5, FactH5, GroupH5, RunError, Wanted, read_named_columns_h5, write_columns_h5,
+};
 use sphcut_recordings::{
-    ComponentResult, CutResult, Pooled, RawColumn, RawTable, RecordingFormat, RecordingPlan,
-    cuts_csv, evaluate_cut, forces_csv, formats, pool, recordings_json,
+    ComponentResult, CutResult, EvaluationSettings, Pooled, RawColumn, RawTable, RecordingFormat,
+    RecordingPlan, cuts_csv, evaluate_cut, forces_csv, formats, pool, recordings_json,
 };
 use sphcut_report::{RecordingsPage, recordings_words, render_recordings};
 use std::io::Read;
@@ -49,7 +51,7 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
     let plan = loading::recordings(&arguments.file.scene)?;
     let mut cuts = Vec::new();
     for cut in &plan.cuts {
-        let table = read_record((&cut.path, &cut.group), plan.format)?;
+        let table = read_record((&cut.path, &cut.group), plan.format, &plan.settings)?;
         let found = evaluate_cut(&table, &plan.settings, &cut.conditions);
         terminal::line(&line(&found));
         for fault in &found.faults {
@@ -84,10 +86,11 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
     Ok(ExitCode::Done)
 }
 
-/// The columns of the record at a path, in a group if it is HDF5.
+/// The columns of the record at a path; of HDF5 those that `settings` name, in a group.
 pub fn read_record(
     (path, group): (&Path, &str),
     format: RecordingFormat,
+    settings: &EvaluationSettings,
 ) -> Result<RawTable, Failure> {
     let shown = path.display();
     let unreadable =
@@ -95,8 +98,14 @@ pub fn read_record(
     if is_tdms(path) {
         return Err(tdms(path));
     }
-    if format == RecordingFormat::Hdf5 {
-        let columns = read_columns_h5(path, group).map_err(|error| unreadable(&error))?;
+    if let RecordingFormat::Hdf5 { most_values } = format {
+        let columns = read_named_columns_h5(path, group, &wanted(settings), most_values).map_err(
+            |error| match error {
+                RunError::TooLarge { .. } => unreadable(&error)
+                    .advise("`most_values` in [file] allows more; each takes 16 bytes of memory"),
+                error => unreadable(&error),
+            },
+        )?;
         let column = |(name, values)| RawColumn { name, values, clock: None };
         return Ok(RawTable { columns: columns.into_iter().map(column).collect() });
     }
@@ -107,9 +116,17 @@ pub fn read_record(
         .unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
     match format {
         RecordingFormat::Csv(layout) => formats::read_csv(&text, layout),
-        RecordingFormat::Lvm | RecordingFormat::Hdf5 => formats::read_lvm(&text),
+        RecordingFormat::Lvm | RecordingFormat::Hdf5 { .. } => formats::read_lvm(&text),
     }
     .map_err(wrong)
+}
+
+/// The channels that `settings` name; of the others only the names are told.
+fn wanted(settings: &EvaluationSettings) -> impl Fn(&str) -> Wanted {
+    let forces = settings.channels.iter().map(|channel| &channel.name);
+    let time = settings.time.column.iter().map(|(name, _)| name);
+    let names: Vec<String> = forces.chain(time).chain(&settings.trigger).cloned().collect();
+    move |name| if names.iter().any(|n| n == name) { Wanted::Yes } else { Wanted::NameOnly }
 }
 
 /// Whether a file is one of LabVIEW's TDMS, by its first bytes or its name.

@@ -8,7 +8,7 @@ use crate::failure::{ExitCode, Failure};
 use crate::{terminal, text};
 use arguments::{GcArguments, StoreCommand, VerifyArguments};
 use serde_json::json;
-use sphcut_sweep::{Integrity, ResultEntry, Store};
+use sphcut_sweep::{ResultEntry, Store};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -99,27 +99,24 @@ fn list(store: &Store, as_json: bool) -> Result<ExitCode, Failure> {
 
 fn verify(store: &Store, arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     let folders = store.result_folders()?;
-    let found = store.list()?;
-    let mut damaged = Vec::new();
-    for (folder, result) in folders.iter().zip(&found.results) {
-        let verdict = match result {
-            Ok(entry) if !folder.ends_with(entry.address.to_string()) => {
-                Integrity::Damaged(format!("the folder of {} has another name", entry.address))
-            }
-            Ok(entry) => store.verify(entry),
-            Err(error) => Integrity::Damaged(error.to_string()),
-        };
-        if let Integrity::Damaged(reason) = verdict {
-            damaged.push(folder);
-            terminal::note(&format!("damaged: {}: {reason}", folder.display()));
-        }
+    let damaged = store.damaged_results()?;
+    for (folder, reason) in &damaged {
+        terminal::note(&format!("damaged: {}: {reason}", folder.display()));
     }
+    let notes = damaged_notes(store)?;
     if arguments.remove {
-        for folder in &damaged {
+        for (folder, _) in &damaged {
             store.remove(folder)?;
         }
     }
     terminal::line(&format!("{} results, {} damaged", folders.len(), damaged.len()));
+    if notes > 0 {
+        return Err(Failure::new(
+            ExitCode::InputOutput,
+            format!("{notes} notes of the store are damaged"),
+        )
+        .advise("the same sweep or submission writes its note again"));
+    }
     match (damaged.is_empty(), arguments.remove) {
         (true, _) => Ok(ExitCode::Done),
         (false, true) => {
@@ -131,7 +128,21 @@ fn verify(store: &Store, arguments: &VerifyArguments) -> Result<ExitCode, Failur
     }
 }
 
+/// Names the notes of the store that are damaged, and counts them.
+fn damaged_notes(store: &Store) -> Result<usize, Failure> {
+    let notes = store.damaged_notes()?;
+    notes.iter().for_each(|error| terminal::note(&format!("damaged: {error}")));
+    Ok(notes.len())
+}
+
 fn collect(store: &Store, arguments: &GcArguments) -> Result<ExitCode, Failure> {
+    let whole = damaged_notes(store)? == 0 && store.damaged_results()?.is_empty();
+    if !whole {
+        let message = "the store is damaged: nothing is removed from it";
+        return Err(Failure::new(ExitCode::InputOutput, message).advise(
+            "`sphcut store verify` says what is damaged; with --remove it takes out results",
+        ));
+    }
     let needs = store.needs()?;
     let leftovers = store.leftovers()?;
     for needs in &needs {

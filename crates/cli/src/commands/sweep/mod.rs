@@ -38,7 +38,9 @@ fn follow(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     slurm::check_options(arguments)?;
     let sweep = loading::sweep(&arguments.scene)?;
     let threads = loading::threads(arguments.threads);
-    let plan = local::planned(&sweep, threads)?;
+    // Those of a cluster's nodes may be more than this machine is good for.
+    let slurm = arguments.executor == Executor::Slurm;
+    let plan = local::planned(&sweep, if slurm { loading::threads(None) } else { threads })?;
     if arguments.dry_run {
         return dry_run::dry_run(arguments, &sweep, &plan, threads);
     }

@@ -221,6 +221,10 @@ fn send(
     let put = |submission: &Submission, name, text: String| {
         submission.write_script(name, &text).map_err(Failure::from)
     };
+    let mut paths = [&script.program, &script.folder, &submission.out].into_iter();
+    if let Some(reason) = paths.find_map(|path| slurm::refused_path(path)) {
+        return Err(Failure::input(reason));
+    }
     submission.write_shares(shares)?;
     let array = put(submission, "array.sh", array_script(&script))?;
     let collecting = put(submission, "collect.sh", collecting_script(&script, &submission.out))?;
