@@ -16,7 +16,7 @@ use crate::commands::springback::SpringbackArguments;
 use crate::commands::store::StoreArguments;
 use crate::commands::sweep::SweepCommand;
 use crate::commands::validate::ValidateArguments;
-use crate::commands::verify::VerifyArguments;
+use crate::commands::verify::VerifyRunsArguments;
 use crate::commands::wear::WearArguments;
 use clap::{Parser, Subcommand};
 
@@ -65,7 +65,7 @@ pub enum Command {
     /// Write summary and report of a run again, finished or not.
     Report(ReportArguments),
     /// Read every byte of runs and compare it with the checksums written with it.
-    Verify(VerifyArguments),
+    Verify(VerifyRunsArguments),
     /// Measure springback and residual stress of finished plane cuts, beside measurements if given.
     Springback(SpringbackArguments),
     /// Find the friction coefficient that fits measured forces best, and test it at other speeds.

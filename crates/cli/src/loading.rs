@@ -1,6 +1,5 @@
 //! From a file name to a scenario, and to the threads that compute it.
 
-use crate::commands::verify::not_verified;
 use crate::common_arguments::{PatchableArguments, ScenarioArguments};
 use crate::failure::{ExitCode, Failure};
 use crate::terminal::note;
@@ -145,6 +144,14 @@ pub fn run(folder: &Path) -> Result<Run, Failure> {
         note(&not_verified(&record));
     }
     Ok(run)
+}
+
+/// What is said of a file from before there were checksums.
+pub fn not_verified(path: &Path) -> String {
+    format!(
+        "note: `{}` was written before there were checksums; it cannot be verified",
+        path.display()
+    )
 }
 
 /// The number of threads asked for, or that of the cores.

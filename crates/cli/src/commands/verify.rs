@@ -1,6 +1,7 @@
 //! `sphcut verify`: whether the files of runs still hold what was written.
 
 use crate::failure::{ExitCode, Failure};
+use crate::loading::not_verified;
 use crate::terminal::{line, note};
 use clap::Args;
 use sphcut_record::{RunFiles, Verified, verify_h5, verify_run};
@@ -8,14 +9,14 @@ use std::path::PathBuf;
 
 /// Arguments of `verify`.
 #[derive(Debug, Args)]
-pub struct VerifyArguments {
+pub struct VerifyRunsArguments {
     /// Folders of runs, or single files: `run.h5`, `.vtkhdf`.
     #[arg(required = true, value_name = "RUN")]
     runs: Vec<PathBuf>,
 }
 
 /// Checks every run; a folder with its companions, a file alone.
-pub fn verify(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
+pub fn verify(arguments: &VerifyRunsArguments) -> Result<ExitCode, Failure> {
     let checks = arguments.runs.iter().flat_map(|path| match path.is_file() {
         true => vec![(path.clone(), verify_h5(path))],
         false => verify_run(&RunFiles::in_dir(path)),
@@ -38,12 +39,4 @@ pub fn verify(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     }
     Err(Failure::new(ExitCode::InputOutput, format!("{damaged} of {files} files are damaged"))
         .advise("compute the runs again, or take the files from a backup"))
-}
-
-/// What is said of a file from before there were checksums.
-pub fn not_verified(path: &std::path::Path) -> String {
-    format!(
-        "note: `{}` was written before there were checksums; it cannot be verified",
-        path.display()
-    )
 }
