@@ -364,7 +364,7 @@ impl HdfReader {
     }
 
     pub(crate) fn reals(&self, path: &str) -> Result<Vec<f64>, RunError> {
-        self.checked(path, |dataset| dataset.read_f64(), |values| checksums::of_reals(values))
+        self.checked(path, |dataset| dataset.read_f64(), checksums::of_reals)
     }
 
     /// The numbers of a one-dimensional array of at most `most` values; `None` if it has another shape
@@ -387,11 +387,11 @@ impl HdfReader {
     }
 
     pub(crate) fn integers(&self, path: &str) -> Result<Vec<u64>, RunError> {
-        self.checked(path, |dataset| dataset.read_u64(), |values| checksums::of_integers(values))
+        self.checked(path, |dataset| dataset.read_u64(), checksums::of_integers)
     }
 
     pub(crate) fn texts(&self, path: &str) -> Result<Vec<String>, RunError> {
-        self.checked(path, |dataset| dataset.read_string(), |texts| checksums::of_texts(texts))
+        self.checked(path, |dataset| dataset.read_string(), checksums::of_texts)
     }
 
     /// Values that have their shape and their checksum.
