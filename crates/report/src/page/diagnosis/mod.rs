@@ -298,7 +298,7 @@ fn trust(page: &DiagnosisPage<'_>) -> Markup {
                     tr { th scope="row" { "\u{2026} in the 95 % set" } td { (rate(control.in_set)) } }
                 }
                 @for noise in page.recordings.noise() { tr {
-                    th scope="row" { "ChannelNoise of a single " (noise.channel.title()) }
+                    th scope="row" { "Noise of a single " (noise.channel.title()) }
                     td { (percent(noise.deviation)) ", " (origin(noise)) }
                 } }
                 @for setup in &found.setups { tr {
