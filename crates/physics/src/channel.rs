@@ -96,16 +96,6 @@ impl Channel {
         self.quantity().si_unit()
     }
 
-    /// The unit in which it is written to tables for people, and its SI value.
-    #[must_use]
-    pub const fn display_unit(self) -> (&'static str, f64) {
-        match self {
-            Self::ChipThickness | Self::ContactLength => ("mm", 1e-3),
-            Self::Springback => ("um", 1e-6),
-            _ => (self.unit(), 1.0),
-        }
-    }
-
     /// Whether a dynamometer measures it: it then has an offset.
     #[must_use]
     pub const fn is_force(self) -> bool {
@@ -128,9 +118,9 @@ mod tests {
     }
 
     #[test]
-    fn units_for_people_are_those_of_the_quantity() {
-        assert_eq!(Channel::FeedForce.display_unit(), ("N", 1.0));
-        assert_eq!(Channel::Springback.display_unit(), ("um", 1e-6));
-        assert_eq!((Channel::ChipThickness.unit(), Channel::ShearAngle.unit()), ("m", "rad"));
+    fn units_are_those_of_the_quantity() {
+        let units =
+            [Channel::FeedForce, Channel::Springback, Channel::ShearAngle].map(Channel::unit);
+        assert_eq!(units, ["N", "m", "rad"]);
     }
 }

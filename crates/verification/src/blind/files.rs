@@ -66,7 +66,7 @@ fn cut_toml() -> String {
 pub fn table(channels: &[Channel], recordings: &[RecordedCut]) -> String {
     let mut text = "v_c [m/min],h [mm],order,cut_length [m]".to_owned();
     for channel in channels {
-        let (name, unit) = (channel.symbol(), channel.display_unit().0);
+        let (name, unit) = (channel.symbol(), channel.unit());
         let _ = write!(text, ",{name} [{unit}],{name}_sd [{unit}]");
     }
     text.push('\n');
@@ -80,11 +80,10 @@ pub fn table(channels: &[Channel], recordings: &[RecordedCut]) -> String {
             condition.run_order,
             condition.cut_length
         );
-        for (channel, value) in channels.iter().zip(&cut.values) {
-            let unit = channel.display_unit().1;
+        for value in &cut.values {
             match value {
                 Some((value, deviation)) => {
-                    let _ = write!(text, ",{:.6e},{:.3e}", value / unit, deviation / unit);
+                    let _ = write!(text, ",{value:.6e},{deviation:.3e}");
                 }
                 None => text += ",,",
             }
