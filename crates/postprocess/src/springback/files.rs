@@ -137,7 +137,7 @@ pub fn springback_csv(entries: &[SpringbackEntry<'_>], measurements: &[Measureme
             comparison.map(|c| c.measured.uncertainty * UM),
         ];
         // A name is quoted: it may hold a comma.
-        write!(text, "\"{}\"", csv::shown(&entry.name).replace('"', "\"\""))
+        write!(text, "\"{}\"", csv::shown(entry.name).replace('"', "\"\""))
             .expect("a string can be written");
         for number in numbers {
             let cell = number.filter(|n| n.is_finite()).map(|n| n.to_string()).unwrap_or_default();

@@ -39,7 +39,7 @@ impl ScenarioRuns {
         let (mut values, mut earlier) = (Vec::new(), Vec::new());
         for (index, run) in self.runs.iter().enumerate() {
             let Some(stored) = store.read(&head.name, &run.name)? else { return Ok(None) };
-            let Some(run_values) = self.from_store(index, &stored) else { return Ok(None) };
+            let Some(run_values) = self.values_kept(index, &stored) else { return Ok(None) };
             if stored.scenario != scenario_text(run)? {
                 return Ok(None);
             }
@@ -129,7 +129,7 @@ impl ScenarioRuns {
             && let Some(stored) = store.read(&head.name, &run.name)?
             && stored.scenario == text
             && stored.results_version == RESULTS_VERSION
-            && let Some(values) = self.from_store(index, &stored)
+            && let Some(values) = self.values_kept(index, &stored)
         {
             return Ok(values);
         }
@@ -186,7 +186,7 @@ impl ScenarioRuns {
     }
 
     /// The values of one run as kept; `None` if an expectation asks for one that is not there.
-    fn from_store(&self, run: usize, stored: &StoredRun) -> Option<RunValues> {
+    fn values_kept(&self, run: usize, stored: &StoredRun) -> Option<RunValues> {
         let mut values = Vec::new();
         for expectation in &self.expectations {
             let is_meant = expectation.runs.contains(&run);

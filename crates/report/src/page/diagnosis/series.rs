@@ -195,7 +195,7 @@ fn spectra(found: &SeriesDiagnosis) -> Markup {
         h3 { "Spectra" }
         @if drawn.len() < shown.len() { p { "Of " (shown.len()) " cuts every " (step) ". is drawn." } }
         @for &c in &drawn {
-            (figure(spectrum(found, c).svg(), &format!("{}: power density (Welch, Hann windows, half overlap) and the smooth background, \
+            (figure(spectrum(found, c).svg(), format!("{}: power density (Welch, Hann windows, half overlap) and the smooth background, \
                 in decibels above 1 N\u{b2}/Hz. Dashed: lines.", found.cuts[c].name)))
         }
     }
