@@ -129,7 +129,7 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("sphcut wear validation/diagnosis_wear/reference.csv --out wear", AsItStands),
     ("sphcut recordings scenarios/recordings/example.toml --out forces", AsItStands),
     (
-        "sphcut sweep scenarios/ti6al4v_four_cuts.toml --out out/sweep --dry-run --no-measure",
+        "sphcut sweep scenarios/ti6al4v_four_cuts_sweep.toml --out out/sweep --dry-run --no-measure",
         AsItStands,
     ),
     (
@@ -141,7 +141,7 @@ const COMMANDS: &[(&str, Trial)] = &[
         Instead("sphcut sweep two.toml --out out/sweep"),
     ),
     (
-        "sphcut sweep scenarios/ti6al4v_four_cuts.toml --out out/sweep --measured validation/greybox_klippel/measured.csv",
+        "sphcut sweep scenarios/ti6al4v_four_cuts_sweep.toml --out out/sweep --measured validation/greybox_klippel/measured.csv",
         Instead(
             "sphcut sweep two.toml --out out/sweep --measured validation/greybox_klippel/measured.csv",
         ),
