@@ -27,6 +27,9 @@ pub enum Blind {
         /// Hide nothing in any case: for the rate of false alarms.
         #[arg(long)]
         nulls: bool,
+        /// Cut the commissioning sets from another batch of material on another bench, with instruments of their own.
+        #[arg(long)]
+        another_batch: bool,
     },
     /// Cases cut by the particle solver: write the sweep that they need, `DIR/runs.toml`. Its runs follow from the answers: do not read it.
     Twin {
@@ -123,18 +126,26 @@ pub enum PhysicsChoice {
     Opponents,
     /// The library itself: what remains without a bias.
     Library,
+    /// Another model, no relation of which the library has, with the effects in other forms.
+    Independent,
 }
 
 /// Runs it.
 pub fn run(what: &Blind) -> Result<(), String> {
     let said = match what {
-        Blind::Draw { out, key, cases, physics, with_reference, nulls } => {
+        Blind::Draw { out, key, cases, physics, with_reference, nulls, another_batch } => {
             let physics = match physics {
                 PhysicsChoice::Opponents => BlindPhysics::Opponents,
                 PhysicsChoice::Library => BlindPhysics::Library,
+                PhysicsChoice::Independent => BlindPhysics::Independent,
             };
-            let (with_reference, nulls) = (*with_reference, *nulls);
-            blind::draw(out, key, *cases, DrawOptions { physics, with_reference, nulls })?
+            let options = DrawOptions {
+                physics,
+                with_reference: *with_reference,
+                nulls: *nulls,
+                another_batch: *another_batch,
+            };
+            blind::draw(out, key, *cases, options)?
         }
         Blind::Twin { base, out, key, cases, travel } => {
             blind::draw_particle_cases(base, out, key, *cases, *travel)?

@@ -1,7 +1,9 @@
 //! Drawing the cases.
 
-use super::truth::{Hidden, Instrument, Middle, NUISANCES, OPPONENTS, Outside, Truth, base, batch};
-use sphcut_analytic::{ActiveEffect, EFFECTS, Effect, Observables, Physics, Scale, predict};
+use super::truth::{
+    BlindWorld, Hidden, Instrument, Middle, NUISANCES, OPPONENTS, Outside, Truth, base, batch,
+};
+use sphcut_analytic::{ActiveEffect, EFFECTS, Effect, Observables, OrthogonalCut, Physics, Scale};
 use sphcut_greybox::Random;
 use sphcut_physics::{Channel, CuttingCondition};
 
@@ -47,6 +49,8 @@ pub enum BlindPhysics {
     Opponents,
     /// The library itself: what remains without a bias.
     Library,
+    /// Another model, no relation of which the library has, with the effects in other forms.
+    Independent,
 }
 
 /// What kinds of cases.
@@ -58,11 +62,13 @@ pub struct DrawOptions {
     pub with_reference: bool,
     /// Nothing hidden in any.
     pub nulls: bool,
+    /// Commissioning sets from another batch of material on another bench.
+    pub another_batch: bool,
 }
 
 impl From<BlindPhysics> for DrawOptions {
     fn from(physics: BlindPhysics) -> Self {
-        Self { physics, with_reference: false, nulls: false }
+        Self { physics, with_reference: false, nulls: false, another_batch: false }
     }
 }
 
@@ -76,8 +82,9 @@ pub struct BlindPlan {
     pub is_wide: bool,
     pub forces_only: bool,
     pub has_commissioning: bool,
+    pub another_batch: bool,
     pub has_gaps: bool,
-    pub physics: (&'static str, Physics),
+    pub physics: (&'static str, BlindWorld),
 }
 
 /// One recorded cut: values and stated standard deviations by place of the channel in [`BlindCase::channels`].
@@ -142,10 +149,12 @@ fn plans(seed: u64, count: usize, wanted: DrawOptions) -> Vec<BlindPlan> {
         is_wide: hands[3][index] == 1,
         forces_only: hands[4][index] == 1,
         has_commissioning: wanted.with_reference || hands[5][index] == 1,
+        another_batch: wanted.another_batch,
         has_gaps: hands[6][index] == 1,
         physics: match wanted.physics {
             BlindPhysics::Opponents => OPPONENTS[hands[7][index]],
-            BlindPhysics::Library => ("library", Physics::LIBRARY),
+            BlindPhysics::Library => ("library", BlindWorld::Relations(Physics::LIBRARY)),
+            BlindPhysics::Independent => ("independent", BlindWorld::Independent),
         },
     };
     (0..count).map(of).collect()
@@ -185,18 +194,9 @@ fn channels(forces_only: bool) -> Vec<Channel> {
 fn case(name: String, plan: BlindPlan, mut random: Random) -> Result<BlindCase, String> {
     let plan_of_cuts = conditions(plan.is_wide, &mut random);
     let channels = channels(plan.forces_only);
-    let (nuisances, plain, observed) = loop {
-        let nuisances = NUISANCES.map(|(_, deviation)| deviation * random.normal());
-        let mut cut = batch(base(), &nuisances);
-        cut.physics = plan.physics.1;
-        let observed: Result<Vec<Observables>, _> =
-            plan_of_cuts.iter().map(|condition| predict(&cut, condition, &[])).collect();
-        if let Ok(observed) = observed {
-            break (nuisances, cut, observed);
-        }
-    };
+    let (nuisances, plain, observed) = drawn_batch(plan, &plan_of_cuts, &mut random);
     let middle = middle(&plan_of_cuts, &observed);
-    let mut truth = Truth { cut: plain, hidden: Hidden::default(), middle };
+    let mut truth = Truth { world: plan.physics.1, cut: plain, hidden: Hidden::default(), middle };
     let gauge = Gauge { conditions: &plan_of_cuts, plain: &observed, channels: &channels };
     if plan.kind != BlindKind::Null {
         let hide = |_: usize| {
@@ -218,9 +218,21 @@ fn case(name: String, plan: BlindPlan, mut random: Random) -> Result<BlindCase, 
     let recordings = bench.record(&truth, &plan_of_cuts, &mut random)?;
     let mut commissioning = Vec::new();
     if plan.has_commissioning {
-        // Two series with fresh inserts, in which nothing is hidden, on the same bench from the same batch.
-        let sound = Truth { hidden: Hidden::default(), cut: truth.cut.clone(), middle };
-        let whole = Bench { has_gaps: false, ..bench };
+        // Two series with fresh inserts, in which nothing is hidden.
+        let (cut, instruments) = if plan.another_batch {
+            let cut = drawn_batch(plan, &plan_of_cuts, &mut random).1;
+            let of = |channel: &Channel| Instrument::draw(*channel, &mut random);
+            (cut, channels.iter().map(of).collect())
+        } else {
+            (truth.cut.clone(), instruments.clone())
+        };
+        let whole = Bench {
+            channels: &channels,
+            instruments: &instruments,
+            noise: plan.noise,
+            has_gaps: false,
+        };
+        let sound = Truth { world: plan.physics.1, hidden: Hidden::default(), cut, middle };
         for _ in 0..2 {
             let cuts = conditions(plan.is_wide, &mut random);
             commissioning.extend(whole.record(&sound, &cuts, &mut random)?);
@@ -228,6 +240,23 @@ fn case(name: String, plan: BlindPlan, mut random: Random) -> Result<BlindCase, 
     }
     let hidden = truth.hidden;
     Ok(BlindCase { name, plan, channels, recordings, commissioning, hidden, strength, nuisances })
+}
+
+/// Nuisances of a batch that can be cut under all conditions, with its cut and what is observed there.
+fn drawn_batch(
+    plan: BlindPlan,
+    conditions: &[CuttingCondition],
+    random: &mut Random,
+) -> ([f64; NUISANCES.len()], OrthogonalCut, Vec<Observables>) {
+    loop {
+        let nuisances = NUISANCES.map(|(_, deviation)| deviation * random.normal());
+        let cut = batch(base(), &nuisances);
+        let observe = |condition| plan.physics.1.observe(&cut, condition, &[]);
+        let observed: Option<Vec<Observables>> = conditions.iter().map(observe).collect();
+        if let Some(observed) = observed {
+            return (nuisances, cut, observed);
+        }
+    }
 }
 
 pub(super) fn middle(conditions: &[CuttingCondition], observed: &[Observables]) -> Middle {
@@ -254,9 +283,9 @@ struct Gauge<'a> {
 impl Gauge<'_> {
     /// See [`BlindCase::strength`]; `None` where a cut has no answer.
     fn strength(&self, truth: &Truth) -> Option<f64> {
-        let changed: Result<Vec<Observables>, _> =
+        let changed: Option<Vec<Observables>> =
             self.conditions.iter().map(|condition| truth.at(condition)).collect();
-        let changed = changed.ok()?;
+        let changed = changed?;
         let mean_square = |channel: Channel| {
             let squares = changed
                 .iter()
@@ -392,7 +421,7 @@ impl Bench<'_> {
         let last = (cuts.len() - 1) as f64;
         let mut recorded = Vec::new();
         for condition in cuts {
-            let real = truth.at(condition).map_err(|error| error.to_string())?;
+            let real = truth.at(condition).ok_or("the physics of a case has no answer")?;
             let place = condition.run_order / last - 0.5;
             let (values, noise) = self.cut(&real, place, |_| self.noise, random);
             recorded.push(RecordedCut { condition: *condition, values, noise });
@@ -464,8 +493,12 @@ mod tests {
 
     #[test]
     fn all_can_be_nulls_with_commissioning_sets() {
-        let wanted =
-            DrawOptions { physics: BlindPhysics::Opponents, with_reference: true, nulls: true };
+        let wanted = DrawOptions {
+            physics: BlindPhysics::Opponents,
+            with_reference: true,
+            nulls: true,
+            another_batch: false,
+        };
         let drawn = cases(3, 8, wanted).unwrap();
         assert!(drawn.iter().all(|case| case.plan.kind == BlindKind::Null && case.strength == 0.0));
         assert!(drawn.iter().all(|case| !case.commissioning.is_empty()));

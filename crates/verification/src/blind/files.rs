@@ -32,8 +32,16 @@ fn diagnosis_toml(case: &BlindCase) -> String {
         case.name
     );
     if !case.commissioning.is_empty() {
-        text += "\n# Cuts in which nothing is missing: the same batch of material, the same instruments, fresh inserts.\n\
-                 [reference]\nfile = \"commissioning.csv\"\nsame_batch = true\n";
+        let (batch, is_same) = if case.plan.another_batch {
+            ("another batch of material, other instruments", false)
+        } else {
+            ("the same batch of material, the same instruments", true)
+        };
+        let _ = write!(
+            text,
+            "\n# Cuts in which nothing is missing: {batch}, fresh inserts.\n\
+             [reference]\nfile = \"commissioning.csv\"\nsame_batch = {is_same}\n"
+        );
     }
     text
 }
@@ -115,6 +123,7 @@ pub fn answers(cases: &[BlindCase]) -> String {
             "wide": case.plan.is_wide,
             "forces_only": case.plan.forces_only,
             "commissioning": case.plan.has_commissioning,
+            "another_batch": case.plan.another_batch,
             "gaps": case.plan.has_gaps,
             "physics": case.plan.physics.0,
             "nuisances": nuisances,

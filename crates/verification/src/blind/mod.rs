@@ -5,6 +5,7 @@ mod claims;
 mod details;
 mod draw;
 mod files;
+mod independent;
 mod particle_cases;
 mod particle_files;
 mod score;

@@ -6,7 +6,7 @@
 use super::draw::{
     Bench, BlindCase, BlindKind, BlindPlan, NOISES, RecordedCut, STRATA, along, middle,
 };
-use super::truth::{Hidden, Instrument, NUISANCES, Outside};
+use super::truth::{BlindWorld, Hidden, Instrument, NUISANCES, Outside};
 use sphcut_analytic::{ActiveEffect, Observables, Physics, find};
 use sphcut_diagnose::{Change, PairedScenario, run_effects};
 use sphcut_greybox::Random;
@@ -280,8 +280,9 @@ fn case(
         is_wide: true,
         forces_only,
         has_commissioning: false,
+        another_batch: false,
         has_gaps: asked.has_gaps,
-        physics: ("particle_solver", Physics::LIBRARY),
+        physics: ("particle_solver", BlindWorld::Relations(Physics::LIBRARY)),
     };
     Ok(BlindCase {
         name: asked.name.clone(),

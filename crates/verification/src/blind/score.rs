@@ -248,7 +248,7 @@ fn median(values: &[f64]) -> f64 {
 /// Groups of cases that are scored on their own; null cases belong to all of them that their plan allows.
 type Group = (&'static str, fn(&Answer) -> bool);
 
-const GROUPS: [Group; 12] = [
+const GROUPS: [Group; 13] = [
     ("all", |_| true),
     ("raw change above 5 %", |a| a.kind == "null" || a.strength > 0.05),
     ("above 5 %, commissioning sets", |a| {
@@ -272,6 +272,7 @@ const GROUPS: [Group; 12] = [
     ("noise 1 %", |a| near(a.noise, 0.01)),
     ("opponent: other heat and friction", |a| a.physics == "opponent_heat"),
     ("opponent: all relations other", |a| a.physics == "opponent_all"),
+    ("opponent: another model", |a| a.physics == "independent"),
 ];
 
 fn near(one: f64, other: f64) -> bool {

@@ -1,8 +1,7 @@
 //! The cuts as they are: base, batch, what is hidden, and what the instruments make of it.
 
-use sphcut_analytic::{
-    ActiveEffect, Error, FlowStress, Observables, OrthogonalCut, Physics, predict,
-};
+use super::independent;
+use sphcut_analytic::{ActiveEffect, FlowStress, Observables, OrthogonalCut, Physics, predict};
 use sphcut_greybox::Random;
 use sphcut_physics::{Channel, CuttingCondition};
 
@@ -44,11 +43,24 @@ pub enum Outside {
     SpeedBand,
     /// The cutting force falls in a band of thicknesses.
     ThicknessBand,
+    /// Both forces fall where speed times thickness lets the chip segment.
+    Segmentation,
+    /// A harder skin: both forces rise for thin chips.
+    Skin,
+    /// A lubricant reaches slow and thin cuts: the feed force falls there.
+    Lubricant,
 }
 
 impl Outside {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Transformation, Self::SpeedBand, Self::ThicknessBand];
+    pub const ALL: [Self; 6] = [
+        Self::Transformation,
+        Self::SpeedBand,
+        Self::ThicknessBand,
+        Self::Segmentation,
+        Self::Skin,
+        Self::Lubricant,
+    ];
 
     /// Its name.
     pub const fn key(self) -> &'static str {
@@ -56,6 +68,9 @@ impl Outside {
             Self::Transformation => "transformation",
             Self::SpeedBand => "speed_band",
             Self::ThicknessBand => "thickness_band",
+            Self::Segmentation => "segmentation",
+            Self::Skin => "skin",
+            Self::Lubricant => "lubricant",
         }
     }
 }
@@ -68,6 +83,32 @@ pub struct Middle {
     pub temperature: (f64, f64),
 }
 
+/// The physics that cuts obey.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BlindWorld {
+    /// The library's model with relations of its own.
+    Relations(Physics),
+    /// Another model: see [`independent`].
+    Independent,
+}
+
+impl BlindWorld {
+    /// What is measured of `cut`; `None` where the model has no answer.
+    pub fn observe(
+        self,
+        cut: &OrthogonalCut,
+        condition: &CuttingCondition,
+        effects: &[ActiveEffect],
+    ) -> Option<Observables> {
+        match self {
+            Self::Relations(physics) => {
+                predict(&OrthogonalCut { physics, ..cut.clone() }, condition, effects).ok()
+            }
+            Self::Independent => independent::observe(cut, condition, effects),
+        }
+    }
+}
+
 /// What is hidden.
 #[derive(Debug, Clone, Default)]
 pub struct Hidden {
@@ -78,18 +119,19 @@ pub struct Hidden {
 
 /// A cut with what is hidden in it.
 pub struct Truth {
+    pub world: BlindWorld,
     pub cut: OrthogonalCut,
     pub hidden: Hidden,
     pub middle: Middle,
 }
 
 impl Truth {
-    pub fn at(&self, condition: &CuttingCondition) -> Result<Observables, Error> {
-        let mut found = predict(&self.cut, condition, &self.hidden.effects)?;
+    pub fn at(&self, condition: &CuttingCondition) -> Option<Observables> {
+        let mut found = self.world.observe(&self.cut, condition, &self.hidden.effects)?;
         if let Some(outside) = self.hidden.outside {
             outside.0.act(outside.1, condition, self.middle, &mut found);
         }
-        Ok(found)
+        Some(found)
     }
 }
 
@@ -103,6 +145,8 @@ impl Outside {
         found: &mut Observables,
     ) {
         let band = |x: f64, (middle, width): (f64, f64)| (-((x - middle) / width).powi(2)).exp();
+        // From -2 to 2 over the plan.
+        let along = |x: f64, (middle, width): (f64, f64)| (x.ln() - middle) / width;
         match self {
             Self::Transformation => {
                 let (middle, width) = middle.temperature;
@@ -118,6 +162,25 @@ impl Outside {
             Self::ThicknessBand => {
                 let share = band(condition.uncut_chip_thickness.ln(), middle.thickness);
                 found.cutting_force *= 1.0 - amplitude * share;
+            }
+            Self::Segmentation => {
+                let excess = along(condition.cutting_speed, middle.speed)
+                    + along(condition.uncut_chip_thickness, middle.thickness);
+                let factor = 1.0 - amplitude / (1.0 + (-4.0 * excess).exp());
+                found.cutting_force *= factor;
+                found.feed_force *= factor;
+            }
+            Self::Skin => {
+                let depth = along(condition.uncut_chip_thickness, middle.thickness);
+                let factor = 1.0 + amplitude * (-1.5 * (depth + 1.0)).exp();
+                found.cutting_force *= factor;
+                found.feed_force *= factor;
+            }
+            Self::Lubricant => {
+                let reach = 1.0
+                    - along(condition.cutting_speed, middle.speed)
+                    - along(condition.uncut_chip_thickness, middle.thickness);
+                found.feed_force *= 1.0 - amplitude * (0.5 * reach).clamp(0.0, 1.0);
             }
         }
     }
@@ -150,5 +213,7 @@ impl Instrument {
 }
 
 /// The physics that a case may obey.
-pub const OPPONENTS: [(&str, Physics); 2] =
-    [("opponent_heat", Physics::OPPONENT_HEAT), ("opponent_all", Physics::OPPONENT_ALL)];
+pub const OPPONENTS: [(&str, BlindWorld); 2] = [
+    ("opponent_heat", BlindWorld::Relations(Physics::OPPONENT_HEAT)),
+    ("opponent_all", BlindWorld::Relations(Physics::OPPONENT_ALL)),
+];
