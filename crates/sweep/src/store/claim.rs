@@ -75,7 +75,13 @@ impl Store {
             if let Some(known) = self.known(address, failures)? {
                 return Ok(known);
             }
-            at(&folder, "create", fs::create_dir_all(&folder))?;
+            match fs::create_dir_all(&folder) {
+                // There, and moved away before the library has looked what it is: look again.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists && !folder.is_file() => {
+                    continue;
+                }
+                made => at(&folder, "create", made)?,
+            }
             let path = folder.join(LOCK);
             let lock = match open_lock(&path) {
                 // Moved away since: look again.
