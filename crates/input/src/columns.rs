@@ -139,7 +139,7 @@ fn header(line: usize, text: &str, rules: &[ColumnRule]) -> Result<Vec<Column>, 
     let mut columns: Vec<Column> = Vec::new();
     for (index, cell) in text.split(',').map(str::trim).enumerate() {
         let (name, rest) = cell.split_once('[').unwrap_or((cell, ""));
-        let name = crate::reader::shortened(name.trim());
+        let name = crate::problem::shortened(name.trim());
         let wrong = |message: String| TableProblem {
             line,
             column: Some((index + 1, name.clone())),
@@ -199,7 +199,7 @@ fn row(
         let wrong = |message: String| TableProblem {
             line,
             column: Some((index + 1, rule.name.to_owned())),
-            message: format!("`{}`: {message}", crate::reader::shortened(cell)),
+            message: format!("`{}`: {message}", crate::problem::shortened(cell)),
         };
         if !rule.required && is_unknown(cell) {
             continue;

@@ -1,8 +1,8 @@
 //! Reads the value of one key: its type, its unit, its range.
 
 use crate::findings::Findings;
+use crate::problem::shortened;
 use crate::problem::{Mistake, SourceText};
-use crate::reader::shortened;
 use crate::record::Value;
 use crate::section::{Field, Kind, range_text};
 use crate::spelling;

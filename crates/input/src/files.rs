@@ -83,7 +83,11 @@ impl Surroundings {
 
 /// The mistake of naming a file that cannot be read.
 pub fn file_mistake(named: &str, reason: String, help: &str) -> Box<Mistake> {
-    Box::new(Mistake::File { path: crate::reader::shortened(named), reason, help: help.to_owned() })
+    Box::new(Mistake::File {
+        path: crate::problem::shortened(named),
+        reason,
+        help: help.to_owned(),
+    })
 }
 
 /// Reads a regular file of UTF-8 text of at most `largest` bytes.

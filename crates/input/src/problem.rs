@@ -314,6 +314,22 @@ fn position(text: &str, at: usize) -> (usize, usize) {
     (line, before[line_start..].chars().count() + 1)
 }
 
+/// Longest text of a user that is repeated in a message.
+const LONGEST_QUOTE: usize = 60;
+
+/// Text of a user as it may be repeated: short and without control characters.
+pub fn shortened(text: &str) -> String {
+    let mut quote: String = text
+        .chars()
+        .take(LONGEST_QUOTE)
+        .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
+        .collect();
+    if text.chars().nth(LONGEST_QUOTE).is_some() {
+        quote.push_str("...");
+    }
+    quote
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 
 use crate::field_reader::FieldReader;
 use crate::findings::{Findings, Origin, ResolvedEntry};
-use crate::problem::{Mistake, SourceText};
+use crate::problem::{Mistake, SourceText, shortened};
 use crate::record::{Record, Value};
 use crate::section::{Field, Kind, Presence, Section};
 use crate::{spelling, units};
@@ -82,22 +82,6 @@ fn refuse_unknown_keys(
         }
     }
     meant
-}
-
-/// Longest text of a user that is repeated in a message.
-const LONGEST_QUOTE: usize = 60;
-
-/// Text of a user as it may be repeated: short and without control characters.
-pub fn shortened(text: &str) -> String {
-    let mut quote: String = text
-        .chars()
-        .take(LONGEST_QUOTE)
-        .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
-        .collect();
-    if text.chars().nth(LONGEST_QUOTE).is_some() {
-        quote.push_str("...");
-    }
-    quote
 }
 
 /// The default of a key that is not written; a mistake if it is required.

@@ -42,7 +42,7 @@ pub use interface::{Interface, InterfaceBin};
 pub use known::KnownForce;
 pub use missing::Missing;
 pub use process::{evaluate, evaluate_with};
-pub use result::{Extremes, ParticleResolution, PassResult, ProcessResult};
+pub use result::{Extremes, ParticleResolution, PassResult, ProcessResult, StressBin};
 pub use segments::Segments;
 pub use shear_zone::ShearZone;
 pub use summary::{SCHEMA_VERSION, Summary, summary_json};

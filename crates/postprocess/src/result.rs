@@ -5,7 +5,6 @@ use crate::forces::{Forces, SteadyWindow};
 use crate::geometry::Geometry;
 use crate::known::KnownForce;
 use crate::missing::Missing;
-use crate::springback::StressBin;
 use crate::steady::{SteadyOptions, SteadyState};
 use crate::temperature::Temperatures;
 use crate::warnings::Warning;
@@ -50,6 +49,30 @@ pub struct ProcessResult {
     pub performance: Performance,
     /// What to keep in mind before the numbers are used, the most serious first.
     pub warnings: Vec<Warning>,
+}
+
+/// Mean residual stress about one layer, tension positive, in Pa; depth in m. Intervals are half widths
+/// of 95 %, infinite where fewer than twenty strips of two spacings were found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StressBin {
+    /// Middle of the bin below the plane of the tool's lowest point.
+    pub depth: f64,
+    /// Along the cutting direction.
+    pub cutting: f64,
+    /// Its interval.
+    pub cutting_ci95: f64,
+    /// Across it, along the width of cut.
+    pub across: f64,
+    /// Its interval.
+    pub across_ci95: f64,
+    /// Normal to the surface: zero at a free surface in equilibrium.
+    pub normal: f64,
+    /// Its interval.
+    pub normal_ci95: f64,
+    /// The layer alone: along the cutting direction, across, normal.
+    pub layer: [f64; 3],
+    /// Particles of the layer, each counted once per snapshot.
+    pub count: usize,
 }
 
 /// One of several passes.

@@ -3,7 +3,7 @@
 use crate::material::Shelf;
 use crate::sections::{self, SHAPE_KEYS};
 use sphcut_input::findings::Findings;
-use sphcut_input::problem::Mistake;
+use sphcut_input::problem::{Mistake, shortened};
 use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_sph::setup::{Body, Material, Shape, Support, VelocityField};
@@ -260,7 +260,7 @@ pub(crate) fn check_thickness(
             let mistake = Mistake::Contradiction {
                 message: format!(
                     "body `{}` is {} mm thick, less than the particle spacing",
-                    reader::shortened(&body.name),
+                    shortened(&body.name),
                     sphcut_input::units::significant(thickness * 1e3)
                 ),
                 help: "choose a smaller particle_spacing".to_owned(),

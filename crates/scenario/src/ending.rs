@@ -72,7 +72,7 @@ pub(crate) fn read_stop(
         ScenarioKind::Cut => ("travel", &["time"]),
         ScenarioKind::Bodies => ("time", &["travel", "steady"]),
     };
-    crate::tool::require(findings, &record, &[needed]);
+    crate::shared::require(findings, &record, &[needed]);
     refuse(findings, &record, refused, needed, kind);
     let steady = match record.table("steady") {
         Some(table) => Some(read_steady(findings, &record, table)?),

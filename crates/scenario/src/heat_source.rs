@@ -2,7 +2,7 @@
 
 use crate::{bodies, sections};
 use sphcut_input::findings::Findings;
-use sphcut_input::problem::Mistake;
+use sphcut_input::problem::{Mistake, shortened};
 use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_sph::setup::{HeatSource, HeatSourceForm};
@@ -116,7 +116,7 @@ pub(crate) fn check_width(
             let mistake = Mistake::Contradiction {
                 message: format!(
                     "the {what} of heat source `{}` is {} mm: the particles need {} mm to see it",
-                    reader::shortened(&source.name),
+                    shortened(&source.name),
                     sphcut_input::units::significant(width * 1e3),
                     sphcut_input::units::significant(least * 1e3)
                 ),

@@ -13,6 +13,8 @@ mod heat_source;
 mod key;
 mod material;
 mod patch;
+mod placement;
+mod process;
 mod reference;
 mod scenario;
 mod schema;

@@ -200,7 +200,7 @@ fn read_cut(
     let mut shelf =
         Shelf::new(findings, root, surroundings, common.heat_acts() || has_tool_heat(root));
     let workpiece = cut::workpiece(findings, root, &mut shelf, dimension);
-    let process = cut::process(findings, root, dimension);
+    let process = crate::process::process(findings, root, dimension);
     let depth = process.map(|process| process.depth);
     let resolution = shared::resolution(findings, root, depth, root.is_written("process"));
     let stop = read_stop(findings, root, ScenarioKind::Cut);

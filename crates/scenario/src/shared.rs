@@ -214,3 +214,37 @@ pub(crate) fn check_particle_count(
     findings.problem(&root.source, span, mistake);
     None
 }
+
+/// Reports each of `keys` that is not written.
+pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
+    let all = [
+        sections::tool(),
+        sections::stop(),
+        sections::wall(),
+        sections::process(),
+        sections::workpiece(),
+    ];
+    for key in keys.iter().filter(|key| record.lacks(key)) {
+        let section = all.iter().find(|section| section.name == record.section);
+        let field = section.and_then(|section| Some((section, section.field(key)?)));
+        if let Some((section, field)) = field {
+            let mistake = reader::missing(section, field);
+            findings.problem(&record.source, record.heading.clone(), mistake);
+        }
+    }
+}
+
+/// Reports each of `keys` that is written: "`key` `why`".
+pub(crate) fn refuse_keys<'k>(
+    findings: &mut Findings,
+    record: &Record<'_>,
+    keys: impl IntoIterator<Item = &'k str>,
+    why: &str,
+    help: &str,
+) {
+    for key in keys.into_iter().filter(|key| record.is_written(key)) {
+        let mistake =
+            Mistake::Contradiction { message: format!("`{key}` {why}"), help: help.to_owned() };
+        findings.problem(&record.source, record.span(key), mistake);
+    }
+}

@@ -73,7 +73,7 @@ pub(crate) fn wall(
 }
 
 fn half_space(findings: &mut Findings, record: &Record<'_>) -> Option<ToolSurface> {
-    tool::require(findings, record, &["normal"]);
+    shared::require(findings, record, &["normal"]);
     let normal = record.vector("normal")?;
     let length = normal.iter().map(|component| component * component).sum::<f64>().sqrt();
     if !(length > 1e-100 && length.is_finite()) {

@@ -3,29 +3,14 @@
 use super::{File, Finding};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names of public types that stand in two files, and what they are. To be renamed; none is to be added.
-const SAME_NAME: &[(&str, &str)] = &[
-    ("Field", "a key of a file in TOML, and a field of particles in a file of results"),
-    ("Side", "a segment by its two ends, and the side of a cut"),
-    ("Surroundings", "the folder of a file that is read, and the particles around a surface point"),
-];
-/// Circles that are left, by the first of their files, and what ties them. To be opened; none is to be added.
-const CIRCLES_LEFT: &[(&str, &str)] = &[
-    ("crates/input/src/field_reader.rs", "the reader of a section hands out readers of its keys"),
-    ("crates/postprocess/src/result.rs", "the result of a run holds its residual stress"),
-    (
-        "crates/scenario/src/cut/mod.rs",
-        "the tool is placed where the cut begins, and the cut knows the tool",
-    ),
-    ("crates/sph/src/contact/friction.rs", "the contact acts on the parts of the engine"),
-];
-
 /// The code of a file of a crate as it is built, without tests; `None` of any other file.
 fn built(file: &File) -> Option<&str> {
     let is_source = file.path.starts_with("crates/") && file.path.contains("/src/");
     let code = &file.source.as_ref().filter(|_| is_source)?.code;
     let is_test = file.path.ends_with("/tests.rs");
-    (!is_test).then(|| code.split("#[cfg(test)]\nmod ").next().unwrap_or(code))
+    let is_cut = |at: &usize| code[*at..].lines().nth(1).is_some_and(|line| line.contains("mod "));
+    let tests = code.match_indices("#[cfg(test)]\n").map(|(at, _)| at).find(is_cut);
+    (!is_test).then(|| &code[..tests.unwrap_or(code.len())])
 }
 
 /// Public types of one name in two files.
@@ -40,14 +25,10 @@ pub fn doubled_names(files: &[File]) -> Vec<Finding> {
     }
     let mut findings = Vec::new();
     for (name, at) in places {
-        let allowed = SAME_NAME.iter().any(|(known, _)| *known == name);
         let Some(other) = at.iter().find(|(file, _)| file.path != at[0].0.path) else { continue };
-        if !allowed {
-            let (file, line) = at[0];
-            let message =
-                format!("`{name}` is also a type in {}: one name, one thing", other.0.path);
-            findings.push(file.finding(line, message));
-        }
+        let (file, line) = at[0];
+        let message = format!("`{name}` is also a type in {}: one name, one thing", other.0.path);
+        findings.push(file.finding(line, message));
     }
     findings
 }
@@ -115,11 +96,9 @@ impl<'a> House<'a> {
                 continue;
             }
             let first = circle[0];
-            if !CIRCLES_LEFT.iter().any(|(file, _)| *file == first.path) {
-                let paths: Vec<&str> = circle.iter().map(|file| file.path.as_str()).collect();
-                let message = format!("a circle of imports: {}", paths.join(", "));
-                findings.push(first.finding(0, message));
-            }
+            let paths: Vec<&str> = circle.iter().map(|file| file.path.as_str()).collect();
+            let message = format!("a circle of imports: {}", paths.join(", "));
+            findings.push(first.finding(0, message));
         }
         findings
     }

@@ -31,7 +31,6 @@ pub use compare::{Agreement, Measurement, SpringbackComparison};
 pub use error::{ErrorBar, RESOLUTION_SHARE, SpringbackError};
 pub use files::{SCHEMA_VERSION, SpringbackEntry, springback_csv, springback_json};
 pub use median::MedianInterval;
-pub use residual::StressBin;
 pub use result::Springback;
 pub use strips::{Strips, outer_heights};
 pub use touched::{RecoveryBin, Touched};

@@ -12,6 +12,7 @@
 //! [`StressBin::layer`].
 
 use super::context::{Context, SnapshotView};
+use crate::result::StressBin;
 use crate::statistics::mean;
 use crate::steady::mean_interval;
 use sphcut_record::Run;
@@ -21,30 +22,6 @@ use sphcut_sph::setup::{CuttingFrame, Vector};
 const DEEPEST: f64 = 4.0;
 /// Width of the strips whose means are the samples of a bin, in spacings.
 const STRIP: f64 = 2.0;
-
-/// Mean residual stress about one layer, tension positive, in Pa; depth in m. Intervals are half widths
-/// of 95 %, infinite where fewer than twenty strips of two spacings were found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StressBin {
-    /// Middle of the bin below the plane of the tool's lowest point.
-    pub depth: f64,
-    /// Along the cutting direction.
-    pub cutting: f64,
-    /// Its interval.
-    pub cutting_ci95: f64,
-    /// Across it, along the width of cut.
-    pub across: f64,
-    /// Its interval.
-    pub across_ci95: f64,
-    /// Normal to the surface: zero at a free surface in equilibrium.
-    pub normal: f64,
-    /// Its interval.
-    pub normal_ci95: f64,
-    /// The layer alone: along the cutting direction, across, normal.
-    pub layer: [f64; 3],
-    /// Particles of the layer, each counted once per snapshot.
-    pub count: usize,
-}
 
 /// Sums of the three stresses, and their number.
 #[derive(Debug, Clone, Copy, Default)]

@@ -2,9 +2,9 @@
 
 use super::error::ErrorBar;
 use super::median::MedianInterval;
-use super::residual::StressBin;
 use super::strips::Strips;
 use super::touched::{RecoveryBin, Touched};
+use crate::result::StressBin;
 use crate::steady::MeanInterval;
 
 /// Springback and residual stress of one run. Lengths in m, stress in Pa.

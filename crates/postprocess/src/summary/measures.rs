@@ -6,7 +6,7 @@ use crate::geometry::Geometry;
 use crate::interface::InterfaceBin;
 use crate::missing::Missing;
 use crate::result::ProcessResult;
-use crate::springback::StressBin;
+use crate::result::StressBin;
 use serde::Serialize;
 
 const MPA_PER_PA: f64 = 1e-6;

@@ -5,7 +5,7 @@ use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Vector;
 
 /// One quantity of the particles.
-pub(crate) struct Field {
+pub(crate) struct SnapshotField {
     pub(crate) name: &'static str,
     pub(crate) unit: &'static str,
     pub(crate) meaning: &'static str,
@@ -28,7 +28,7 @@ pub(crate) enum Column<'a> {
     Shorts(&'a [u32]),
 }
 
-impl Field {
+impl SnapshotField {
     /// Numbers per particle.
     pub(crate) fn width(&self) -> usize {
         match self.access {
@@ -81,7 +81,7 @@ impl Field {
 
 /// Whether all quantities of the particles are there for every particle, and the mesh of the tool is whole.
 pub(crate) fn is_complete(snapshot: &Snapshot) -> bool {
-    let count = |field: &Field| match field.column(snapshot) {
+    let count = |field: &SnapshotField| match field.column(snapshot) {
         Column::Reals(values) => values.len() / field.width(),
         Column::Longs(values) => values.len(),
         Column::Shorts(values) => values.len(),
@@ -100,7 +100,7 @@ fn chunked<const N: usize>(values: &[f64]) -> Option<Vec<[f64; N]>> {
 
 macro_rules! fields {
     ($($kind:ident $name:ident $unit:literal $meaning:literal;)*) => {
-        &[$(Field {
+        &[$(SnapshotField {
             name: stringify!($name),
             unit: $unit,
             meaning: $meaning,
@@ -110,7 +110,7 @@ macro_rules! fields {
 }
 
 /// What every particle has.
-pub(crate) const PARTICLE_FIELDS: &[Field] = fields! {
+pub(crate) const PARTICLE_FIELDS: &[SnapshotField] = fields! {
     Long id "" "identifier, unique over the run";
     Short body "" "index of the body";
     Vector position "m" "position";
@@ -135,7 +135,7 @@ pub(crate) const LATER: &[&str] =
     &["friction_use", "shear_friction_factor", "contact_area", "half_thickness"];
 
 /// Outline and heat of the tool: fields with their own numbers of entries.
-pub(crate) const TOOL_FIELDS: &[Field] = fields! {
+pub(crate) const TOOL_FIELDS: &[SnapshotField] = fields! {
     Vector tool "m" "outline of the tool: closed polygon (2D) or vertices of its triangles, three by three (3D)";
     Vector tool_nodes "m" "nodes of the tool's mesh, where it conducts heat";
     Short tool_elements "" "nodes of the triangles of that mesh (3D: of its surface), three by three";
@@ -143,7 +143,7 @@ pub(crate) const TOOL_FIELDS: &[Field] = fields! {
 };
 
 /// All columns of a snapshot.
-pub(crate) fn all_fields() -> impl Iterator<Item = &'static Field> {
+pub(crate) fn all_fields() -> impl Iterator<Item = &'static SnapshotField> {
     PARTICLE_FIELDS.iter().chain(TOOL_FIELDS)
 }
 

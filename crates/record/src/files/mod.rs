@@ -28,7 +28,7 @@ pub use columns_h5::{
     ColumnH5, FactH5, GroupH5, MOST_VALUES, Wanted, read_columns_h5, read_named_columns_h5,
     write_columns_h5,
 };
-use fields::Field;
+use fields::SnapshotField;
 use partial::{Checkpoint, Partial, SavedSnapshots};
 pub use run_files::RunFiles;
 pub(crate) use run_h5::RunBody;
@@ -57,7 +57,7 @@ pub(crate) fn assemble(
 ) -> Result<(), RunError> {
     forces_csv::write(&files.forces(), body.facts, body.samples)?;
     if export == Export::Vtkhdf {
-        vtkhdf::write(&files.vtkhdf(), &saved.index(), &|place, field: &Field| {
+        vtkhdf::write(&files.vtkhdf(), &saved.index(), &|place, field: &SnapshotField| {
             let segment = Segment::open(&partial.snapshot_path(saved.whole[place].0))?;
             let mut snapshot = segment.head()?;
             segment.fill(field, &mut snapshot)?;

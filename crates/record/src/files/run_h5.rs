@@ -1,6 +1,6 @@
 //! The layout of `run.h5`; `docs/run_h5.md` describes it for readers in other languages.
 
-use super::fields::{Column, Field, LATER, all_fields, is_complete};
+use super::fields::{Column, LATER, SnapshotField, all_fields, is_complete};
 use super::hdf::{Array, ArrayLayout, Attribute, HdfReader, HdfWriter};
 use super::{origin, run_h5_attributes as attributes};
 use crate::{Facts, Outcome, Performance, Provenance, Run, RunError, Samples};
@@ -261,7 +261,7 @@ pub(crate) fn read_snapshot(path: &Path, number: usize) -> Result<Snapshot, RunE
 fn read_field(
     reader: &HdfReader,
     group: &str,
-    field: &Field,
+    field: &SnapshotField,
     snapshot: &mut Snapshot,
 ) -> Result<(), RunError> {
     let path = format!("{group}/{}", field.name);

@@ -2,7 +2,7 @@
 
 use super::archive::{Archive, ArchiveFile};
 use super::atomic;
-use super::fields::{Column, Field, all_fields};
+use super::fields::{Column, SnapshotField, all_fields};
 use crate::RunError;
 use sphcut_sph::Snapshot;
 use std::path::Path;
@@ -51,7 +51,11 @@ impl Segment {
     }
 
     /// Adds the column `field` to `snapshot`.
-    pub(crate) fn fill(&self, field: &Field, snapshot: &mut Snapshot) -> Result<(), RunError> {
+    pub(crate) fn fill(
+        &self,
+        field: &SnapshotField,
+        snapshot: &mut Snapshot,
+    ) -> Result<(), RunError> {
         let filled = if field.is_integer() {
             field.set_integers(snapshot, self.archive.integers(field.name)?)
         } else {

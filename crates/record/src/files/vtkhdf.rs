@@ -9,7 +9,7 @@
 //! begins. The vertices of `n` particles are `0, 1, ... n - 1` in every step, so
 //! they are stored once for the step with the most particles.
 
-use super::fields::{Column, Field, PARTICLE_FIELDS};
+use super::fields::{Column, PARTICLE_FIELDS, SnapshotField};
 use super::hdf::{Array, ArrayLayout, Attribute, HdfWriter};
 use crate::{RunError, SnapshotInfo};
 use sphcut_sph::Snapshot;
@@ -21,7 +21,7 @@ const ROOT: &str = "VTKHDF";
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 
 /// Gives the snapshot of a number with one of its fields filled.
-pub(crate) type Columns<'a> = dyn Fn(usize, &Field) -> Result<Snapshot, RunError> + 'a;
+pub(crate) type Columns<'a> = dyn Fn(usize, &SnapshotField) -> Result<Snapshot, RunError> + 'a;
 
 /// Writes the snapshots of `index`, whose particles `columns` gives field by field.
 pub(crate) fn write(
@@ -96,7 +96,7 @@ fn write_steps(writer: &HdfWriter, index: &[SnapshotInfo]) -> Result<(), RunErro
 
 fn write_field(
     writer: &HdfWriter,
-    field: &Field,
+    field: &SnapshotField,
     steps: usize,
     columns: &Columns,
 ) -> Result<(), RunError> {

@@ -3,7 +3,7 @@
 use crate::kit::chart::{Chart, ChartLine};
 use crate::kit::colours::{BLUE, GREEN, RED};
 use crate::kit::numbers::{MPA, UM};
-use sphcut_postprocess::springback::StressBin;
+use sphcut_postprocess::StressBin;
 
 /// One stress of a layer with its interval.
 type Pick = fn(&StressBin) -> (f64, f64);

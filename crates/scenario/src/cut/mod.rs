@@ -1,14 +1,13 @@
 //! The cut, orthogonal or turning: [workpiece], [tool], [process], [passes], [boundaries].
 
 pub(crate) mod inertia;
-pub(crate) mod machine;
 pub(crate) mod passes;
 pub(crate) mod window;
 use crate::cut::passes::{PassPlan, Passes};
 use crate::material::Shelf;
-use crate::shared::{self, Resolution};
-use crate::tool::placement::{Handedness, Placement};
-use crate::tool::{ToolShape, ToolVolume, refuse_keys, require};
+use crate::process::{CuttingProcess, ProcessKind};
+use crate::shared::{self, Resolution, refuse_keys, require};
+use crate::tool::{ToolShape, ToolVolume};
 use crate::{sections, warnings};
 use glam::DVec3;
 use sphcut_geometry::silhouette::Silhouette;
@@ -23,28 +22,6 @@ use sphcut_sph::setup::{
     Body, Material, Setup, Support, Tool, Vector, VelocityChange, VelocityField,
 };
 use sphcut_tool_heat::ToolHeat;
-
-/// `[process]`.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct CuttingProcess {
-    pub(crate) cutting_speed: f64,
-    /// Of the tool's lowest point below the uncut surface: h in the plane, a_p in turning.
-    pub(crate) depth: f64,
-    /// What only the plane or only turning has.
-    pub(crate) kind: ProcessKind,
-    pub(crate) placement: Placement,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum ProcessKind {
-    Orthogonal {
-        width_of_cut: f64,
-    },
-    Turning {
-        /// f; zero for a single pass.
-        feed: f64,
-    },
-}
 
 /// `[workpiece]`.
 #[derive(Debug)]
@@ -67,7 +44,7 @@ enum Hold {
 
 /// A held side: its name, how it is held, at what temperature.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Side {
+pub(crate) struct HeldSide {
     name: &'static str,
     normal: Axis,
     end: End,
@@ -90,7 +67,7 @@ enum End {
     High,
 }
 
-impl Side {
+impl HeldSide {
     /// Whether anything is prescribed.
     fn acts(self) -> bool {
         self.hold != Hold::Free || self.temperature.is_some()
@@ -113,7 +90,7 @@ pub(crate) struct CutScenario {
     pub(crate) end: CutEnd,
     passes: Passes,
     section: Section,
-    sides: Vec<Side>,
+    sides: Vec<HeldSide>,
     layers: f64,
 }
 
@@ -124,55 +101,6 @@ struct Section {
     width_of_cut: f64,
     /// Smallest and largest z of the first groove, from the lowest point of the tool.
     groove: [f64; 2],
-}
-
-/// `[process]`; read first because presets and the tool depend on it.
-pub(crate) fn process(
-    findings: &mut Findings,
-    root: &Record<'_>,
-    dimension: usize,
-) -> Option<CuttingProcess> {
-    let record =
-        reader::read(findings, &root.source, root.table("process")?, &sections::process(), 2);
-    let mirrored = record.switch("mirrored");
-    let (plane, turning) = (["uncut_chip_thickness", "width_of_cut"], ["depth_of_cut", "feed"]);
-    let several = root.is_written("passes");
-    let kind = if dimension == 2 {
-        require(findings, &record, &plane);
-        refuse_keys(
-            findings,
-            &record,
-            turning,
-            "belongs to turning, this is a plane cut",
-            "remove it, or set dimension = 3",
-        );
-        record.number("width_of_cut").map(|width_of_cut| ProcessKind::Orthogonal { width_of_cut })
-    } else {
-        require(findings, &record, &turning[..1 + usize::from(several)]);
-        refuse_keys(
-            findings,
-            &record,
-            plane,
-            "belongs to a plane cut, this is turning",
-            "give `depth_of_cut`, and `feed` if there are several passes",
-        );
-        if !several {
-            let help = "remove it, or add [passes]";
-            refuse_keys(findings, &record, ["feed"], "has no effect on a single pass", help);
-        }
-        let feed = if several { record.number("feed") } else { Some(0.0) };
-        feed.map(|feed| ProcessKind::Turning { feed })
-    };
-    let depth = if dimension == 2 { plane[0] } else { turning[0] };
-    Some(CuttingProcess {
-        cutting_speed: record.number("cutting_speed")?,
-        depth: record.number(depth)?,
-        kind: kind?,
-        placement: Placement {
-            rotation: record.number("orientation")?,
-            handedness: if mirrored? { Handedness::Mirrored } else { Handedness::Kept },
-        },
-    })
 }
 
 /// `[workpiece]`.
@@ -207,7 +135,7 @@ pub(crate) fn boundaries(
     findings: &mut Findings,
     root: &Record<'_>,
     dimension: usize,
-) -> Option<(Vec<Side>, f64)> {
+) -> Option<(Vec<HeldSide>, f64)> {
     shared::optional_section(findings, root, &sections::boundaries(), 2, |findings, record| {
         let hold = |key: &str| {
             Some(match record.text(key)? {
@@ -218,14 +146,14 @@ pub(crate) fn boundaries(
         };
         let temperature = |key: &str| record.number(key);
         let mut sides = vec![
-            Side {
+            HeldSide {
                 name: "bottom",
                 normal: Axis::Y,
                 end: End::Low,
                 hold: hold("bottom")?,
                 temperature: temperature("bottom_temperature"),
             },
-            Side {
+            HeldSide {
                 name: "back",
                 normal: Axis::X,
                 end: End::High,
@@ -239,7 +167,7 @@ pub(crate) fn boundaries(
         } else {
             let hold = if record.is_written("sides") { hold("sides")? } else { Hold::Sliding };
             for (name, end) in [("side", End::Low), ("feed side", End::High)] {
-                sides.push(Side { name, normal: Axis::Z, end, hold, temperature: None });
+                sides.push(HeldSide { name, normal: Axis::Z, end, hold, temperature: None });
             }
         }
         // At most 20 rows: exact.
@@ -296,7 +224,7 @@ impl CutScenario {
         resolution: Resolution,
         end: CutEnd,
         passes: Passes,
-        (sides, layers): (Vec<Side>, f64),
+        (sides, layers): (Vec<HeldSide>, f64),
     ) -> Self {
         let section = Section::of(&process, &tool.body, passes.count > 1);
         Self { process, workpiece, tool, resolution, end, passes, section, sides, layers }
@@ -447,10 +375,10 @@ impl CutScenario {
     /// The held sides. A particle belongs to the last support that contains it, so where held sides
     /// meet comes after them and holds what any of them holds.
     fn supports(&self) -> Vec<Support> {
-        let held: Vec<Side> = self.sides.iter().copied().filter(|side| side.acts()).collect();
-        let mut meetings: Vec<Vec<Side>> = vec![Vec::new()];
+        let held: Vec<HeldSide> = self.sides.iter().copied().filter(|side| side.acts()).collect();
+        let mut meetings: Vec<Vec<HeldSide>> = vec![Vec::new()];
         for side in held {
-            let with: Vec<Vec<Side>> = meetings
+            let with: Vec<Vec<HeldSide>> = meetings
                 .iter()
                 .filter(|sides| sides.iter().all(|other| other.normal != side.normal))
                 .map(|sides| sides.iter().copied().chain([side]).collect())
@@ -463,7 +391,7 @@ impl CutScenario {
     }
 
     /// Where all of `sides` are, with everything that they prescribe.
-    fn support(&self, sides: &[Side]) -> Support {
+    fn support(&self, sides: &[HeldSide]) -> Support {
         let depth = self.layers * self.resolution.particle_spacing;
         let (mut min, mut max) = self.corners();
         let mut velocity = [None; 3];

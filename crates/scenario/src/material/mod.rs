@@ -8,7 +8,7 @@ pub(crate) mod library;
 use crate::sections;
 use sphcut_input::files::{LARGEST_TEXT, Surroundings};
 use sphcut_input::findings::Findings;
-use sphcut_input::problem::{Mistake, SourceText};
+use sphcut_input::problem::{Mistake, SourceText, shortened};
 use sphcut_input::reader::{self, Defaults};
 use sphcut_input::record::Record;
 use sphcut_input::section::Presence;
@@ -171,7 +171,7 @@ impl<'t> Shelf<'t> {
         allowed.dedup();
         Mistake::NotAChoice {
             key: "material".to_owned(),
-            word: reader::shortened(name),
+            word: shortened(name),
             nearest: spelling::nearest(name, allowed.iter().map(String::as_str)).map(str::to_owned),
             allowed,
         }

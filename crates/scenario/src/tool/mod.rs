@@ -1,18 +1,19 @@
 //! `[tool]` of a cut: angles and an edge radius, an outline, or a mesh.
 
 pub(crate) mod heat;
-pub(crate) mod placement;
+pub(crate) mod machine;
 pub(crate) mod shapes;
 pub(crate) mod turning;
-use crate::cut::{CuttingProcess, machine};
-use crate::{sections, shared};
+use crate::process::CuttingProcess;
+use crate::sections;
+use crate::shared::{self, refuse_keys, require};
 use glam::DVec3;
 use sphcut_geometry::mesh::{LARGEST_MESH, Mesh, MeshError, Surface};
 use sphcut_geometry::outline;
 use sphcut_geometry::tool_section::EdgeGeometry;
 use sphcut_input::files::{self, LARGEST_OUTLINE, Surroundings};
 use sphcut_input::findings::Findings;
-use sphcut_input::problem::Mistake;
+use sphcut_input::problem::{Mistake, shortened};
 use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_input::units;
@@ -220,40 +221,6 @@ fn check_wedge(findings: &mut Findings, record: &Record<'_>, tool: &EdgeGeometry
     None
 }
 
-/// Reports each of `keys` that is not written.
-pub(crate) fn require(findings: &mut Findings, record: &Record<'_>, keys: &[&str]) {
-    let all = [
-        sections::tool(),
-        sections::stop(),
-        sections::wall(),
-        sections::process(),
-        sections::workpiece(),
-    ];
-    for key in keys.iter().filter(|key| record.lacks(key)) {
-        let section = all.iter().find(|section| section.name == record.section);
-        let field = section.and_then(|section| Some((section, section.field(key)?)));
-        if let Some((section, field)) = field {
-            let mistake = reader::missing(section, field);
-            findings.problem(&record.source, record.heading.clone(), mistake);
-        }
-    }
-}
-
-/// Reports each of `keys` that is written: "`key` `why`".
-pub(crate) fn refuse_keys<'k>(
-    findings: &mut Findings,
-    record: &Record<'_>,
-    keys: impl IntoIterator<Item = &'k str>,
-    why: &str,
-    help: &str,
-) {
-    for key in keys.into_iter().filter(|key| record.is_written(key)) {
-        let mistake =
-            Mistake::Contradiction { message: format!("`{key}` {why}"), help: help.to_owned() };
-        findings.problem(&record.source, record.span(key), mistake);
-    }
-}
-
 /// Angles and a second shape beside the one of `shape`.
 fn refuse_keys_beside(findings: &mut Findings, record: &Record<'_>, shape: &str) {
     let own = match shape {
@@ -315,7 +282,7 @@ fn read_cross_section(
         notes.push(format!(
             "{} holes inside the cross-section of `{}` are left out: nothing can touch them",
             section.holes,
-            reader::shortened(record.text("mesh_file")?)
+            shortened(record.text("mesh_file")?)
         ));
     }
     Some(section.polygon)

@@ -1,6 +1,6 @@
 //! The optional shapes of a tool of plane faces: chamfer, wear land, built-up edge.
 
-use crate::tool::require;
+use crate::shared::require;
 use crate::warnings::{RESOLVED, falls_short};
 use sphcut_geometry::tool_section::{BuiltUpEdge, Chamfer, EdgeGeometry};
 use sphcut_input::findings::Findings;

@@ -1,7 +1,8 @@
 //! `[tool]` of turning: an insert from its angles and radii, or a mesh.
 
-use crate::cut::CuttingProcess;
-use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, refuse_keys, require, shapes};
+use crate::process::CuttingProcess;
+use crate::shared::{refuse_keys, require};
+use crate::tool::{LONGEST_CONTACT, face_length, read_mesh, shapes};
 use sphcut_geometry::insert::{BODY, InsertGeometry};
 use sphcut_geometry::mesh::{Mesh, Surface};
 use sphcut_input::files::Surroundings;

@@ -37,12 +37,12 @@ const THICKEST: f64 = 1.0;
 
 /// What tells how the material around a particle moves.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Surroundings<'a, const D: usize> {
+pub(crate) struct Neighbourhood<'a, const D: usize> {
     pub(crate) particles: &'a Particles<D>,
     pub(crate) reference: &'a ReferenceConfiguration<D>,
 }
 
-impl<const D: usize> Surroundings<'_, D> {
+impl<const D: usize> Neighbourhood<'_, D> {
     /// M_i^-1 of particle `i`; zero where its kernel gradient is not usable.
     pub(crate) fn inverse_moment(&self, i: usize) -> Matrix<D> {
         let motion = &self.particles.motion;
@@ -150,7 +150,7 @@ impl<const D: usize> SurfacePoints<D> {
         &mut self,
         touch: &Touch<D>,
         inverse_moment: &Matrix<D>,
-        around: &Surroundings<'_, D>,
+        around: &Neighbourhood<'_, D>,
     ) {
         let start = self.parts.len();
         self.starts.push(start);
@@ -162,7 +162,7 @@ impl<const D: usize> SurfacePoints<D> {
     }
 
     /// Those of `touches`.
-    pub(crate) fn lay(&mut self, touches: &[Touch<D>], around: &Surroundings<'_, D>) {
+    pub(crate) fn lay(&mut self, touches: &[Touch<D>], around: &Neighbourhood<'_, D>) {
         self.clear();
         for touch in touches {
             self.push(touch, &around.inverse_moment(touch.particle as usize), around);
@@ -203,8 +203,8 @@ pub(crate) mod tests {
     use sphcut_physics::elasticity::ElasticModuli;
     use sphcut_physics::flow_stress;
 
-    pub(crate) fn around<const D: usize>(engine: &Engine<D>) -> Surroundings<'_, D> {
-        Surroundings { particles: &engine.particles, reference: &engine.reference }
+    pub(crate) fn around<const D: usize>(engine: &Engine<D>) -> Neighbourhood<'_, D> {
+        Neighbourhood { particles: &engine.particles, reference: &engine.reference }
     }
 
     /// A block of 2 by 1.6 (by 0.6) m in cells of 0.1 m with the aspect given.

@@ -10,7 +10,7 @@
 
 use crate::contact::friction::ContactFriction;
 use crate::contact::surface::{ContactSurface, Footing, make_room};
-use crate::contact::surface_point::{SurfacePoints, Surroundings};
+use crate::contact::surface_point::{Neighbourhood, SurfacePoints};
 use crate::contact::tool_holder::ToolHolder;
 use crate::contact::tool_motion::ToolMotion;
 use crate::contact::touch::Touch;
@@ -228,7 +228,7 @@ impl<const D: usize> ToolContact<D> {
     }
 
     /// Computes the contact forces at `time` on the particles for the coming step.
-    pub(crate) fn evaluate(&mut self, time: f64, time_step: f64, around: &Surroundings<'_, D>) {
+    pub(crate) fn evaluate(&mut self, time: f64, time_step: f64, around: &Neighbourhood<'_, D>) {
         let displacement = self.displacement(time);
         let velocity = reduced(self.mean_velocity(time, time_step).as_ref());
         let depth = self.contact_surface.depth();
@@ -324,7 +324,7 @@ impl<const D: usize> ToolContact<D> {
     }
 
     /// Finds the surface points of the present touches anew.
-    pub(crate) fn lay_points(&mut self, around: &Surroundings<'_, D>) {
+    pub(crate) fn lay_points(&mut self, around: &Neighbourhood<'_, D>) {
         self.points.lay(&self.touches, around);
     }
 

@@ -20,7 +20,7 @@ mod tool;
 
 use crate::contact::repulsion::RepellingPairs;
 use crate::contact::self_contact;
-use crate::contact::surface_point::Surroundings;
+use crate::contact::surface_point::Neighbourhood;
 use crate::contact::tool_contact::ToolContact;
 use crate::contact::tool_holder::ToolHolder;
 use crate::error::{Diverged, SetupError};
@@ -247,7 +247,7 @@ impl<const D: usize> Engine<D> {
         self_contact.push_apart(&particles.position, &mut particles.force);
         pairing.push_apart(&particles.position, &mut particles.force);
         let Some(tool) = tool else { return };
-        let around = Surroundings { particles: &*particles, reference: &*reference };
+        let around = Neighbourhood { particles: &*particles, reference: &*reference };
         match touches {
             Touches::Kept => tool.lay_points(&around),
             Touches::Anew => {

@@ -1,6 +1,6 @@
 //! The complete state, and the engine that goes on from it.
 
-use crate::contact::surface_point::Surroundings;
+use crate::contact::surface_point::Neighbourhood;
 use crate::contact::touch::Touch;
 use crate::engine::Engine;
 use crate::error::SetupError;
@@ -212,7 +212,7 @@ impl<const D: usize> Engine<D> {
                 })
             })
             .collect::<Result<_, SetupError>>()?;
-        tool.lay_points(&Surroundings { particles: &self.particles, reference: &self.reference });
+        tool.lay_points(&Neighbourhood { particles: &self.particles, reference: &self.reference });
         Ok(())
     }
 }

@@ -151,7 +151,7 @@ pub(super) fn read(
     let key = match KeyPath::parse(written) {
         Ok(key) => key,
         Err(expected) => {
-            let found = format!("`{}`", sphcut_input::reader::shortened(written));
+            let found = format!("`{}`", sphcut_input::problem::shortened(written));
             let mistake = Mistake::WrongType { key: "key".to_owned(), expected, found };
             findings.problem(&record.source, record.span("key"), mistake);
             return None;
@@ -192,7 +192,7 @@ fn following(findings: &mut Findings, record: &Record<'_>, own: &KeyPath) -> Opt
         }
         Ok(of) => Some(Levels::Multiple { of, times }),
         Err(expected) => {
-            let found = format!("`{}`", sphcut_input::reader::shortened(of));
+            let found = format!("`{}`", sphcut_input::problem::shortened(of));
             let mistake = Mistake::WrongType { key: "of".to_owned(), expected, found };
             findings.problem(&record.source, record.span("of"), mistake);
             None
@@ -381,7 +381,7 @@ fn number(findings: &mut Findings, record: &Record<'_>, key: &str) -> Option<Wri
     match units::split_number(text.trim()) {
         Ok((number, unit)) => Some((number, unit.trim().to_owned())),
         Err(error) => {
-            let found = format!("`{}`: {error}", sphcut_input::reader::shortened(&text));
+            let found = format!("`{}`: {error}", sphcut_input::problem::shortened(&text));
             let expected = "a number with its unit".to_owned();
             let mistake = Mistake::WrongType { key: key.to_owned(), expected, found };
             findings.problem(&record.source, value.span(), mistake);

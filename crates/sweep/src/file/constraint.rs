@@ -122,13 +122,13 @@ fn one(text: &str, base: &Scenario) -> Result<Constraint, Box<Mistake>> {
     let Some((at, sign, relation)) = found else {
         return Err(refuse(format!(
             "`{}` has none of <, <=, >, >=",
-            sphcut_input::reader::shortened(text)
+            sphcut_input::problem::shortened(text)
         )));
     };
     let (left, left_unit) = side(&text[..at], base)?;
     let (right, right_unit) = side(&text[at + sign.len()..], base)?;
     if matches!((&left, &right), (Side::Value(_), Side::Value(_))) {
-        return Err(refuse(format!("`{}` names no key", sphcut_input::reader::shortened(text))));
+        return Err(refuse(format!("`{}` names no key", sphcut_input::problem::shortened(text))));
     }
     if !units::same_dimensions(&left_unit, &right_unit) {
         let shown = |unit: &str| {
@@ -136,7 +136,7 @@ fn one(text: &str, base: &Scenario) -> Result<Constraint, Box<Mistake>> {
         };
         return Err(refuse(format!(
             "the left side of `{}` is {}, the right side {}",
-            sphcut_input::reader::shortened(text),
+            sphcut_input::problem::shortened(text),
             shown(&left_unit),
             shown(&right_unit)
         )));
@@ -160,7 +160,7 @@ fn side(text: &str, base: &Scenario) -> Result<(Side, String), Box<Mistake>> {
                 |near| format!("did you mean `{near}`?"),
             );
             refused(
-                format!("the scenario has no number `{}`", sphcut_input::reader::shortened(rest)),
+                format!("the scenario has no number `{}`", sphcut_input::problem::shortened(rest)),
                 help,
             )
         };
@@ -180,7 +180,7 @@ fn side(text: &str, base: &Scenario) -> Result<(Side, String), Box<Mistake>> {
     }
     units::any(text).map(|(si, unit)| (Side::Value(si), unit)).map_err(|error| {
         refused(
-            format!("`{}`: {error}", sphcut_input::reader::shortened(text)),
+            format!("`{}`: {error}", sphcut_input::problem::shortened(text)),
             "a side is a key, a number times a key, or a value with its unit".to_owned(),
         )
     })

@@ -1,10 +1,12 @@
 //! Which runs a task computes, and what it asks the cluster for.
 
-use super::script::LEAD_SECONDS;
 use crate::plan::PlannedRun;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+/// Seconds before its time limit at which a task is told to write its checkpoint. Slurm counts time limits in
+/// minutes and may be one of them early.
+pub const LEAD_SECONDS: u64 = 180;
 /// Seconds of a run beside its steps: it is read, claimed, written and published.
 const BESIDE: f64 = 0.1;
 /// How much slower than the machine that was measured a node may be before tasks run out of time.

@@ -11,8 +11,6 @@ mod script;
 mod submission;
 
 pub use client::{Queued, SlurmError, cancel, is_possible, most_tasks, queue, submit};
-pub use deal::{JobRequest, Task, deal, request};
-pub use script::{
-    LEAD_SECONDS, Script, array_script, collecting_script, refused_option, refused_path,
-};
+pub use deal::{JobRequest, LEAD_SECONDS, Task, deal, request};
+pub use script::{Script, array_script, collecting_script, refused_option, refused_path};
 pub use submission::{Submission, TaskRun};

@@ -1,11 +1,8 @@
 //! The batch scripts.
 
-use super::deal::JobRequest;
+use super::deal::{JobRequest, LEAD_SECONDS};
 use std::path::{Path, PathBuf};
 
-/// Seconds before its time limit at which a task is told to write its checkpoint. Slurm counts time limits in
-/// minutes and may be one of them early.
-pub const LEAD_SECONDS: u64 = 180;
 /// Times that a task may run out of time and go on.
 const MOST_RESTARTS: u32 = 200;
 /// Minutes and MiB of the collecting job: it reads summaries and draws one page.
