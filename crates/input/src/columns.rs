@@ -1,8 +1,10 @@
-//! Comma-separated tables with a header that names columns and their units.
+//! Tables with a header that names columns and their units. Cells are parted by commas, or, as Excel writes them where the decimal
+//! sign is a comma, by semicolons or tabs; cells in quotes may hold any of them.
 
 use crate::spelling::nearest;
 use crate::units;
-use sphcut_physics::Quantity;
+use csv::{ReaderBuilder, StringRecord, Trim};
+use sphcut_physics::{Quantity, csv::meant};
 use std::fmt;
 
 /// What is wrong in a table, and where.
@@ -32,8 +34,8 @@ impl std::error::Error for TableProblem {}
 pub struct ColumnRule {
     /// Name in the header.
     pub name: &'static str,
-    /// What it measures.
-    pub quantity: Quantity,
+    /// What it measures; `None` of a text.
+    pub quantity: Option<Quantity>,
     /// An example of its unit; empty for a pure number.
     pub unit: &'static str,
     /// Whether a table without it is refused.
@@ -50,7 +52,13 @@ pub const fn column(
     unit: &'static str,
     (required, positive): (bool, bool),
 ) -> ColumnRule {
-    ColumnRule { name, quantity, unit, required, positive }
+    ColumnRule { name, quantity: Some(quantity), unit, required, positive }
+}
+
+/// The rule of a column of texts that a table may have.
+#[must_use]
+pub const fn text_column(name: &'static str) -> ColumnRule {
+    ColumnRule { name, quantity: None, unit: "", required: false, positive: false }
 }
 
 impl ColumnRule {
@@ -76,9 +84,17 @@ pub struct TableLine {
     /// Its number, from 1.
     pub number: usize,
     values: Vec<Option<f64>>,
+    /// Of the rules of texts, in their order; none where the table has no such column.
+    texts: Vec<(usize, String)>,
 }
 
 impl TableLine {
+    /// The text in the column of the rule `index`, if there is one.
+    #[must_use]
+    pub fn text(&self, index: usize) -> Option<&str> {
+        self.texts.iter().find(|(rule, _)| *rule == index).map(|(_, text)| text.as_str())
+    }
+
     /// The SI value in the column of the rule `index`, if there is one.
     #[must_use]
     pub fn get(&self, index: usize) -> Option<f64> {
@@ -114,20 +130,46 @@ pub fn read(
     rules: &[ColumnRule],
     nothing: &str,
 ) -> Result<Vec<TableLine>, TableProblem> {
-    let mut lines = text
-        .trim_start_matches('\u{feff}')
-        .lines()
-        .enumerate()
-        .map(|(index, line)| (index + 1, line.trim()))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let Some((number, line)) = lines.next() else {
-        return Err(whole(1, "the table is empty"));
-    };
-    let columns = header(number, line, rules)?;
-    let rows: Vec<TableLine> = lines
-        .map(|(number, line)| Ok(TableLine { number, values: row(number, line, rules, &columns)? }))
-        .collect::<Result<_, _>>()?;
-    if rows.is_empty() { Err(whole(number, nothing)) } else { Ok(rows) }
+    let text = text.trim_start_matches('\u{feff}');
+    let delimiter = delimiter(text);
+    let mut reader = ReaderBuilder::new()
+        .delimiter(delimiter)
+        .has_headers(false)
+        .comment(Some(b'#'))
+        .flexible(true)
+        .trim(Trim::All)
+        .from_reader(text.as_bytes());
+    let mut columns = None;
+    let (mut rows, mut head) = (Vec::new(), 1);
+    // The reader counts from the empty lines before a record: where it ends is what tells its line.
+    let (mut number, mut counted) = (1, 0);
+    let mut cells = StringRecord::new();
+    while reader.read_record(&mut cells).map_err(|error| whole(1, error.to_string()))? {
+        let read = &text[..reader.position().byte() as usize];
+        let end = read.trim_end_matches(['\r', '\n']).len();
+        number += read[counted..end].matches('\n').count();
+        counted = end;
+        if cells.iter().all(str::is_empty) || cells[0].starts_with('#') {
+            continue;
+        }
+        let Some(columns) = &columns else {
+            (columns, head) = (Some(header(number, &cells, rules)?), number);
+            continue;
+        };
+        rows.push(row(number, &cells, rules, columns, delimiter)?);
+    }
+    match columns {
+        None => Err(whole(1, "the table is empty")),
+        Some(_) if rows.is_empty() => Err(whole(head, nothing)),
+        Some(_) => Ok(rows),
+    }
+}
+
+/// What parts the cells: the first of semicolon and tab that the header has, else a comma.
+fn delimiter(text: &str) -> u8 {
+    let head = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
+    let has = |sign: &&u8| head.is_some_and(|line| line.as_bytes().contains(sign));
+    b";\t".iter().find(has).copied().unwrap_or(b',')
 }
 
 /// A mistake of a whole line.
@@ -135,9 +177,13 @@ pub fn whole(line: usize, message: impl Into<String>) -> TableProblem {
     TableProblem { line, column: None, message: message.into() }
 }
 
-fn header(line: usize, text: &str, rules: &[ColumnRule]) -> Result<Vec<Column>, TableProblem> {
+fn header(
+    line: usize,
+    cells: &StringRecord,
+    rules: &[ColumnRule],
+) -> Result<Vec<Column>, TableProblem> {
     let mut columns: Vec<Column> = Vec::new();
-    for (index, cell) in text.split(',').map(str::trim).enumerate() {
+    for (index, cell) in cells.iter().enumerate() {
         let (name, rest) = cell.split_once('[').unwrap_or((cell, ""));
         let name = crate::problem::shortened(name.trim());
         let wrong = |message: String| TableProblem {
@@ -147,7 +193,7 @@ fn header(line: usize, text: &str, rules: &[ColumnRule]) -> Result<Vec<Column>, 
         };
         let Some(found) = rules.iter().position(|rule| rule.name == name) else {
             let known: Vec<&'static str> = rules.iter().map(|rule| rule.name).collect();
-            let hint = nearest(&name, known.iter().copied()).map_or_else(
+            let hint = meant_column(&name, rules).map_or_else(
                 || format!("there are {}", known.join(", ")),
                 |near| format!("did you mean `{near}`?"),
             );
@@ -161,8 +207,11 @@ fn header(line: usize, text: &str, rules: &[ColumnRule]) -> Result<Vec<Column>, 
         if unit.is_empty() && !rule.unit.is_empty() {
             return Err(wrong(format!("the unit is missing: write `{}`", rule.heading())));
         }
-        units::parse(&format!("1 {unit}"), rule.quantity)
-            .map_err(|error| wrong(format!("`{unit}`: {error}; for example `{}`", rule.unit)))?;
+        if let Some(quantity) = rule.quantity {
+            units::parse(&format!("1 {unit}"), quantity).map_err(|error| {
+                wrong(format!("`{unit}`: {error}; for example `{}`", rule.unit))
+            })?;
+        }
         columns.push(Column { rule: found, unit });
     }
     let missing = rules
@@ -184,16 +233,21 @@ fn is_unknown(cell: &str) -> bool {
 
 fn row(
     line: usize,
-    text: &str,
+    cells: &StringRecord,
     rules: &[ColumnRule],
     columns: &[Column],
-) -> Result<Vec<Option<f64>>, TableProblem> {
-    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+    delimiter: u8,
+) -> Result<TableLine, TableProblem> {
     if cells.len() != columns.len() {
-        let message = format!("{} cells, but the header has {}", cells.len(), columns.len());
+        let hint = if delimiter == b',' && cells.len() > columns.len() {
+            "; where the decimal sign is a comma, part the cells by semicolons"
+        } else {
+            ""
+        };
+        let message = format!("{} cells, but the header has {}{hint}", cells.len(), columns.len());
         return Err(whole(line, message));
     }
-    let mut values = vec![None; rules.len()];
+    let mut found = TableLine { number: line, values: vec![None; rules.len()], texts: Vec::new() };
     for (index, (cell, column)) in cells.iter().zip(columns).enumerate() {
         let rule = &rules[column.rule];
         let wrong = |message: String| TableProblem {
@@ -204,15 +258,36 @@ fn row(
         if !rule.required && is_unknown(cell) {
             continue;
         }
+        let Some(quantity) = rule.quantity else {
+            found.texts.push((column.rule, meant(cell).to_owned()));
+            continue;
+        };
+        let has_decimal_comma = delimiter != b',' && cell.matches(',').count() == 1;
+        if has_decimal_comma && cell.contains('.') {
+            return Err(wrong("write it without a sign between thousands".to_owned()));
+        }
+        let digits = if has_decimal_comma { &cell.replace(',', ".") } else { cell };
         // The unit stands in the header; a bare number is what is wanted.
-        let number: f64 = cell.parse().map_err(|_| wrong("not a number".to_owned()))?;
-        let value = units::parse(&format!("{number} {}", column.unit), rule.quantity)
+        let number: f64 = digits.parse().map_err(|_| wrong("not a number".to_owned()))?;
+        let value = units::parse(&format!("{number} {}", column.unit), quantity)
             .map_err(|error| wrong(error.to_string()))?
             .si;
         if rule.positive && value <= 0.0 {
             return Err(wrong("must be above 0".to_owned()));
         }
-        values[column.rule] = Some(value);
+        found.values[column.rule] = Some(value);
     }
-    Ok(values)
+    Ok(found)
+}
+
+/// The column that a name is a misspelling of: never one of another quantity, which `F_t` would be for `F_c`; a case, `_` or `-` that
+/// differ are misspellings, another index of a symbol is not.
+fn meant_column(name: &str, rules: &[ColumnRule]) -> Option<&'static str> {
+    let plain = |name: &str| name.to_lowercase().replace(['_', '-', ' '], "");
+    let is_symbol = |name: &str| plain(name).len() <= 3;
+    let known = rules.iter().map(|rule| rule.name);
+    if is_symbol(name) {
+        return known.into_iter().find(|known| plain(known) == plain(name));
+    }
+    nearest(name, known.filter(|known| !is_symbol(known)))
 }

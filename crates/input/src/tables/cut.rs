@@ -1,6 +1,6 @@
 //! What was measured of many cuts as a table: comma-separated, a header with units, a cut per line.
 
-use crate::columns::{self, ColumnRule, TableLine, TableProblem, column};
+use crate::columns::{self, ColumnRule, TableLine, TableProblem, column, text_column};
 use sphcut_physics::{Channel, CuttingCondition, Quantity, ToolGeometry};
 
 /// How many channels a table may hold.
@@ -57,7 +57,7 @@ const fn measured(channel: Channel, unit: &'static str) -> ColumnRule {
     column(channel.symbol(), channel.quantity(), unit, (false, true))
 }
 
-const COLUMNS: [ColumnRule; OTHERS + 2 * CHANNELS + INTERVALS] = [
+const COLUMNS: [ColumnRule; OTHERS + 2 * CHANNELS + INTERVALS + 2] = [
     column("v_c", Quantity::Speed, "m/min", (true, true)),
     column("h", Quantity::Length, "mm", (true, true)),
     column("cut_length", Quantity::Length, "m", (false, false)),
@@ -85,11 +85,13 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * CHANNELS + INTERVALS] = [
     column("F_f_ci95", Quantity::Force, "N", (false, false)),
     column("F_p_ci95", Quantity::Force, "N", (false, false)),
     column("T_interface_ci95", Quantity::TemperatureDifference, "K", (false, false)),
+    text_column("material"),
+    text_column("tool"),
 ];
 
 /// Reads a table with the columns `v_c` and `h` and at least one channel ([`Channel::RECORDED`]); if it has them, also standard deviations
 /// (`F_c_sd` and so on), `n`, `order`, `cut_length`, `b`, and of the tool `rake` and `edge_radius`, which either all lines have or none; in any order, each with its unit in brackets: `v_c [m/min]`. A
-/// cell of what was not measured is empty. The half widths of intervals that `sphcut sweep` writes (`F_c_ci95` and so on) say nothing of recordings. A column `time` is read over. Empty lines and lines that begin with `#` are
+/// cell of what was not measured is empty. The half widths of intervals that `sphcut sweep` writes (`F_c_ci95` and so on) say nothing of recordings. Columns `time`, `material` and `tool` are read over. Empty lines and lines that begin with `#` are
 /// skipped.
 ///
 /// # Errors
@@ -205,7 +207,7 @@ mod tests {
                 format!("{},F_c [kN]\n", good.trim_end()),
                 "line 1, column 4 `F_c`: the column is there twice",
             ),
-            (good.replace("F_c", "F_x"), "line 1, column 3 `F_x`: no such column; did you mean"),
+            (good.replace("F_c", "F_x"), "line 1, column 3 `F_x`: no such column; there are v_c"),
             (format!("{good}150,0.1,-5\n"), "line 2, column 3 `F_c`: `-5`: must be above 0"),
             (format!("{good}150,0.1,inf\n"), "line 2, column 3 `F_c`: `inf`"),
             (format!("{good}150,,5\n"), "line 2, column 2 `h`: ``: not a number"),

@@ -1,10 +1,10 @@
 //! Forces over cutting conditions as a table: comma-separated, a header with units, a condition per line.
 
-use crate::columns::{self, ColumnRule, TableProblem, column};
+use crate::columns::{self, ColumnRule, TableProblem, column, text_column};
 use sphcut_physics::Quantity;
 
 /// One line of the table in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ForceTableRow {
     /// v_c in m/s.
     pub cutting_speed: f64,
@@ -20,10 +20,16 @@ pub struct ForceTableRow {
     pub feed_force_deviation: Option<f64>,
     /// Number of these measurements.
     pub count: Option<f64>,
+    /// b in m.
+    pub width_of_cut: Option<f64>,
+    /// Of the workpiece.
+    pub material: Option<String>,
+    /// Its name.
+    pub tool: Option<String>,
 }
 
 /// What is used, then what tables of `sphcut recordings` and `sphcut sweep` have beside it.
-const COLUMNS: [ColumnRule; 19] = [
+const COLUMNS: [ColumnRule; 21] = [
     column("v_c", Quantity::Speed, "m/min", (true, true)),
     column("h", Quantity::Length, "mm", (true, true)),
     column("F_c", Quantity::Force, "N", (true, false)),
@@ -43,10 +49,12 @@ const COLUMNS: [ColumnRule; 19] = [
     column("contact_length", Quantity::Length, "mm", (false, false)),
     column("T_interface", Quantity::Temperature, "degC", (false, false)),
     column("T_interface_ci95", Quantity::TemperatureDifference, "K", (false, false)),
+    text_column("material"),
+    text_column("tool"),
 ];
 
 /// Reads a table with the columns `v_c`, `h`, `F_c` and `F_f` and, if it has them, `F_c_sd`, `F_f_sd` (standard
-/// deviations) and `n`, in any order, each with its unit in brackets: `v_c [m/min]`. What tables of `sphcut recordings` and `sphcut sweep` have
+/// deviations), `n`, `b` and the names of `material` and `tool`, in any order, each with its unit in brackets: `v_c [m/min]`. What tables of `sphcut recordings` and `sphcut sweep` have
 /// besides is read over. A condition may be there more than once. Empty lines and lines that
 /// begin with `#` are skipped.
 ///
@@ -64,6 +72,9 @@ pub fn read_force_table(text: &str) -> Result<Vec<ForceTableRow>, TableProblem> 
                 cutting_force_deviation: line.get(4),
                 feed_force_deviation: line.get(5),
                 count: line.get(6),
+                width_of_cut: line.get(7),
+                material: line.text(19).map(str::to_owned),
+                tool: line.text(20).map(str::to_owned),
             };
             let deviations = [row.cutting_force_deviation, row.feed_force_deviation];
             if deviations.into_iter().flatten().any(|deviation| deviation < 0.0) {
@@ -90,12 +101,19 @@ mod tests {
             cutting_force_deviation: Some(4.0),
             feed_force_deviation: None,
             count: Some(3.0),
+            width_of_cut: None,
+            material: None,
+            tool: None,
         };
         assert_eq!(rows[0], expected);
         assert_eq!((rows[1].cutting_force_deviation, rows[1].count), (None, Some(1.0)));
         let recorded = "v_c [m/min],h [mm],b [mm],F_c [N],F_f [N],F_p [N],F_c_sd [N],F_f_sd [N],F_p_sd [N],n,order,\
                         time [s]\n150,0.1,3,600,200,10,4,3,1,5,2,12.5\n";
         assert_eq!(read_force_table(recorded).unwrap()[0].feed_force_deviation, Some(3.0));
+        let named = "v_c [m/min],h [mm],F_c [N],F_f [N],material,tool,b [mm]\n150,0.1,600,200,\"C45, normalised\",,3\n";
+        let row = &read_force_table(named).unwrap()[0];
+        assert_eq!(row.material.as_deref(), Some("C45, normalised"));
+        assert_eq!((row.tool.as_deref(), row.width_of_cut), (None, Some(3e-3)));
     }
 
     #[test]

@@ -114,6 +114,34 @@ mod tests {
     }
 
     #[test]
+    fn tables_of_programs_with_a_decimal_comma_are_read() {
+        let text = "\u{feff}# 5\" insert, \"a\nv_c [m/min];springback [um];uncertainty [um]\r\n\r\n150;1,5;0,85\r\n\"300\";-0.1;0,85";
+        let rows = read_measured_springback(text).unwrap();
+        assert_eq!(
+            (rows.len(), rows[0].springback, rows[1].springback),
+            (2, 1.5 / 1e6, -0.1 / 1e6)
+        );
+        let tabs = text.replace(';', "\t");
+        assert_eq!(read_measured_springback(&tabs).unwrap(), rows);
+        for (wrong, expected) in [
+            (
+                text.replace("1,5", "1.001,5"),
+                "line 4, column 2 `springback`: `1.001,5`: write it without a sign between thousands",
+            ),
+            (
+                text.replace("0,85", "0,8,5"),
+                "line 4, column 3 `uncertainty`: `0,8,5`: not a number",
+            ),
+            (
+                text.replace(';', ","),
+                "line 4: 5 cells, but the header has 3; where the decimal sign is a comma, part the cells by semicolons",
+            ),
+        ] {
+            assert_eq!(read_measured_springback(&wrong).unwrap_err().to_string(), expected);
+        }
+    }
+
+    #[test]
     fn mistakes_are_told_with_line_and_column() {
         let good = "v_c [m/min],springback [um],uncertainty [um]\n";
         for (text, expected) in [
