@@ -4,8 +4,9 @@ use crate::error::GreyBoxError;
 use crate::fit::ForceTable;
 use crate::metrics::{BootstrapEstimate, Outcomes, Scores, bias, scores};
 use crate::model_file::{GreyBox, Prediction};
-use crate::pairing::{ForceKind, Pairs, pair_at_least};
+use crate::pairing::{ForceKind, ForceRow, Pairs, pair_at_least};
 use crate::regressor::Method;
+use crate::setting::{TableKind, same_width};
 
 /// A comparison of both forces.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,8 +15,10 @@ pub struct TableComparison {
     pub pairs: Pairs,
     /// F_c and F_f.
     pub forces: [ForceComparison; 2],
-    /// Whether the measurements are those that the correction was taught with.
-    pub same_measurements: bool,
+    /// Rows that were left out because the correction was fitted to them.
+    pub seen: usize,
+    /// What is to be kept in mind of the tables.
+    pub notes: Vec<String>,
     /// How many rows lie inside the hull.
     pub inside: usize,
 }
@@ -46,7 +49,7 @@ pub struct ForceComparison {
 /// Compares by `method` or by the regressor to use.
 ///
 /// # Errors
-/// Tables that cannot be paired; a regressor that was not fitted.
+/// Cuts of another material or width; no row that the fit has not seen; tables that cannot be paired; a regressor that was not fitted.
 pub fn compare(
     model: &GreyBox,
     method: Option<Method>,
@@ -54,11 +57,20 @@ pub fn compare(
     measured: &ForceTable,
     resamples: usize,
 ) -> Result<TableComparison, GreyBoxError> {
-    let pairs = pair_at_least(1, &simulated.rows, &measured.rows)?;
+    same_width(&simulated.setting, &measured.setting)?;
+    let mut notes = model.guard(simulated, TableKind::Simulated)?;
+    notes.extend(model.guard(measured, TableKind::Measured)?);
+    let new: Vec<ForceRow> =
+        measured.rows.iter().filter(|row| !model.has_seen(measured, row)).copied().collect();
+    if new.is_empty() {
+        return Err(GreyBoxError::NothingNew(measured.rows.len()));
+    }
+    let pairs = pair_at_least(1, &simulated.rows, &new)?;
     let force = |force| one(model, method, force, &pairs, resamples);
     let forces = [force(ForceKind::Cutting)?, force(ForceKind::Feed)?];
     Ok(TableComparison {
-        same_measurements: model.tables[1].sha256 == measured.origin.sha256,
+        seen: measured.rows.len() - new.len(),
+        notes,
         inside: forces[0].predictions.iter().filter(|prediction| prediction.inside).count(),
         forces,
         pairs,

@@ -38,6 +38,40 @@ pub enum GreyBoxError {
         /// Measured conditions in all.
         of: usize,
     },
+    /// Several materials or widths in one table.
+    #[error("{first} and {second} in one table: a correction holds for one; make a table of each")]
+    Mixed {
+        /// The first.
+        first: String,
+        /// The one that differs.
+        second: String,
+    },
+    /// A simulation of another width than the measurements.
+    #[error("simulated are {simulated}, measured {measured}: forces in N cannot be compared")]
+    OtherWidth {
+        /// Of the simulation.
+        simulated: String,
+        /// Of the measurements.
+        measured: String,
+    },
+    /// Cuts that the correction was not fitted to.
+    #[error(
+        "the correction was fitted to {fitted}, these are of {given}: it says nothing of them. Fit one to these cuts"
+    )]
+    OtherSetting {
+        /// Of the correction.
+        fitted: String,
+        /// Of the table.
+        given: String,
+    },
+    /// A comparison with the rows of the fit.
+    #[error(
+        "all {0} measured rows are those that the correction was fitted to: that tests nothing. Compare with other measurements"
+    )]
+    NothingNew(usize),
+    /// A table that cannot be read.
+    #[error("{0}")]
+    Table(String),
     /// A stored model that cannot be used.
     #[error("{0}")]
     Model(String),

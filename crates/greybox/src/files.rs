@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Version of the schema of `greybox.json`.
-const SCHEMA_VERSION: &str = "1.1";
+const SCHEMA_VERSION: &str = "1.2";
 const M_PER_MIN: f64 = 60.0;
 const MM: f64 = 1e3;
 
@@ -24,6 +24,7 @@ pub fn fit_json(fit: &GreyBoxFit) -> String {
         "resamples": fit.options.resamples,
         "simulated_table": fit.origins[0],
         "measured_table": fit.origins[1],
+        "settings": fit.settings,
         "rows": fit.pairs.rows.len(),
         "conditions": fit.pairs.conditions.len(),
         "condensed": fit.pairs.condensed,
@@ -40,6 +41,9 @@ fn force_json(force: &ForceFit) -> Value {
         "white_box": force.white_box,
         "procedure": force.procedure,
         "noise_floor": force.floor,
+        "pays": force.pays(),
+        "outliers": force.outliers,
+        "without_outliers": force.without_outliers,
         "methods": force.methods.iter().map(method_json).collect::<Vec<_>>(),
         "without_simulation": {
             "interpolation": force.alone.interpolation,
@@ -144,7 +148,7 @@ pub fn comparison_json(comparison: &TableComparison) -> String {
         "rows": comparison.pairs.rows.len(),
         "conditions": comparison.pairs.conditions.len(),
         "rows_inside_hull": comparison.inside,
-        "same_measurements": comparison.same_measurements,
+        "rows_of_the_fit_left_out": comparison.seen,
         "forces": comparison.forces.iter().map(|force| json!({
             "force": force.force,
             "method": force.method,

@@ -31,6 +31,7 @@ mod pairing;
 mod random;
 pub mod regressor;
 mod samples;
+mod setting;
 pub mod validation;
 
 pub use compare::{ForceComparison, TableComparison, compare};
@@ -38,7 +39,7 @@ pub use error::GreyBoxError;
 pub use files::{comparison_json, fit_json, points_csv, predictions_csv};
 pub use fit::{
     BlackBox, Choice, Extrapolated, FitOptions, ForceFit, ForceTable, GreyBoxFit, LearningPoint,
-    MethodFit, Report, TableOrigin, Validated, fit,
+    MethodFit, Outlier, Report, TableOrigin, Validated, fit,
 };
 pub use folds::grouped_folds;
 pub use hull::Hull;
@@ -49,3 +50,4 @@ pub use noise::{FloorSource, NoiseFloor, noise_floor};
 pub use pairing::{ForceKind, ForceRow, PairedCondition, PairedRow, Pairs, pair};
 pub use random::Random;
 pub use samples::{Input, TrainingRows};
+pub use setting::{CutSetting, TableKind};

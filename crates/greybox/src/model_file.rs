@@ -1,11 +1,12 @@
 //! A fit as a file: models, what they were taught with, and a check that they were read right.
 
 use crate::error::GreyBoxError;
-use crate::fit::{GreyBoxFit, NORMAL_95, TableOrigin};
+use crate::fit::{ForceTable, GreyBoxFit, NORMAL_95, TableOrigin};
 use crate::hull::Hull;
-use crate::pairing::ForceKind;
+use crate::pairing::{ForceKind, ForceRow};
 use crate::regressor::{Method, Model, Regressor, RegressorSettings};
 use crate::samples::Input;
+use crate::setting::CutSetting;
 use serde::{Deserialize, Serialize};
 
 /// What a file has to say it is.
@@ -24,6 +25,12 @@ pub struct GreyBox {
     pub seed: u64,
     /// Simulated and measured table.
     pub tables: [TableOrigin; 2],
+    /// Their materials, widths and tools; files of earlier versions say nothing of them.
+    #[serde(default)]
+    pub settings: [CutSetting; 2],
+    /// v_c in m/s, h in m, F_c and F_f in N of the measured rows; likewise.
+    #[serde(default)]
+    pub rows: Vec<[f64; 4]>,
     /// Hull of the measured conditions.
     pub hull: Hull,
     /// F_c and F_f.
@@ -71,6 +78,8 @@ pub struct Prediction {
     pub inside: bool,
 }
 
+/// What units leave of a difference between equal numbers.
+const ROUNDING: f64 = 1e-9;
 /// Conditions whose predictions are checked.
 const CHECKED: usize = 8;
 
@@ -106,6 +115,8 @@ impl GreyBox {
             version: fit.version.to_owned(),
             seed: fit.options.seed,
             tables: fit.origins.clone(),
+            settings: fit.settings.clone(),
+            rows: fit.pairs.rows.iter().map(|row| numbers(&row.measured)).collect(),
             hull: fit.hull.clone(),
             corrections,
         }
@@ -143,6 +154,15 @@ impl GreyBox {
         Ok(found)
     }
 
+    /// Whether the correction was fitted to a row of `table`: its numbers are those of a row of the fit.
+    #[must_use]
+    pub(crate) fn has_seen(&self, table: &ForceTable, row: &ForceRow) -> bool {
+        let same = |own: &[f64; 4]| {
+            own.iter().zip(numbers(row)).all(|(a, b)| (a - b).abs() <= ROUNDING * a.abs())
+        };
+        self.tables[1].sha256 == table.origin.sha256 || self.rows.iter().any(same)
+    }
+
     /// The corrected force at a condition whose simulated force is known, by a regressor or the one to use.
     ///
     /// # Errors
@@ -168,6 +188,11 @@ impl GreyBox {
         let interval = [corrected - half_width, corrected + half_width];
         Ok(Prediction { simulated, corrected, interval, inside })
     }
+}
+
+/// Of a row: v_c, h, F_c, F_f.
+fn numbers(row: &ForceRow) -> [f64; 4] {
+    [row.cutting_speed, row.uncut_chip_thickness, row.forces[0], row.forces[1]]
 }
 
 /// Enough of a file to know what it is.

@@ -40,6 +40,8 @@ pub struct PlannedRun {
     pub numbers: Vec<Option<f64>>,
     /// Speed, thickness and width, of a cut.
     pub condition: Option<CutSize>,
+    /// Name of the workpiece's material.
+    pub material: String,
     /// Where its result is kept.
     pub address: Address,
     /// What it will take.
@@ -196,6 +198,8 @@ fn check(sweep: &Sweep, number: usize, values: Vec<String>) -> Checked {
     let numbers = sweep.axes.iter().map(|axis| axis.number(&scenario)).collect();
     let cost = Cost::new(&scenario.setup, &estimate);
     let (condition, address) = (CutSize::of(&scenario.setup), address(&scenario));
-    let run = PlannedRun { number, numbers, condition, address, cost, values };
+    let material =
+        scenario.setup.materials.first().map_or_else(String::new, |first| first.name.clone());
+    let run = PlannedRun { number, numbers, condition, material, address, cost, values };
     Checked::Run(run, scenario.warnings)
 }

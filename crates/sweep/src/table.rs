@@ -41,6 +41,8 @@ pub struct SweepRow {
     pub numbers: Vec<Option<f64>>,
     /// Speed, thickness and width, of a cut.
     pub condition: Option<CutSize>,
+    /// Name of the workpiece's material.
+    pub material: String,
     /// F_c, F_f and F_p in N, each with the half width of its 95 % interval; of a cut with a result.
     pub forces: [Option<[f64; 2]>; 3],
     /// The numbers of its summary by name.
@@ -98,6 +100,7 @@ impl SweepTable {
                 values: run.values.iter().map(|value| value.trim_matches('"').to_owned()).collect(),
                 numbers: run.numbers.clone(),
                 condition: run.condition,
+                material: run.material.clone(),
                 forces: [None; 3],
                 summary: BTreeMap::new(),
                 entry: None,
@@ -184,12 +187,12 @@ impl SweepTable {
     }
 
     /// Simulated forces over speed and thickness as `sphcut greybox` reads them, with the half widths of their 95 % intervals, chip
-    /// thickness, contact length and interface temperature where they are known: the cuts with a result. `None` without any.
+    /// thickness, contact length and interface temperature where they are known, and the material: the cuts with a result. `None` without any.
     #[must_use]
     pub fn simulated_csv(&self) -> Option<String> {
         let mut text = String::from(
             "v_c [m/min],h [mm],b [mm],F_c [N],F_c_ci95 [N],F_f [N],F_f_ci95 [N],F_p [N],F_p_ci95 [N],chip_thickness [mm],\
-             contact_length [mm],T_interface [degC],T_interface_ci95 [K]\n",
+             contact_length [mm],T_interface [degC],T_interface_ci95 [K],material\n",
         );
         let mut cuts = 0;
         for row in &self.rows {
@@ -217,7 +220,8 @@ impl SweepTable {
                 }
             });
             let beside = beside.map(|number| number.map_or_else(String::new, short));
-            line(&mut text, conditions.into_iter().chain(forces).chain(beside));
+            let material = quoted(&row.material);
+            line(&mut text, conditions.into_iter().chain(forces).chain(beside).chain([material]));
             cuts += 1;
         }
         (cuts > 0).then_some(text)

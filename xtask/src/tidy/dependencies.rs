@@ -36,7 +36,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
     ("postprocess", &["record", "sph", "physics"]),
     ("recordings", &["input", "postprocess", "physics"]),
     ("sweep", &["input", "scenario", "record", "sph", "physics"]),
-    ("greybox", &["record", "physics"]),
+    ("greybox", &["input", "physics"]),
     (
         "diagnose",
         &[

@@ -296,3 +296,99 @@ fn a_damaged_model_is_refused() {
     .expect_code(4)
     .expect_err("no");
 }
+
+#[test]
+fn a_correction_is_kept_to_its_cuts_and_not_tested_on_rows_of_its_fit() {
+    let shop = Workshop::new("greybox_guard");
+    tables(&shop);
+    let named = |text: &str, cells: &str| {
+        let mut lines = text.lines();
+        let head = lines.next().unwrap();
+        let rows: String = lines.map(|line| format!("{line},{cells}\n")).collect();
+        format!("{head},material,tool,b [mm]\n{rows}")
+    };
+    let (sim, meas) = (shop.read("sim.csv"), shop.read("meas.csv"));
+    shop.write("sim.csv", &named(&sim, "C45,A,3"));
+    shop.write("meas.csv", &named(&meas, "C45,A,2"));
+    shop.sphcut(&FIT).expect_code(2).expect_err("simulated are cuts 3 mm wide, measured 2 mm");
+    shop.write("meas.csv", &named(&meas, "C45,A,3").replacen("C45", "Ti6Al4V", 2));
+    shop.sphcut(&FIT).expect_code(2).expect_err("the material `Ti6Al4V` and `C45` in one table");
+    shop.write("meas.csv", &named(&meas, "C45,A,3"));
+    shop.sphcut(&FIT).expect_code(0);
+
+    let predict = |cells: &str| {
+        shop.write("new.csv", &named(&sim, cells));
+        shop.sphcut(&[
+            "greybox",
+            "predict",
+            "--model",
+            "grey",
+            "--simulated",
+            "new.csv",
+            "--out",
+            "p.csv",
+            "--force",
+        ])
+    };
+    predict("Ti6Al4V,A,3")
+        .expect_code(2)
+        .expect_err("fitted to the material `C45`, these are of `Ti6Al4V`");
+    predict("C45,A,2").expect_code(2).expect_err("fitted to cuts 3 mm wide, these are of 2 mm");
+    predict("C45,B,3")
+        .expect_code(0)
+        .expect_err("`new.csv` has the tool `B`, the correction was fitted to `A`");
+    predict(",A,3")
+        .expect_code(0)
+        .expect_err("`new.csv` does not say its material: taken to be `C45`");
+
+    let compare = || {
+        shop.sphcut(&[
+            "greybox",
+            "compare",
+            "--model",
+            "grey",
+            "--simulated",
+            "sim.csv",
+            "--measured",
+            "other.csv",
+            "--out",
+            "check",
+            "--force",
+        ])
+    };
+    // The same rows in another order, under another name and in other units.
+    let mut lines: Vec<&str> = meas.lines().collect();
+    lines[1..].reverse();
+    shop.write("other.csv", &lines.join("\n"));
+    compare()
+        .expect_code(2)
+        .expect_err("all 50 measured rows are those that the correction was fitted to");
+    lines.truncate(41);
+    shop.write("other.csv", &(lines.join("\n") + "\n150,0.1,500,250\n"));
+    compare()
+        .expect_code(0)
+        .expect_err("40 measured rows are left out: the correction was fitted to them");
+    assert_eq!(json(&shop, "check/comparison.json")["rows_of_the_fit_left_out"], 40);
+    assert!(shop.read("check/comparison.html").contains("so they test nothing"));
+}
+
+#[test]
+fn a_slip_of_the_pen_is_named_and_the_fit_shown_without_it() {
+    let shop = Workshop::new("greybox_outlier");
+    tables(&shop);
+    let meas = shop.read("meas.csv");
+    let row = meas.lines().find(|line| line.starts_with("150,0.1,")).unwrap();
+    let cells: Vec<&str> = row.split(',').collect();
+    let wrong = format!("{},{},{}0,{}", cells[0], cells[1], cells[2], cells[3]);
+    shop.write("meas.csv", &meas.replacen(row, &wrong, 1));
+    let ended = shop.sphcut(&FIT).expect_code(0);
+    ended.expect_err(&format!("F_c of {}0 N at 150 m/min, 0.1 mm is missed", cells[2]));
+    let cutting = &json(&shop, "grey/greybox.json")["forces"][0];
+    assert_eq!(cutting["outliers"].as_array().unwrap().len(), 1, "{}", cutting["outliers"]);
+    let mae = |part: &str| cutting[part]["mae"]["value"].as_f64().unwrap();
+    assert!(mae("without_outliers") < 2.0 && mae("procedure") > 50.0, "{cutting}");
+    assert!(
+        json(&shop, "grey/greybox.json")["forces"][1]["outliers"].as_array().unwrap().is_empty()
+    );
+    assert!(shop.read("grey/greybox.html").contains("look again at what was written down"));
+}

@@ -15,11 +15,14 @@ use crate::metrics::{BootstrapEstimate, Outcomes, Scores, difference, quantile, 
 use crate::noise::{NoiseFloor, noise_floor};
 use crate::pairing::{ForceKind, ForceRow, Pairs, pair};
 use crate::regressor::{Method, Model, Regressor, RegressorSettings};
-use crate::samples::TrainingRows;
+use crate::samples::{Input, TrainingRows};
+use crate::setting::{CutSetting, same_width};
 use crate::validation::{HeldOut, assemble};
+use nalgebra::DMatrix;
 use progress::FitProgress;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use sphcut_input::ForceTableRow;
 use tasks::ValidationPlan;
 
 /// A table and where it comes from.
@@ -29,6 +32,8 @@ pub struct ForceTable {
     pub origin: TableOrigin,
     /// Its rows.
     pub rows: Vec<ForceRow>,
+    /// Material, width and tools.
+    pub setting: CutSetting,
 }
 
 /// What identifies a table.
@@ -43,12 +48,29 @@ pub struct TableOrigin {
 }
 
 impl ForceTable {
-    /// A table read from `text`.
-    #[must_use]
-    pub fn new(name: &str, text: &str, rows: Vec<ForceRow>) -> Self {
+    /// The table `text` of the file `name`.
+    ///
+    /// # Errors
+    /// A mistake with its line and column; several materials or widths.
+    pub fn read(name: &str, text: &str) -> Result<Self, GreyBoxError> {
+        let lines = sphcut_input::read_force_table(text)
+            .map_err(|problem| GreyBoxError::Table(problem.to_string()))?;
+        let setting = CutSetting::of(
+            lines
+                .iter()
+                .map(|line| (line.width_of_cut, line.material.as_deref(), line.tool.as_deref())),
+        )?;
         let digest = Sha256::digest(text.as_bytes());
         let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        Self { origin: TableOrigin { name: name.to_owned(), sha256, rows: rows.len() }, rows }
+        let origin = TableOrigin { name: name.to_owned(), sha256, rows: lines.len() };
+        let row = |line: ForceTableRow| ForceRow {
+            cutting_speed: line.cutting_speed,
+            uncut_chip_thickness: line.uncut_chip_thickness,
+            forces: [line.cutting_force, line.feed_force],
+            deviations: [line.cutting_force_deviation, line.feed_force_deviation],
+            count: line.count,
+        };
+        Ok(Self { origin, rows: lines.into_iter().map(row).collect(), setting })
     }
 }
 
@@ -80,6 +102,8 @@ pub struct GreyBoxFit {
     pub options: FitOptions,
     /// Simulated and measured table.
     pub origins: [TableOrigin; 2],
+    /// Their materials, widths and tools.
+    pub settings: [CutSetting; 2],
     /// What was compared.
     pub pairs: Pairs,
     /// Hull of the measured conditions.
@@ -110,7 +134,33 @@ pub struct ForceFit {
     pub alone: BlackBox,
     /// The error over the number of measured conditions.
     pub learning: Vec<LearningPoint>,
+    /// Rows that the method to use misses by much more than the others, the worst first.
+    pub outliers: Vec<Outlier>,
+    /// Errors of that method fitted without them; `None` if there are none.
+    pub without_outliers: Option<Scores>,
 }
+
+/// A row that the others do not foretell.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Outlier {
+    /// Index into the rows of the pairs.
+    pub row: usize,
+    /// v_c in m/s and h in m.
+    pub input: Input,
+    /// What was measured in N.
+    pub measured: f64,
+    /// Measured minus corrected in N, its condition held out.
+    pub error: f64,
+    /// That error over the robust standard deviation of all.
+    pub ratio: f64,
+    /// Diagonal of the hat matrix of a plane over v_c and h: 3/n on average, near 1 where the row stands alone.
+    pub leverage: f64,
+}
+
+/// Robust standard deviations from which a row is told.
+const OUTLYING: f64 = 6.0;
+/// Standard deviation of a normal distribution over the median of its absolute values.
+const NORMAL_MEDIAN: f64 = 1.482_602_218_505_602;
 
 /// Errors of a regressor without the simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,6 +233,7 @@ pub fn fit(
     options: &FitOptions,
     report: &Report<'_>,
 ) -> Result<GreyBoxFit, GreyBoxError> {
+    same_width(&simulated.setting, &measured.setting)?;
     let pairs = pair(&simulated.rows, &measured.rows)?;
     let plan = ValidationPlan::new(&pairs, options);
     let progress = FitProgress::new(plan.cost(), report);
@@ -196,6 +247,7 @@ pub fn fit(
         version: env!("CARGO_PKG_VERSION"),
         options: options.clone(),
         origins: [simulated.origin.clone(), measured.origin.clone()],
+        settings: [simulated.setting.clone(), measured.setting.clone()],
         hull: Hull::around(&pairs.inputs()),
         white_surfaces: ForceKind::BOTH.map(|force| white_surface(&pairs, force, options.seed)),
         pairs,
@@ -230,6 +282,12 @@ impl ForceFit {
         self.of(self.choice.method).unwrap_or(&self.methods[0])
     }
 
+    /// Whether held-out conditions are missed by less with the correction than without.
+    #[must_use]
+    pub fn pays(&self) -> bool {
+        self.procedure.mae.value < self.white_box.mae.value
+    }
+
     /// The fit of a method.
     #[must_use]
     pub fn of(&self, method: Method) -> Option<&MethodFit> {
@@ -248,6 +306,10 @@ impl Context<'_> {
         let choice = choice::choose(&methods, |predicted| self.difference(predicted));
         let alone = self.alone(plan, choice.method, progress);
         let learning = learning::curve(self, choice.method, progress);
+        let chosen = methods.iter().find(|fit| fit.method == choice.method);
+        let outliers = chosen.map_or_else(Vec::new, |fit| self.outliers(&fit.interpolation));
+        let without_outliers =
+            (!outliers.is_empty()).then(|| self.without(&outliers, choice.method));
         ForceFit {
             force: self.force,
             white_box: self.scores(&vec![0.0; self.samples.len()], |_| true),
@@ -257,7 +319,45 @@ impl Context<'_> {
             choice,
             alone,
             learning,
+            outliers,
+            without_outliers,
         }
+    }
+
+    fn outliers(&self, validated: &Validated) -> Vec<Outlier> {
+        let errors: Vec<f64> =
+            self.samples.targets.iter().zip(&validated.predicted).map(|(y, p)| y - p).collect();
+        let deviation = NORMAL_MEDIAN * median(errors.iter().map(|error| error.abs()).collect());
+        let measured = self.pairs.measured(self.force);
+        let leverages = leverages(&self.samples.inputs);
+        let mut found: Vec<Outlier> = (0..errors.len())
+            .filter(|&row| errors[row].abs() > OUTLYING * deviation && deviation > 0.0)
+            .map(|row| Outlier {
+                row,
+                input: self.samples.inputs[row],
+                measured: measured[row],
+                error: errors[row],
+                ratio: errors[row].abs() / deviation,
+                leverage: leverages[row],
+            })
+            .collect();
+        found.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+        found
+    }
+
+    /// The errors of `method` without the rows of `outliers`.
+    fn without(&self, outliers: &[Outlier], method: Method) -> Scores {
+        let mut pairs = self.pairs.clone();
+        let mut row = 0..;
+        pairs.rows.retain(|_| {
+            let row = row.next().unwrap_or(0);
+            outliers.iter().all(|outlier| outlier.row != row)
+        });
+        let samples = pairs.residuals(self.force);
+        let rest = Context { pairs: &pairs, samples: &samples, ..*self };
+        let plan = ValidationPlan::new(&pairs, self.options);
+        let trials = plan.run_one(method, &samples, &FitProgress::new(plan.cost(), &|_, _| {}));
+        rest.validated(&trials.interpolation).scores
     }
 
     /// Scores of predicted residuals over the rows for which `keep` holds.
@@ -362,6 +462,16 @@ impl Context<'_> {
                 .map(|axis| trials.extrapolation[axis].as_ref().map(|(_, parts)| judged(parts))),
         }
     }
+}
+
+/// Diagonal of the hat matrix of a plane over both inputs.
+fn leverages(inputs: &[Input]) -> Vec<f64> {
+    let design = DMatrix::from_fn(inputs.len(), 3, |row, column| match column {
+        0 => 1.0,
+        _ => inputs[row][column - 1] / inputs[0][column - 1],
+    });
+    let left = design.svd(true, false).u;
+    left.map_or_else(Vec::new, |u| u.row_iter().map(|row| row.norm_squared()).collect())
 }
 
 /// 97.5 % quantile of the normal law.

@@ -111,6 +111,7 @@ mod tests {
             values: Vec::new(),
             numbers: Vec::new(),
             condition: None,
+            material: String::new(),
             address: address::Address::parse(&"0".repeat(64)).unwrap(),
             cost,
         }

@@ -8,8 +8,8 @@ use crate::store::CaseStore;
 use serde::{Deserialize, Serialize};
 use sphcut_greybox::regressor::Method;
 use sphcut_greybox::{
-    BootstrapEstimate, Extrapolated, FitOptions, ForceFit, ForceKind, ForceRow, ForceTable,
-    GreyBox, NoiseFloor, Scores, TableComparison, compare, fit,
+    BootstrapEstimate, Extrapolated, FitOptions, ForceFit, ForceKind, ForceTable, GreyBox,
+    NoiseFloor, Scores, TableComparison, compare, fit,
 };
 use std::path::Path;
 
@@ -240,15 +240,7 @@ fn compared(
 
 fn table(path: &Path) -> Result<ForceTable, CaseError> {
     let text = text_of(path)?;
-    let rows = sphcut_input::read_force_table(&text)
-        .map_err(|problem| CaseError::invalid(path, problem.to_string()))?;
-    let rows = rows.into_iter().map(|row| ForceRow {
-        cutting_speed: row.cutting_speed,
-        uncut_chip_thickness: row.uncut_chip_thickness,
-        forces: [row.cutting_force, row.feed_force],
-        deviations: [row.cutting_force_deviation, row.feed_force_deviation],
-        count: row.count,
-    });
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-    Ok(ForceTable::new(&name.unwrap_or_default(), &text, rows.collect()))
+    ForceTable::read(&name.unwrap_or_default(), &text)
+        .map_err(|problem| CaseError::invalid(path, problem.to_string()))
 }

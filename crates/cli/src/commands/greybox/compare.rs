@@ -29,8 +29,12 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let texts =
         [render_comparison(&model, &found), comparison_json(&found), predictions_csv(&rows)];
     files::save_all(out, &FILES, &texts)?;
-    if found.same_measurements {
-        terminal::note("warning: these are the very measurements the correction was fitted to");
+    found.notes.iter().for_each(|note| terminal::note(&format!("warning: {note}")));
+    if found.seen > 0 {
+        terminal::note(&format!(
+            "warning: {} measured rows are left out: the correction was fitted to them",
+            found.seen
+        ));
     }
     let newton = |value: f64| text::number((value * 1e3).round() * 1e-3);
     for force in &found.forces {

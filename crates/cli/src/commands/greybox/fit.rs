@@ -72,25 +72,46 @@ fn say(found: &GreyBoxFit) {
         found.pairs.conditions.len()
     ));
     found.forces.iter().for_each(|force| terminal::line(&line(force)));
+    for (force, row) in
+        found.forces.iter().flat_map(|force| force.outliers.iter().map(move |row| (force, row)))
+    {
+        terminal::note(&format!(
+            "warning: {} of {} N at {} m/min, {} mm is missed by {} N, {:.0} times the usual error: is it written down right?",
+            force.force.symbol(),
+            rounded(row.measured),
+            rounded(60.0 * row.input[0]),
+            rounded(1e3 * row.input[1]),
+            rounded(row.error),
+            row.ratio
+        ));
+    }
+}
+
+/// To a thousandth of its unit.
+fn rounded(value: f64) -> String {
+    text::number((value * 1e3).round() * 1e-3)
 }
 
 /// `F_c: simulation 63.2 N, corrected 2.95 N (-95.3 %), noise floor 2.1 N; use gaussian_process`.
 fn line(force: &ForceFit) -> String {
     let (before, after) = (force.white_box.mae.value, force.procedure.mae.value);
-    let newton = |value: f64| text::number((value * 1e3).round() * 1e-3);
     let floor = force
         .floor
-        .map_or_else(String::new, |floor| format!(", noise floor {} N", newton(floor.mae)));
+        .map_or_else(String::new, |floor| format!(", noise floor {} N", rounded(floor.mae)));
     let change = if before > 0.0 {
         format!(" ({:+.1} %)", 100.0 * (after / before - 1.0))
     } else {
         String::new()
     };
     format!(
-        "{}: mean absolute error of the simulation {} N, corrected {} N{change}{floor}; use {}",
+        "{}: mean absolute error of the simulation {} N, corrected {} N{change}{floor}; {}",
         force.force.symbol(),
-        newton(before),
-        newton(after),
-        force.choice.method.key()
+        rounded(before),
+        rounded(after),
+        if force.pays() {
+            format!("use {}", force.choice.method.key())
+        } else {
+            "use no correction: there is no pattern in the error".to_owned()
+        }
     )
 }

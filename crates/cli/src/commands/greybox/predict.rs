@@ -1,16 +1,20 @@
 //! `sphcut greybox predict`.
 
 use super::arguments::PredictArguments;
-use super::tables::{method, model, table};
+use super::tables::{method, model, refused, table};
 use crate::failure::{ExitCode, Failure};
 use crate::{files, terminal};
-use sphcut_greybox::{ForceKind, predictions_csv};
+use sphcut_greybox::{ForceKind, TableKind, predictions_csv};
 
 /// Corrects a table of simulated forces.
 pub fn predict(arguments: &PredictArguments) -> Result<ExitCode, Failure> {
     files::unless_there([arguments.out.clone()], arguments.force)?;
     let method = method(arguments.regressor.as_deref())?;
     let (model, simulated) = (model(&arguments.model)?, table(&arguments.simulated)?);
+    let notes = model
+        .guard(&simulated, TableKind::Simulated)
+        .map_err(|error| refused(&arguments.simulated, &error))?;
+    notes.iter().for_each(|note| terminal::note(&format!("warning: {note}")));
     let mut rows = Vec::with_capacity(simulated.rows.len());
     for row in &simulated.rows {
         let input = [row.cutting_speed, row.uncut_chip_thickness];

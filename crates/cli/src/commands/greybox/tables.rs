@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::files;
 use sphcut_greybox::regressor::Method;
-use sphcut_greybox::{ForceRow, ForceTable, GreyBox, GreyBoxError};
+use sphcut_greybox::{ForceTable, GreyBox, GreyBoxError};
 use std::path::Path;
 
 /// Name of the stored corrections in the folder of a fit.
@@ -12,20 +12,9 @@ pub const MODEL: &str = "model.json";
 /// Reads a table of forces.
 pub fn table(path: &Path) -> Result<ForceTable, Failure> {
     let text = files::read(path)?;
-    let rows = sphcut_input::read_force_table(&text)
-        .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
-    let rows = rows
-        .into_iter()
-        .map(|row| ForceRow {
-            cutting_speed: row.cutting_speed,
-            uncut_chip_thickness: row.uncut_chip_thickness,
-            forces: [row.cutting_force, row.feed_force],
-            deviations: [row.cutting_force_deviation, row.feed_force_deviation],
-            count: row.count,
-        })
-        .collect();
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    Ok(ForceTable::new(&name, &text, rows))
+    ForceTable::read(&name, &text)
+        .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))
 }
 
 /// Reads the corrections from a file or from the folder of a fit.

@@ -28,13 +28,13 @@ pub fn render_comparison(model: &GreyBox, comparison: &TableComparison) -> Strin
 
 fn words(comparison: &TableComparison) -> Vec<String> {
     let mut words = Vec::new();
-    if comparison.same_measurements {
-        words.push(
-            "These are the very measurements the correction was fitted to: the errors below are too small to be \
-             believed. Compare with others."
-                .to_owned(),
-        );
+    if comparison.seen > 0 {
+        words.push(format!(
+            "{} measured rows are left out: the correction was fitted to them, so they test nothing.",
+            comparison.seen
+        ));
     }
+    words.extend(comparison.notes.iter().cloned());
     let measured = comparison.pairs.rows.len();
     for force in &comparison.forces {
         let (before, after) = (&force.white_box.mae, &force.grey_box.mae);

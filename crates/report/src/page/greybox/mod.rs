@@ -82,7 +82,7 @@ fn key_figures(force: &ForceFit) -> Markup {
             @if let Some(floor) = force.floor {
                 div { dt { "Noise floor" } dd { (three_digits(floor.mae)) " N" } }
             }
-            div { dt { "Use" } dd { (force.choice.method.name()) } }
+            div { dt { "Use" } dd { (if force.pays() { force.choice.method.name() } else { "no correction" }) } }
         }
     }
 }

@@ -39,28 +39,60 @@ fn force_words(force: &ForceFit) -> Vec<String> {
     let chosen = force.chosen();
     let (before, after) = (&force.white_box.mae, &force.procedure.mae);
     let name = force.force.name();
+    let advice = if force.pays() { article(chosen.method) } else { "no correction" };
     let mut headline = format!(
-        "{}: use {}. The simulation alone misses the measured {name} by {} N on average; corrected, held-out conditions \
-         are missed by {} N, {} less{}.",
+        "{}: use {advice}. The simulation alone misses the measured {name} by {} N on average; corrected, held-out conditions \
+         are missed by {} N",
         force.force.symbol(),
-        article(chosen.method),
         three_digits(before.value),
         estimate(after),
-        percent_tenths(reduction(before.value, after.value)),
-        force.procedure.mape_of_force.map_or_else(String::new, |mape| format!(
-            "; that is {} of the force",
-            percent_tenths(mape.value)
-        ))
     );
+    if force.pays() {
+        headline += &format!(", {} less", percent_tenths(reduction(before.value, after.value)));
+    }
+    if let Some(mape) = force.procedure.mape_of_force {
+        headline += &format!("; that is {} of the force", percent_tenths(mape.value));
+    }
+    headline += ".";
     if let Some(floor) = force.floor {
         headline += &format!(" Repeats alone scatter by {} N.", three_digits(floor.mae));
     }
-    if after.value > before.value {
-        headline += " The correction does not pay: there is no pattern in the error that these measurements would show.";
+    if !force.pays() {
+        headline += " There is no pattern in the error that these measurements would show.";
     }
     let mut words = vec![headline];
+    words.extend(outliers(force));
     words.extend(beyond(force));
     words
+}
+
+/// Most outliers that are named.
+const NAMED: usize = 3;
+
+/// Rows to look at again, and what they change.
+fn outliers(force: &ForceFit) -> Option<String> {
+    let without = force.without_outliers.as_ref()?;
+    let named = force.outliers.iter().take(NAMED).map(|row| {
+        format!(
+            "{} N at {} m/min and {} mm (by {} N, {} times the usual error)",
+            three_digits(row.measured),
+            three_digits(60.0 * row.input[0]),
+            three_digits(1e3 * row.input[1]),
+            three_digits(row.error),
+            three_digits(row.ratio)
+        )
+    });
+    let named = named.collect::<Vec<_>>().join("; ");
+    let more = force.outliers.len().saturating_sub(NAMED);
+    let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
+    Some(format!(
+        "{}: look again at what was written down: the other rows do not lead one to expect {named}{rest}. Fitted without, {} misses \
+         held-out conditions by {} N instead of {} N.",
+        force.force.symbol(),
+        article(force.choice.method),
+        three_digits(without.mae.value),
+        three_digits(force.chosen().interpolation.scores.mae.value)
+    ))
 }
 
 /// Why this regressor, what is left, where it ends and what it took: one sentence each.
