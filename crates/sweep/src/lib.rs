@@ -5,6 +5,7 @@
 //! however the scenario is written.
 
 mod address;
+mod coefficients;
 mod cost;
 mod design;
 mod execute;
@@ -17,6 +18,9 @@ mod table;
 mod trends;
 
 pub use address::{Address, address};
+pub use coefficients::{
+    ForceCoefficients, Kienzle, coefficients_csv, coefficients_json, force_coefficients,
+};
 pub use cost::{CROWDING, Cost, measure};
 pub use execute::{Computed, Execution, News, Retry, State, Trouble, Watch, Worker, execute};
 pub use file::{ConstraintCheck, Design, Levels, Sweep, SweepAxis, Unfit, load_sweep, multiple};

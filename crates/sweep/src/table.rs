@@ -4,8 +4,9 @@ use crate::Sweep;
 use crate::plan::{CutSize, SweepPlan};
 use crate::store::{ResultEntry, Store};
 use crate::{Address, State};
+use csv::ReaderBuilder;
 use serde_json::Value;
-use sphcut_physics::csv;
+use sphcut_physics::csv::{meant, shown};
 use sphcut_record::{ColumnH5, FactH5, GroupH5, RunError, write_columns_h5};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -158,7 +159,7 @@ impl SweepTable {
         let title = self.title.replace(['\n', '\r'], " ");
         let shown = |part: &str| {
             let text = part.trim_start();
-            format!("{}{}", &part[..part.len() - text.len()], csv::shown(text))
+            format!("{}{}", &part[..part.len() - text.len()], shown(text))
         };
         let title: Vec<String> = title.split(',').map(shown).collect();
         let mut text = format!("# {}\n", title.join(","));
@@ -374,41 +375,22 @@ fn near(folder: &Path, beside: &Path) -> String {
 /// The runs with a result in a table as [`SweepTable::csv`] writes it: number and folder. `None` if it is no such table.
 #[must_use]
 pub fn results_of(csv: &str) -> Option<Vec<(String, PathBuf)>> {
-    let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
-    let heads = cells(lines.next()?);
+    let mut reader = ReaderBuilder::new().comment(Some(b'#')).from_reader(csv.as_bytes());
+    let heads = reader.headers().ok()?.clone();
     let place = |name: &str| heads.iter().position(|head| head == name);
     let (run, folder, state) = (place("run")?, place("folder")?, place("state")?);
     let mut found = Vec::new();
-    for line in lines {
-        let cells = cells(line);
-        if cells.get(state)? == "finished" {
-            found.push((cells.get(run)?.clone(), PathBuf::from(cells.get(folder)?)));
+    for cells in reader.records() {
+        let cells = cells.ok()?;
+        if &cells[state] == "finished" {
+            found.push((cells[run].to_owned(), PathBuf::from(meant(&cells[folder]))));
         }
     }
     Some(found)
 }
 
-/// The cells of a line, quotes taken off.
-fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut inside = false;
-    let mut letters = line.chars().peekable();
-    while let Some(letter) = letters.next() {
-        match letter {
-            '"' if inside && letters.peek() == Some(&'"') => {
-                letters.next();
-                cells.last_mut().expect("never empty").push('"');
-            }
-            '"' => inside = !inside,
-            ',' if !inside => cells.push(String::new()),
-            _ => cells.last_mut().expect("never empty").push(letter),
-        }
-    }
-    cells.iter().map(|cell| csv::meant(cell).to_owned()).collect()
-}
-
 fn quoted(text: &str) -> String {
-    let text = csv::shown(text);
+    let text = shown(text);
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\"").replace(['\n', '\r'], " "))
     } else {
@@ -431,9 +413,10 @@ mod tests {
         let text = "# a, b\nrun,address,folder,state,reason\n1,ab,\"a, \"\"b\"\"/c\",finished,\n2,cd,x,failed,\"no, really\"\n";
         assert_eq!(results_of(text).unwrap(), [("1".to_owned(), PathBuf::from("a, \"b\"/c"))]);
         assert!(results_of("v_c [m/min],h [mm]\n1,2\n").is_none());
-        assert_eq!(cells(&quoted("a, \"b\"")), ["a, \"b\""]);
         assert_eq!(quoted("=HYPERLINK(1)"), "'=HYPERLINK(1)");
-        assert_eq!(cells(&quoted("-x, y")), ["-x, y"]);
+        let folder = quoted("-x, \"y\"");
+        let read = results_of(&format!("run,folder,state\n1,{folder},finished\n")).unwrap();
+        assert_eq!(read, [("1".to_owned(), PathBuf::from("-x, \"y\""))]);
         assert_eq!(near(Path::new("out/store/x"), Path::new("out")), "store/x");
         assert!(Path::new(&near(Path::new("store/x"), Path::new("out"))).is_absolute());
     }

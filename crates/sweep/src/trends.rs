@@ -36,6 +36,8 @@ pub struct ThicknessLine {
 /// grows when speed or thickness grows by a small share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerLaw {
+    /// ln c, with force, speed and thickness in the units of the points.
+    pub constant: TrendEstimate,
     /// p; `None` at a single speed.
     pub speed: Option<TrendEstimate>,
     /// q; `None` at a single thickness.
@@ -85,7 +87,8 @@ pub fn power_law(points: &[ForcePoint]) -> Option<PowerLaw> {
     let fit = (points.len() > used.len() + 1).then(|| least_squares(&rows, &values)).flatten()?;
     let of = |k: usize| used.iter().position(|other| *other == k).map(|at| fit.estimates[at + 1]);
     let square: f64 = fit.residuals.iter().map(|miss| miss * miss).sum();
-    Some(PowerLaw { speed: of(0), thickness: of(1), spread: (square / points.len() as f64).sqrt() })
+    let spread = (square / points.len() as f64).sqrt();
+    Some(PowerLaw { constant: fit.estimates[0], speed: of(0), thickness: of(1), spread })
 }
 
 struct Fit {

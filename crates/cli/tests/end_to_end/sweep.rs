@@ -306,8 +306,16 @@ fn table_and_page_show_the_runs_and_feed_the_grey_box() {
     assert_eq!(lines[10][column("steady.reached")], "0");
     assert!(shop.path("out/table.h5").exists());
 
+    // Both forces at two speeds.
+    assert_eq!(shop.read("out/coefficients.csv").lines().count(), 5);
+    let coefficients: Value = serde_json::from_str(&shop.read("out/coefficients.json")).unwrap();
+    let first = &coefficients["coefficients"][0];
+    assert_eq!((first["force"].as_str(), first["cuts"].as_u64()), (Some("F_c"), Some(5)));
+    assert!(first["K_c"]["ci95"].as_f64().unwrap() > 0.0, "{first}");
+
     let page = shop.read("out/sweep.html");
     for text in [
+        "Force coefficients",
         "What these runs say",
         "Cutting force",
         "The cuts",

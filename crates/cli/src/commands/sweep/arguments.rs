@@ -14,6 +14,7 @@ What appears in the output folder:
   sweep.html      one page: forces over speed and thickness, pictures, failures, cost
   table.csv       every run with its address and every number of its summary      table.h5   the same
   simulated.csv   the forces of all cuts, for `sphcut greybox fit --simulated`
+  coefficients.csv, .json   K_c and K_e, k_c1.1 and m_c of both forces at each cutting speed
   store/          the results (--store puts them elsewhere)
 
 Ctrl-C writes checkpoints; the same command goes on, and so it does after a crash. Runs that are in the store

@@ -6,7 +6,10 @@ use serde_json::Value;
 use sphcut_postprocess::{SCHEMA_VERSION, evaluate, summary_json};
 use sphcut_record::{Run, RunFiles};
 use sphcut_report::{SweepPage, render_sweep};
-use sphcut_sweep::{State, Store, Sweep, SweepPlan, SweepTable};
+use sphcut_sweep::{
+    State, Store, Sweep, SweepPlan, SweepTable, coefficients_csv, coefficients_json,
+    force_coefficients,
+};
 use std::path::{Path, PathBuf};
 
 /// v_c in m/s, h in m, F_c and F_f in N of the measured cuts; none without `--measured`.
@@ -37,6 +40,11 @@ pub fn write(
         .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
     if let Some(simulated) = table.simulated_csv() {
         files::save(&out.join("simulated.csv"), simulated.as_bytes())?;
+    }
+    let coefficients = force_coefficients(&table);
+    if !coefficients.is_empty() {
+        files::save(&out.join("coefficients.csv"), coefficients_csv(&coefficients).as_bytes())?;
+        files::save(&out.join("coefficients.json"), coefficients_json(&coefficients).as_bytes())?;
     }
     let page =
         SweepPage { table: &table, left_out: &plan.left_out, measured, text: &sweep.text, version };

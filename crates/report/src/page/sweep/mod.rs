@@ -6,14 +6,15 @@ mod words;
 pub use words::sweep_words;
 
 use crate::ReportError;
-use crate::kit::numbers::{grouped, minus, three_digits, with_interval};
+use crate::kit::numbers::{M_PER_MIN, MPA, grouped, minus, three_digits, with_ends, with_interval};
 use crate::kit::shell::{Shell, note, plotted, tab};
+use crate::kit::table::{ColumnHead, NONE, table as kit_table};
 use crate::kit::text::indexed;
 use crate::picture::thumbnail;
 use maud::{Markup, html};
 use plots::ForceAt;
 use sphcut_record::Run;
-use sphcut_sweep::{LeftOutRun, State, SweepRow, SweepTable};
+use sphcut_sweep::{LeftOutRun, State, SweepRow, SweepTable, TrendEstimate, force_coefficients};
 
 /// Most pictures of cuts on a page.
 const MOST_PICTURES: usize = 24;
@@ -49,6 +50,7 @@ pub fn render_sweep(sweep: &SweepPage<'_>) -> Result<String, ReportError> {
         @for (index, name) in [(0, "Cutting force F_c"), (1, "Feed force F_f")] {
             (forces(sweep, index, name))
         }
+        (coefficients(table))
         @if !pictures.is_empty() {
             section {
                 h2 { "The cuts" }
@@ -182,6 +184,44 @@ fn forces(sweep: &SweepPage<'_>, index: usize, name: &str) -> Markup {
         section {
             h2 { (indexed(name)) }
             div.pair { @for (svg, caption) in &charts { (plotted(svg, caption)) } }
+        }
+    }
+}
+
+/// Force coefficients at each cutting speed.
+fn coefficients(table: &SweepTable) -> Markup {
+    let all = force_coefficients(table);
+    if all.is_empty() {
+        return html! {};
+    }
+    let known =
+        |one: TrendEstimate, unit: f64| with_interval(one.value / unit, one.half_width / unit);
+    let heads =
+        ["K_c in N/mm\u{b2}", "K_e in N/mm", "k_c1.1 in N/mm\u{b2}", "m_c"].map(ColumnHead::Number);
+    let columns = ["Settings", "v_c in m/min", "Force"].map(ColumnHead::Text);
+    let body = html! {
+        @for one in &all {
+            tr {
+                td { (one.settings.iter().map(|(_, value)| value.as_str()).collect::<Vec<_>>().join(", ")) }
+                td { (three_digits(one.cutting_speed * M_PER_MIN)) }
+                td { (indexed(one.force)) }
+                td.n { (minus(&known(one.cutting, 1e6))) }
+                td.n { (minus(&known(one.edge, 1e3))) }
+                @if let Some(found) = one.kienzle {
+                    td.n { (with_ends(found.specific_force.map(|k| k * MPA))) }
+                    td.n { (minus(&known(found.exponent, 1.0))) }
+                } @else {
+                    td.n { (NONE) } td.n { (NONE) }
+                }
+            }
+        }
+    };
+    html! {
+        section {
+            h2 { "Force coefficients" }
+            p { (indexed("F = K_c b h + K_e b")) ", and by Kienzle " (indexed("F = k_c1.1 b h")) sup { (indexed("1-m_c")) } " with h and b in mm. They hold within \
+                the thicknesses of this sweep; intervals are those of the scatter about the fit." }
+            (kit_table("", columns.into_iter().chain(heads), &body))
         }
     }
 }
