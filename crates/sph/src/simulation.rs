@@ -3,6 +3,7 @@
 use crate::engine::Engine;
 use crate::error::{Diverged, SetupError};
 use crate::output::observation::{CheckpointState, Sample, Snapshot};
+use crate::particles::window::Window;
 use crate::setup::{Dimension, Setup};
 use crate::stage::Stage;
 use sphcut_tool_heat::{HeatedTool, ToolMeshFacts};
@@ -31,6 +32,8 @@ pub struct Estimate {
     pub steps: u64,
     /// Memory of the solver's arrays in bytes.
     pub memory_bytes: u64,
+    /// That of what waits in front of a moving window, contained in `memory_bytes`.
+    pub waiting_bytes: u64,
     /// The mesh of a tool that conducts heat.
     pub tool_mesh: Option<ToolMeshFacts>,
 }
@@ -153,6 +156,7 @@ impl Simulation {
             // Exact while the time step keeps its first value; particles that crowd together shorten it later.
             steps: (self.setup.end_time / engine.clock.time_step).ceil() as u64,
             memory_bytes: engine.memory() as u64,
+            waiting_bytes: engine.window.as_ref().map_or(0, Window::memory) as u64,
             tool_mesh: engine.tool_heat.as_ref().map(HeatedTool::facts),
         })
     }

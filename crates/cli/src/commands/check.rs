@@ -32,8 +32,8 @@ pub struct CheckArguments {
     pub no_measure: bool,
 }
 
-/// Most particles that are built for an estimate: a second and 200 MB.
-const MOST_BUILT: f64 = 100_000.0;
+/// Most particles that are built for an estimate in the plane and in space: less than a second and 200 MB.
+const MOST_BUILT: [f64; 2] = [100_000.0, 40_000.0];
 /// Fewest layers of particles of what is left of a body.
 const LEAST_LAYERS: f64 = 20.0;
 /// Wall-clock time of the measurement.
@@ -68,13 +68,16 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
 /// Builds the particles, or a part of a large workpiece, and, if wanted, measures the updates per second.
 fn cost(setup: &Setup, measured: bool) -> Result<(Estimate, Option<f64>), Failure> {
     let build = |setup| Simulation::new(setup).map_err(|error| Failure::input(error.to_string()));
-    let (part, particles) = excerpt(setup);
+    let (part, whole) = excerpt(setup);
     let mut simulation = build(part)?;
     let mut estimate = simulation.estimate();
-    if let Some(particles) = particles {
-        let times = particles / estimate.particles as f64;
-        estimate.particles = particles.round() as usize;
-        estimate.memory_bytes = (estimate.memory_bytes as f64 * times) as u64;
+    if let Some(Whole { particles, followed, times }) = whole {
+        let built = estimate.particles as f64;
+        // Without a window all are followed, and their number is known.
+        let count = if setup.window.is_some() { built * followed } else { particles };
+        let waiting = estimate.waiting_bytes as f64;
+        let memory = (estimate.memory_bytes as f64 - waiting) * count / built + waiting * times;
+        (estimate.particles, estimate.memory_bytes) = (count.round() as usize, memory as u64);
         let memory = text::bytes(estimate.memory_bytes + BASE_BYTES);
         let count = text::grouped(estimate.particles as u64);
         terminal::note(&format!(
@@ -85,26 +88,42 @@ fn cost(setup: &Setup, measured: bool) -> Result<(Estimate, Option<f64>), Failur
     Ok((estimate, speed))
 }
 
-/// The setup with its longest body cut short if there are too many particles to be built for an estimate, and how
-/// many there are. A moving window is small already.
-fn excerpt(setup: &Setup) -> (Setup, Option<f64>) {
+/// A workpiece that is too large to be built for an estimate, measured by the part of it that is built.
+struct Whole {
+    particles: f64,
+    /// How many times as many are followed: a moving window may hold no more of the whole than of the part.
+    followed: f64,
+    /// How many times as many there are.
+    times: f64,
+}
+
+/// The setup with its largest body cut short if there are too many particles to be built for an estimate.
+fn excerpt(setup: &Setup) -> (Setup, Option<Whole>) {
     let (mut part, dimension) = (setup.clone(), setup.dimension.axes());
-    let spacing = setup.particle_spacing.powi(dimension as i32);
+    let (spacing, most) = (setup.particle_spacing, MOST_BUILT[dimension - 2]);
     let volume = |body: &Body| body.shape.volume(dimension);
-    let particles = setup.bodies.iter().map(volume).sum::<f64>() / spacing;
-    if particles <= MOST_BUILT || setup.window.is_some() {
-        return (part, None);
-    }
+    let particles = setup.bodies.iter().map(volume).sum::<f64>() / spacing.powi(dimension as i32);
     let largest = part.bodies.iter_mut().max_by(|a, b| volume(a).total_cmp(&volume(b)));
     let Some(Body { shape: Shape::Box { min, max, .. }, .. }) = largest else {
         return (part, None);
     };
-    let length = |axis: &usize| max[*axis] - min[*axis];
-    let axis = (0..dimension).max_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(0);
-    // The end at which the tool starts stays.
-    let kept = length(&axis) * MOST_BUILT / particles;
-    max[axis] = min[axis] + kept.max(LEAST_LAYERS * setup.particle_spacing);
-    (part, Some(particles))
+    if particles <= most {
+        return (part, None);
+    }
+    let (mut followed, mut times) = (1.0, 1.0);
+    for _ in 0..dimension {
+        let length = |axis: &usize| max[*axis] - min[*axis];
+        let axis = (0..dimension).max_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(0);
+        let (whole, share) = (length(&axis), most * times / particles);
+        let kept = (whole * share).max(LEAST_LAYERS * spacing).min(whole);
+        let window = setup.window.filter(|_| setup.frame.cutting[axis] != 0.0);
+        let span = window.map_or(f64::INFINITY, |window| window.ahead + window.behind);
+        followed *= whole.min(span) / kept.min(span);
+        times *= whole / kept;
+        // The end at which the tool starts stays.
+        max[axis] = min[axis] + kept;
+    }
+    (part, Some(Whole { particles, followed, times }))
 }
 
 /// Particle updates per second in the first steps.

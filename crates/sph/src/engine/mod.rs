@@ -353,6 +353,7 @@ impl<const D: usize> Engine<D> {
     pub(crate) fn memory(&self) -> usize {
         let each = size_of::<Frame<D>>() + size_of::<f64>() * exchange_width::<D>();
         self.tool_heat.as_ref().map_or(0, HeatedTool::memory)
+            + self.window.as_ref().map_or(0, Window::memory)
             + self.particles.memory()
             + self.particles.count() * each
             + self.reference.list.memory()

@@ -179,6 +179,11 @@ impl<const D: usize> Window<D> {
         Ok(())
     }
 
+    /// Memory of what waits in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        self.reserve.capacity() * size_of::<Rest<D>>()
+    }
+
     /// Number of particles in the window once it is full.
     pub(crate) fn full(&self) -> usize {
         let end = self.entry + self.behind + self.ahead;
