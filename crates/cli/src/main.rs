@@ -8,6 +8,7 @@ mod failure;
 mod files;
 mod interrupt;
 mod loading;
+mod memory;
 mod outcome;
 mod progress;
 mod results;
