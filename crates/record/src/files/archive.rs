@@ -231,6 +231,10 @@ impl ArchiveFile {
         }
     }
 
+    pub(crate) fn mismatch(&self, reason: String) -> RunError {
+        RunError::Mismatch { path: self.path.clone(), reason }
+    }
+
     pub(crate) fn damaged(&self, reason: String) -> RunError {
         RunError::Damaged { path: self.path.clone(), reason }
     }

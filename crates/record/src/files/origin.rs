@@ -4,6 +4,15 @@ use super::archive::{Archive, ArchiveFile};
 use crate::{Facts, MaterialFacts, Provenance, RunError, Setting};
 use sphcut_sph::setup::{CuttingFrame, Pass, Vector};
 
+/// What an unfinished run saves has this format; together with the version of the results it says whether it can be gone
+/// on with. Archives from before it was noted are of format 1.
+const FORMAT: u64 = 1;
+const FORMAT_SECTION: &str = "format";
+
+fn formats() -> [u64; 2] {
+    [FORMAT, u64::from(sphcut_sph::RESULTS_VERSION)]
+}
+
 /// Adds provenance and facts to `archive`.
 pub(crate) fn put<'a>(archive: &mut Archive<'a>, provenance: &'a Provenance, facts: &'a Facts) {
     for (name, text) in [
@@ -14,6 +23,7 @@ pub(crate) fn put<'a>(archive: &mut Archive<'a>, provenance: &'a Provenance, fac
     ] {
         archive.text(format!("provenance/{name}"), text.as_str());
     }
+    archive.integers(FORMAT_SECTION, formats().to_vec());
     archive.integers("provenance/seed", vec![provenance.seed]);
     for (name, strings) in lists(provenance) {
         archive.integers(format!("provenance/{name}/count"), vec![strings.len() as u64]);
@@ -41,6 +51,16 @@ pub(crate) fn put<'a>(archive: &mut Archive<'a>, provenance: &'a Provenance, fac
 /// Reads provenance and facts from `archive`.
 pub(crate) fn get(archive: &ArchiveFile) -> Result<(Provenance, Facts), RunError> {
     let text = |name: &str| archive.text(&format!("provenance/{name}"));
+    if archive.holds_integers(FORMAT_SECTION) {
+        let found = archive.integers(FORMAT_SECTION)?;
+        if let ([format, results], true) = (found.as_slice(), found != formats()) {
+            let ([ours, computed], version) = (formats(), text("version")?);
+            return Err(archive.mismatch(format!(
+                "sphcut {version} wrote it in format {format} with results of version {results}; this sphcut reads \
+                 format {ours} and computes results of version {computed}"
+            )));
+        }
+    }
     let list = |name: &str| -> Result<Vec<String>, RunError> {
         let count = archive.integers(&format!("provenance/{name}/count"))?;
         let count = count.first().copied().unwrap_or(0);
@@ -181,4 +201,36 @@ fn get_material(archive: &ArchiveFile, index: usize) -> Result<MaterialFacts, Ru
         flow_stress_law: archive.text(&section("law"))?,
         flow_stress: keys.lines().map(ToOwned::to_owned).zip(values).collect(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphcut_sph::Setup;
+    use sphcut_sph::setup::Dimension;
+
+    #[test]
+    fn an_archive_of_another_format_is_refused_with_the_version_that_wrote_it() {
+        let facts = Facts::of(&Setup::empty(Dimension::Two, 2e-5, 1e-6));
+        let provenance = Provenance { version: "9.8.7".to_owned(), ..Provenance::default() };
+        let path = std::env::temp_dir().join(format!("sphcut-format-{}", std::process::id()));
+        let read = |numbers: [u64; 2]| {
+            let mut archive = Archive::new("a checkpoint");
+            // The first section of a name is the one that is read.
+            archive.integers(FORMAT_SECTION, numbers.to_vec());
+            put(&mut archive, &provenance, &facts);
+            let mut file = std::fs::File::create(&path).unwrap();
+            archive.write(&mut file).unwrap();
+            let read = ArchiveFile::open(&path, "a checkpoint").and_then(|archive| get(&archive));
+            std::fs::remove_file(&path).unwrap();
+            read
+        };
+        let [format, results] = formats();
+        assert_eq!(read([format, results]).unwrap().0, provenance);
+        for other in [[format + 1, results], [format, results + 1]] {
+            let error = read(other).unwrap_err();
+            assert!(matches!(error, RunError::Mismatch { .. }), "{error}");
+            assert!(error.to_string().contains("sphcut 9.8.7 wrote it in format"), "{error}");
+        }
+    }
 }
