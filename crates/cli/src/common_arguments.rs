@@ -3,6 +3,7 @@
 use crate::progress::OutputStyle;
 use clap::Args;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Options that say how a scenario is read.
 #[derive(Debug, Args)]
@@ -60,4 +61,11 @@ impl ToldArguments {
             (false, false) => OutputStyle::Human,
         }
     }
+}
+
+/// A wall-clock time in minutes on the command line.
+pub fn minutes(text: &str) -> Result<Duration, String> {
+    let minutes = text.parse().ok().filter(|minutes: &f64| *minutes > 0.0);
+    let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
+    time.ok_or_else(|| "a number of minutes above 0 is needed".to_owned())
 }

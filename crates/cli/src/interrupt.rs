@@ -24,7 +24,7 @@ pub fn install() {
 /// As [`install`], but a second signal does not hurry the program: a cluster sends several, and ends it by another
 /// signal when it has waited long enough.
 pub fn install_patient() {
-    set(|| REQUESTED.store(true, Ordering::SeqCst));
+    set(request);
 }
 
 fn set(handler: impl FnMut() + Send + 'static) {
@@ -33,6 +33,11 @@ fn set(handler: impl FnMut() + Send + 'static) {
             note(&format!("warning: Ctrl-C will not write a checkpoint: {error}"));
         }
     });
+}
+
+/// Asks to stop, as a signal does.
+pub fn request() {
+    REQUESTED.store(true, Ordering::SeqCst);
 }
 
 /// Whether the user asked to stop.

@@ -1,6 +1,6 @@
 //! `sphcut run`: a scenario from its file to its report.
 
-use crate::common_arguments::{PatchableArguments, ToldArguments};
+use crate::common_arguments::{PatchableArguments, ToldArguments, minutes};
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{OutputStyle, RunDisplay, ShownForces, Status, Travel};
 use crate::{interrupt, loading, outcome, results, terminal};
@@ -12,7 +12,7 @@ use sphcut_scenario::{Scenario, Steady};
 use sphcut_sph::ChannelId;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 const HELP: &str = "\
 What appears in the output folder (out/<scenario> unless --out says otherwise):
@@ -46,6 +46,9 @@ pub struct RunArguments {
     /// Replace an existing result.
     #[arg(long)]
     pub force: bool,
+    /// Stop with a checkpoint after so many minutes, as Ctrl-C does.
+    #[arg(long, value_name = "MINUTES", value_parser = minutes)]
+    pub time_limit: Option<Duration>,
     /// What is told.
     #[command(flatten)]
     pub told: ToldArguments,
@@ -70,7 +73,7 @@ fn follow(arguments: &RunArguments, style: OutputStyle) -> Result<ExitCode, Fail
     let options = options(arguments, &scenario);
     interrupt::install();
     outcome::announce(&scenario, &options, style);
-    let run = compute(&scenario, &options, style)?;
+    let run = compute(&scenario, &options, arguments.time_limit, style)?;
     if run.outcome == Outcome::Interrupted {
         outcome::interrupted(&run, style);
         return Ok(ExitCode::Interrupted);
@@ -110,30 +113,47 @@ fn output_folder(wanted: Option<&Path>, scenario: &Scenario) -> PathBuf {
 pub fn compute(
     scenario: &Scenario,
     options: &RunOptions,
+    time_limit: Option<Duration>,
     style: OutputStyle,
 ) -> Result<Run, Failure> {
     let pool = loading::pool(options.threads)?;
     let mut display = RunDisplay::new(style);
     let provenance = loading::provenance(scenario);
-    let steady = scenario.stop.steady;
+    let stop = StopRule { steady: scenario.stop.steady, start: Instant::now(), time_limit };
     let run = pool.install(|| {
         driver::run(&scenario.setup, &provenance, options, &mut |progress| {
             display.update(&status(progress));
-            decide(progress, steady)
+            stop.decide(progress)
         })
     });
     display.finish();
     run.map_err(|error| Failure::of_run(&error, &options.out_dir))
 }
 
-/// Whether the run goes on.
-pub fn decide(progress: &Progress, steady: Option<Steady>) -> Control {
-    if interrupt::requested() {
-        return Control::Interrupt;
+/// What ends a run before its end time.
+pub struct StopRule {
+    /// Mean forces that are known well enough.
+    pub steady: Option<Steady>,
+    /// When this process took the run up.
+    pub start: Instant,
+    /// Most wall-clock time since then.
+    pub time_limit: Option<Duration>,
+}
+
+impl StopRule {
+    /// Whether the run goes on.
+    pub fn decide(&self, progress: &Progress) -> Control {
+        if interrupt::requested() || self.is_late() {
+            return Control::Interrupt;
+        }
+        match self.steady {
+            Some(steady) if is_steady(progress, steady) => Control::Stop,
+            _ => Control::Continue,
+        }
     }
-    match steady {
-        Some(steady) if is_steady(progress, steady) => Control::Stop,
-        _ => Control::Continue,
+
+    fn is_late(&self) -> bool {
+        self.time_limit.is_some_and(|limit| self.start.elapsed() >= limit)
     }
 }
 

@@ -11,7 +11,7 @@ pub use axis::{Levels, SweepAxis, multiple};
 use constraint::Constraint;
 pub use constraint::ConstraintCheck;
 use sphcut_input::document::{self, contradiction};
-use sphcut_input::files::Surroundings;
+use sphcut_input::files::{OutsideFiles, Surroundings};
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::{Mistake, Problem};
 use sphcut_input::reader;
@@ -141,6 +141,18 @@ impl Sweep {
         let broken = self.constraints.iter().find(|constraint| !constraint.holds(scenario));
         broken
             .map_or(ConstraintCheck::Yes, |constraint| ConstraintCheck::No(constraint.text.clone()))
+    }
+
+    /// Path of the scenario that is varied.
+    #[must_use]
+    pub fn base_path(&self) -> &Path {
+        &self.base_path
+    }
+
+    /// Whether it may read files outside its folder.
+    #[must_use]
+    pub fn reads_outside(&self) -> bool {
+        self.options.outside_files == OutsideFiles::Allowed
     }
 
     fn shown(&self) -> String {

@@ -78,9 +78,9 @@ impl Workbench<'_> {
             process: Process::Own,
             export: Export::Vtkhdf,
         };
-        let run = match run::compute(scenario, &options(Start::Resume), self.style) {
+        let run = match run::compute(scenario, &options(Start::Resume), None, self.style) {
             Err(failure) if self.arguments.force && failure.exit_code() == ExitCode::BadInput => {
-                run::compute(scenario, &options(Start::Replace), self.style)
+                run::compute(scenario, &options(Start::Replace), None, self.style)
             }
             run => run,
         }?;

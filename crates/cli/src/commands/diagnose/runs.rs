@@ -161,7 +161,7 @@ impl Paired {
         }
         let execution = Execution { threads, retry: Retry::Never };
         let style = if left > 0 { OutputStyle::Human } else { OutputStyle::Quiet };
-        let states = local::run(&self.sweep, &plan, &store, execution, style)?;
+        let states = local::run((&self.sweep, None), &plan, &store, execution, style)?;
         tables::write(&folder, &self.sweep, &plan, &store, (&states, &[]))?;
         if states.iter().any(|state| matches!(state, State::Stopped)) {
             return Ok(Ended::Interrupted);

@@ -1,9 +1,11 @@
 //! The arguments of `sphcut sweep`.
 
-use crate::common_arguments::{PatchableArguments, ToldArguments};
+use super::one::OneArguments;
+use crate::common_arguments::{PatchableArguments, ToldArguments, minutes};
 use clap::{ArgMatches, Args, Command, Error, FromArgMatches, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::time::Duration;
 
 const HELP: &str = "\
 Examples:
@@ -93,6 +95,9 @@ pub enum JobCommand {
         /// Number of the task.
         task: usize,
     },
+    /// Compute one run: what a sweep does in a process of its own.
+    #[command(hide = true)]
+    One(OneArguments),
 }
 
 /// Where the runs are computed.
@@ -143,6 +148,9 @@ pub struct SweepArguments {
     /// Run again what failed in an earlier sweep.
     #[arg(long)]
     pub retry_failed: bool,
+    /// Stop each run with a checkpoint after so many minutes; the same command goes on with it.
+    #[arg(long, value_name = "MINUTES", value_parser = minutes)]
+    pub time_limit: Option<Duration>,
     /// What is told.
     #[command(flatten)]
     pub told: ToldArguments,

@@ -1,7 +1,7 @@
 //! A sweep on this machine: planned, measured, computed and told.
 
 use super::display::SweepDisplay;
-use super::worker;
+use super::worker::Apart;
 use crate::commands::check;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::{OutputStyle, emit};
@@ -10,7 +10,7 @@ use serde_json::json;
 use sphcut_sph::Simulation;
 use sphcut_sweep::{Execution, Needs, PlannedRun, State, Store, Sweep, SweepPlan, execute, plan};
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Every run, checked.
 pub fn planned(sweep: &Sweep, threads: usize) -> Result<SweepPlan, Failure> {
@@ -70,14 +70,15 @@ pub fn announce(
 
 /// Computes what the store does not have, and shows how far it is.
 pub fn run(
-    sweep: &Sweep,
+    (sweep, time_limit): (&Sweep, Option<Duration>),
     plan: &SweepPlan,
     store: &Store,
     execution: Execution,
     style: OutputStyle,
 ) -> Result<Vec<State>, Failure> {
     let display = SweepDisplay::new(sweep, plan, style);
-    let states = execute(sweep, plan, store, execution, &worker::Here, &|news| display.take(&news));
+    let worker = Apart { sweep, time_limit };
+    let states = execute(sweep, plan, store, execution, &worker, &|news| display.take(&news));
     display.finish();
     Ok(states?)
 }

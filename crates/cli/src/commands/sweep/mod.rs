@@ -4,6 +4,7 @@ mod arguments;
 mod display;
 pub mod dry_run;
 pub mod local;
+mod one;
 mod slurm;
 pub mod tables;
 mod tally;
@@ -56,7 +57,13 @@ fn follow(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     local::announce(&sweep, &plan, &store, threads, style);
     let start = Instant::now();
     let measured = tables::measured(arguments.measured.as_deref())?;
-    let states = local::run(&sweep, &plan, &store, execution(arguments, threads), style)?;
+    let states = local::run(
+        (&sweep, arguments.time_limit),
+        &plan,
+        &store,
+        execution(arguments, threads),
+        style,
+    )?;
     let page = tables::write(out, &sweep, &plan, &store, (&states, &measured))?;
     let code = local::told(&states, start, style);
     if style == OutputStyle::Human {

@@ -1,20 +1,31 @@
-//! Computes one run of a sweep in this process.
+//! Computes each run of a sweep in a process of its own: one that aborts, or that the system ends, ends no other.
+//!
+//! The process gets the text of the scenario by standard input, after a line with its length, and stops with a checkpoint
+//! when that is closed; so it does when the sweep ends in whatever way. It answers by lines of JSON.
 
-use crate::commands::run;
-use crate::{files, interrupt, loading, results};
-use sphcut_postprocess::{evaluate, summary_json};
-use sphcut_record::driver::{self, Export, Process, RunOptions, Start};
-use sphcut_record::{Outcome, Run, RunError};
+use super::one::PROGRESS;
+use crate::interrupt;
+use serde_json::Value;
 use sphcut_scenario::Scenario;
-use sphcut_sweep::{Computed, Trouble, Watch, Worker};
+use sphcut_sweep::{Computed, Sweep, Trouble, Watch, Worker};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
+
+/// What a program in Rust ends with after a panic.
+const PANIC: i32 = 101;
 
 /// Computes runs until the user stops it.
 #[derive(Debug)]
-pub struct Here;
+pub struct Apart<'a> {
+    /// Whose runs.
+    pub sweep: &'a Sweep,
+    /// Most wall-clock time of a run.
+    pub time_limit: Option<Duration>,
+}
 
-impl Worker for Here {
+impl Worker for Apart<'_> {
     fn compute(
         &self,
         scenario: &Scenario,
@@ -22,25 +33,33 @@ impl Worker for Here {
         threads: usize,
         watch: &mut Watch<'_>,
     ) -> Result<Computed, Trouble> {
-        let run = match stepped(scenario, folder, (threads, Start::Resume), watch) {
-            // Left by a scenario with other comments, or by a crash that hurt the disk: begun anew.
-            Err(Stop::Run(RunError::Mismatch { .. } | RunError::Damaged { .. })) => {
-                stepped(scenario, folder, (threads, Start::Replace), watch)
+        let passing = |error: io::Error| Trouble::Passing(format!("its process: {error}"));
+        let mut child = self.start(folder, threads).map_err(passing)?;
+        let mut input = child.stdin.take();
+        if let Some(input) = &mut input {
+            // A process that has ended already says below why.
+            let _ = write!(input, "{}\n{}", scenario.text.len(), scenario.text);
+        }
+        let mut ended = None;
+        for line in child.stdout.take().into_iter().flat_map(|out| BufReader::new(out).lines()) {
+            let line = serde_json::from_str::<Value>(&line.map_err(passing)?);
+            match line.as_ref().map(|line| (line[PROGRESS].as_f64(), line)) {
+                Ok((Some(share), line)) => watch(share, line["remaining"].as_f64()),
+                Ok((None, line)) => ended = outcome(line),
+                Err(_) => {}
             }
-            run => run,
+            if self.stopping() {
+                input = None;
+            }
         }
-        .map_err(trouble)?;
-        if run.outcome == Outcome::Interrupted {
-            return Ok(Computed::Interrupted);
-        }
-        let passing = |reason: String| Trouble::Passing(reason);
-        let result = evaluate(&run).map_err(|error| passing(error.to_string()))?;
-        files::save(&folder.join(results::SUMMARY), summary_json(&result).as_bytes())
-            .map_err(|failure| passing(failure.message().to_owned()))?;
-        Ok(Computed::Finished {
-            particles: run.performance.particles,
-            steps: run.performance.steps,
-            wall_seconds: run.performance.wall_seconds,
+        drop(input);
+        let status = child.wait().map_err(passing)?;
+        ended.unwrap_or_else(|| {
+            Err(if status.code() == Some(PANIC) {
+                Trouble::Lasting("sphcut has a bug: the run panicked".to_owned())
+            } else {
+                Trouble::Passing(format!("its process ended with {status}"))
+            })
         })
     }
 
@@ -49,46 +68,33 @@ impl Worker for Here {
     }
 }
 
-/// Why there is no run.
-enum Stop {
-    Run(RunError),
-    Pool(String),
-}
-
-fn stepped(
-    scenario: &Scenario,
-    folder: &Path,
-    (threads, start): (usize, Start),
-    watch: &mut Watch<'_>,
-) -> Result<Run, Stop> {
-    let options = RunOptions {
-        out_dir: folder.to_owned(),
-        start,
-        snapshots: scenario.output.snapshots,
-        checkpoint_interval: Duration::from_secs_f64(scenario.output.checkpoint_seconds),
-        threads,
-        process: Process::Shared,
-        export: Export::Nothing,
-    };
-    let pool =
-        loading::pool(threads).map_err(|failure| Stop::Pool(failure.message().to_owned()))?;
-    let provenance = loading::provenance(scenario);
-    let mut control = |progress: &driver::Progress<'_>| {
-        let share = if progress.end_time > 0.0 { progress.time / progress.end_time } else { 0.0 };
-        watch(share, progress.remaining_seconds);
-        run::decide(progress, scenario.stop.steady)
-    };
-    pool.install(|| driver::run(&scenario.setup, &provenance, &options, &mut control))
-        .map_err(Stop::Run)
-}
-
-/// Whether the run would stop again at the same place.
-fn trouble(stop: Stop) -> Trouble {
-    match stop {
-        Stop::Run(error @ (RunError::Diverged { .. } | RunError::Setup(_))) => {
-            Trouble::Lasting(error.to_string())
+impl Apart<'_> {
+    fn start(&self, folder: &Path, threads: usize) -> io::Result<Child> {
+        let mut command = Command::new(std::env::current_exe()?);
+        command.args(["sweep", "one"]).arg(self.sweep.base_path()).arg(folder);
+        command.arg(threads.to_string());
+        if self.sweep.reads_outside() {
+            command.arg("--allow-outside");
         }
-        Stop::Run(error) => Trouble::Passing(error.to_string()),
-        Stop::Pool(reason) => Trouble::Passing(reason),
+        if let Some(limit) = self.time_limit {
+            command.arg("--time-limit").arg((limit.as_secs_f64() / 60.0).to_string());
+        }
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()
     }
+}
+
+/// What the last line of the process says.
+fn outcome(line: &Value) -> Option<Result<Computed, Trouble>> {
+    let text = |key: &str| line[key].as_str().map(str::to_owned);
+    let number = |key: &str| line[key].as_u64();
+    Some(match line["ended"].as_str()? {
+        "finished" => Ok(Computed::Finished {
+            particles: usize::try_from(number("particles")?).ok()?,
+            steps: number("steps")?,
+            wall_seconds: line["wall_s"].as_f64()?,
+        }),
+        "interrupted" => Ok(Computed::Interrupted),
+        "failed" => Err(Trouble::Lasting(text("reason")?)),
+        _ => Err(Trouble::Passing(text("reason")?)),
+    })
 }

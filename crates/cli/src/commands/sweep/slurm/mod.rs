@@ -9,6 +9,7 @@ mod task;
 pub use submit::{announced, check_options, submit};
 
 use super::arguments::JobCommand;
+use super::one::one;
 use crate::failure::{ExitCode, Failure};
 use crate::terminal;
 use sphcut_sweep::slurm::Submission;
@@ -21,6 +22,7 @@ pub fn look_after(job: &JobCommand) -> Result<ExitCode, Failure> {
         JobCommand::Collect { folder } => collect::collect(last(folder)?),
         JobCommand::Cancel { folder } => cancel(last(folder)?),
         JobCommand::Task { folder, task } => task::task(folder, *task),
+        JobCommand::One(arguments) => one(arguments),
     }
 }
 

@@ -28,6 +28,9 @@ pub fn check_options(arguments: &SweepArguments) -> Result<(), Failure> {
             Ok(())
         };
     }
+    if arguments.time_limit.is_some() {
+        return Err(Failure::input("--time-limit is for runs on this machine; see --slurm-option"));
+    }
     if arguments.task_minutes == 0 {
         return Err(Failure::input("--task-minutes has to be 1 at least"));
     }

@@ -41,7 +41,7 @@ pub fn task(folder: &Path, number: usize) -> Result<ExitCode, Failure> {
     // What failed is known to the next submission, and to this task when it is queued again.
     let execution = Execution { threads: submission.threads, retry: Retry::Never };
     let start = Instant::now();
-    let states = run(&sweep, &plan, &store, execution, OutputStyle::Human)?;
+    let states = run((&sweep, None), &plan, &store, execution, OutputStyle::Human)?;
     Ok(told(&states, start, OutputStyle::Human))
 }
 
