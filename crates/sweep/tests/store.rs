@@ -259,3 +259,26 @@ fn a_result_with_a_changed_summary_is_computed_again() {
     assert_eq!(std::fs::read_to_string(&summary).unwrap(), text);
     std::fs::remove_dir_all(&place).unwrap();
 }
+
+/// A link in the folder of a claimed run leads nowhere: the lock is refused, the scenario takes the link's place.
+#[cfg(unix)]
+#[test]
+fn links_in_a_claim_are_not_written_through() {
+    let place = folder("links");
+    let store = Store::create(&place.join("store")).unwrap();
+    let (sweep, precious) = (sweep(&place, 2), place.join("precious"));
+    std::fs::write(&precious, "mine").unwrap();
+    let plan = plan(&sweep).unwrap();
+    for (run, name) in plan.runs.iter().zip(["lock", "scenario.toml"]) {
+        let work = place.join("store/work").join(run.address.to_string());
+        std::fs::create_dir_all(&work).unwrap();
+        std::os::unix::fs::symlink(&precious, work.join(name)).unwrap();
+        match (store.claim(&run.address), name) {
+            (Err(error), "lock") => assert!(error.to_string().contains("it is a link"), "{error}"),
+            (Ok(Claim::Mine(work)), _) => store.keep_scenario(&work, "new").unwrap(),
+            other => panic!("{other:?}"),
+        }
+        assert_eq!(std::fs::read_to_string(&precious).unwrap(), "mine", "{name}");
+    }
+    std::fs::remove_dir_all(&place).unwrap();
+}

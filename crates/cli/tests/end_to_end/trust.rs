@@ -1,9 +1,8 @@
 //! A damaged file is never an answer.
 
-use crate::common::{TINY, Workshop};
+use crate::common::{Ended, TINY, Workshop};
 use sphcut_record::{Run, RunFiles};
 use std::fs::File;
-use std::time::Instant;
 
 /// Small and good enough to choose places (splitmix64).
 struct Random(u64);
@@ -109,16 +108,88 @@ fn lost_output_is_an_error() {
     }
 }
 
+/// The program under a limit of the shell in kB: `-d` for its data, `-v` for all its addresses.
+#[cfg(target_os = "linux")]
+fn limited(shop: &Workshop, limit: &str, arguments: &[&str]) -> Ended {
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", &format!("ulimit {limit} && exec \"$0\" \"$@\"")]);
+    shell.arg(env!("CARGO_BIN_EXE_sphcut")).args(arguments).current_dir(shop.path(""));
+    Ended::from(shell.output().unwrap())
+}
+
+/// The plane one has 10 m / 25 um times 0.3 mm / 25 um particles.
+#[cfg(target_os = "linux")]
 #[test]
-fn a_huge_workpiece_is_estimated_and_not_built() {
+fn a_huge_workpiece_is_estimated_in_200_megabytes() {
     let shop = Workshop::new("trust_huge");
-    shop.tiny_with("length = \"0.8 mm\"", "length = \"10 m\"");
-    let start = Instant::now();
-    let ended = shop.sphcut(&["check", "tiny.toml", "--no-measure"]).expect_code(0);
-    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
-    // 10 m / 25 um times 0.3 mm / 25 um.
-    assert!(ended.out.contains("4 800 000 particles"), "{}", ended.out);
-    ended.expect_err("about 4 800 000 particles need");
+    let huge = TINY.replace("length = \"0.8 mm\"", "length = \"10 m\"");
+    shop.write("plane.toml", &huge);
+    shop.write("small_window.toml", &format!("{huge}\n[window]\nahead = \"0.4 mm\"\n"));
+    let window = "[window]\nahead = \"9 m\"\nbehind = \"0.5 m\"\n";
+    shop.write("large_window.toml", &format!("{huge}\n{window}"));
+    let turning = include_str!("../../../../scenarios/al6262_turning.toml");
+    let turning = turning.replace("length = \"1 mm\"", "length = \"100 mm\"");
+    shop.write("turning.toml", &turning);
+    for (name, particles) in [
+        ("plane", "4 800 000 particles"),
+        ("small_window", "493 particles"),
+        ("large_window", "4 568 254 particles"),
+        ("turning", "4 608 000 particles"),
+    ] {
+        let file = format!("{name}.toml");
+        let arguments = ["check", &file, "--no-measure", "--threads", "1"];
+        let ended = limited(&shop, "-d 200000", &arguments).expect_code(0);
+        assert!(ended.out.contains(particles), "{name}: {}", ended.out);
+        ended.expect_err(&format!("about {particles} need"));
+    }
+    // One that is too large for the machine says so, and what can be done.
+    let arguments = ["run", "plane.toml", "--threads", "1", "--out", "out"];
+    let ended = limited(&shop, "-v 1000000", &arguments).expect_code(4);
+    ended.expect_err("bytes of memory").expect_err("`sphcut check` says how much");
+}
+
+/// Memory that runs out in the middle ends a run with a message; what it has saved stays.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_without_memory_keeps_its_checkpoint() {
+    let shop = Workshop::new("trust_memory");
+    shop.write("tiny.toml", TINY);
+    let run = ["run", "tiny.toml", "--quiet", "--threads", "1", "--out"];
+    shop.sphcut(&[&run[..], &["whole"]].concat()).expect_code(0);
+    let arguments = [&run[..], &["parts", "--resume"]].concat();
+    let limit = [&arguments[..], &["--time-limit", "0.003"]].concat();
+    shop.sphcut(&limit).expect_code(130).expect_err("a checkpoint is written");
+    let mut refused = 0;
+    for megabytes in 1..15 {
+        let ended = limited(&shop, &format!("-d {}", 2000 * megabytes), &arguments);
+        match ended.code {
+            Some(0) => break,
+            // Refused by the allocator, or to a thread.
+            Some(4) => refused += 1,
+            other => assert!(megabytes < 4, "{megabytes}: {other:?} {}", ended.err),
+        }
+        let kept =
+            ["run.partial/checkpoint.bin", "run.h5"].map(|name| shop.path("parts").join(name));
+        assert!(kept.iter().any(|path| path.exists()), "{}", ended.err);
+    }
+    assert!(refused > 0);
+    shop.sphcut(&arguments).expect_code(0);
+    assert_eq!(shop.read("parts/forces.csv"), shop.read("whole/forces.csv"));
+}
+
+#[test]
+fn a_file_without_checksums_is_read_with_a_note() {
+    let shop = Workshop::new("trust_older");
+    let file = hdf5_pure::File::create(shop.path("older.h5")).unwrap();
+    let root = file.root();
+    let create = root.create_dataset("force", |dataset| {
+        dataset.with_f64_data(&[1.0]).with_shape(&[1]);
+    });
+    create.unwrap();
+    file.close().unwrap();
+    let ended = shop.sphcut(&["verify", "older.h5"]).expect_code(0);
+    assert!(ended.out.contains("1 files, 0 damaged"), "{}", ended.out);
+    ended.expect_err("`older.h5` was written before there were checksums; it cannot be verified");
 }
 
 #[test]
