@@ -6,7 +6,7 @@ use crate::progress::{OutputStyle, RunDisplay, ShownForces, Status, Travel};
 use crate::{interrupt, loading, outcome, results, terminal};
 use clap::Args;
 use sphcut_postprocess::steady::{Series, SteadyOptions, detect};
-use sphcut_record::driver::{self, Control, Export, Moment, Process, Progress, RunOptions, Start};
+use sphcut_record::driver::{self, Control, Export, Moment, Progress, RunOptions, Start};
 use sphcut_record::{Outcome, Run};
 use sphcut_scenario::{Scenario, Steady};
 use sphcut_sph::ChannelId;
@@ -99,7 +99,6 @@ fn options(arguments: &RunArguments, scenario: &Scenario) -> RunOptions {
         snapshots: scenario.output.snapshots,
         checkpoint_interval: Duration::from_secs_f64(scenario.output.checkpoint_seconds),
         threads: loading::threads(arguments.threads),
-        process: Process::Own,
         export: Export::Vtkhdf,
     }
 }

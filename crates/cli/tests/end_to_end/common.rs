@@ -1,5 +1,7 @@
 //! A tiny cut and a way to run the program on it.
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -50,6 +52,7 @@ pub fn diverging() -> String {
 /// A folder of one test, empty at its start.
 pub struct Workshop {
     folder: PathBuf,
+    inputs: RefCell<BTreeSet<PathBuf>>,
 }
 
 impl Workshop {
@@ -60,7 +63,7 @@ impl Workshop {
             std::fs::remove_dir_all(&folder).expect("an old test folder can be removed");
         }
         std::fs::create_dir_all(&folder).expect("the test folder can be created");
-        Self { folder }
+        Self { folder, inputs: RefCell::default() }
     }
 
     /// A path in the folder.
@@ -71,6 +74,7 @@ impl Workshop {
     /// Writes a file and returns its path.
     pub fn write(&self, name: &str, text: &str) -> PathBuf {
         let path = self.path(name);
+        self.inputs.borrow_mut().insert(path.clone());
         std::fs::write(&path, text).expect("a file can be written into the test folder");
         path
     }
@@ -99,6 +103,67 @@ impl Workshop {
         let output = self.command(arguments).output().expect("the program starts");
         Ended::from(output)
     }
+}
+
+/// No NaN and no infinity stands in any output of any test.
+impl Drop for Workshop {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            all_finite(&self.folder, &self.inputs.borrow());
+        }
+    }
+}
+
+/// `inputs` may be wrong on purpose; so are the tables of measurements of the cases in `validation`.
+fn all_finite(path: &Path, inputs: &BTreeSet<PathBuf>) {
+    if path.is_dir() && !path.is_symlink() {
+        let entries = std::fs::read_dir(path).unwrap().flatten();
+        return entries.for_each(|entry| all_finite(&entry.path(), inputs));
+    }
+    if inputs.contains(path) || path.ends_with("reference.csv") {
+        return;
+    }
+    let kind = path.extension().unwrap_or_default().to_string_lossy().into_owned();
+    let found = match kind.as_str() {
+        "h5" | "vtkhdf" => not_finite_in_h5(path),
+        "csv" | "json" | "html" => {
+            let text = String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
+            let is_number = |word: &&str| {
+                let word = word.trim_matches('-').to_lowercase();
+                ["nan", "inf", "infinity"].contains(&word.as_str())
+            };
+            let mut words = text.split([',', ';', '\t', '\n', ' ', ':', '[', ']', '>', '<', '\r']);
+            words.find(is_number).map(str::to_owned)
+        }
+        _ => None,
+    };
+    assert_eq!(found, None, "{}", path.display());
+}
+
+/// An array or attribute with what is no number, but for arrays that say what it means. Files that tests have damaged
+/// cannot be opened.
+fn not_finite_in_h5(path: &Path) -> Option<String> {
+    let file = hdf5_pure::File::open(path).ok()?;
+    let mut groups = vec![String::new()];
+    while let Some(path) = groups.pop() {
+        let group = if path.is_empty() { Ok(file.root()) } else { file.group(&path) }.ok()?;
+        let inside = |name: String| format!("{path}/{name}").trim_start_matches('/').to_owned();
+        groups.extend(group.groups().ok()?.into_iter().map(inside));
+        let attributes = group.attrs().ok().map(|attributes| format!("{attributes:?}"));
+        if attributes.is_some_and(|text| text.contains("(NaN)") || text.contains("inf)")) {
+            return Some(format!("attributes of {path}"));
+        }
+        for name in group.datasets().ok()?.into_iter().map(inside) {
+            let array = file.dataset(&name).ok()?;
+            let told = array.attrs().map_or(String::new(), |about| format!("{about:?}"));
+            let mut values = array.read_f64().unwrap_or_default().into_iter();
+            let told = ["NaN: not known", "inf: no limit"].map(|text| told.contains(text));
+            if values.any(|value| !value.is_finite() && !told[usize::from(value.is_infinite())]) {
+                return Some(name);
+            }
+        }
+    }
+    None
 }
 
 /// What a finished program left behind.

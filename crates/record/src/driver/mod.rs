@@ -26,20 +26,8 @@ pub struct RunOptions {
     pub checkpoint_interval: Duration,
     /// Threads the solver may use, for the record; the caller sets up the pool.
     pub threads: usize,
-    /// Whether other runs are computed in this process.
-    pub process: Process,
     /// What is written beside the record.
     pub export: Export,
-}
-
-/// Whether what the process uses is what the run uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Process {
-    /// This run is alone in the process.
-    Own,
-    /// Several runs at once: processor time and memory of the process are not those of one run, and are not
-    /// recorded.
-    Shared,
 }
 
 /// What to do with what is already in the result's folder.

@@ -1,6 +1,6 @@
 //! One call of [`super::run`]: the loop over the steps and what is saved when.
 
-use super::{Control, Moment, Process, Progress, RunOptions, Source, Stepper};
+use super::{Control, Moment, Progress, RunOptions, Source, Stepper};
 use crate::files::partial::{Partial, SavedSnapshots};
 use crate::files::{self, RunBody, RunFiles};
 use crate::{
@@ -214,14 +214,13 @@ impl<S: Source> Session<'_, S> {
     }
 
     fn performance(&self) -> Performance {
-        let alone = self.options.process == Process::Own;
         let peaks = [resources::peak_memory_bytes(), self.meter.earlier.peak_memory_bytes];
         Performance {
             particles: self.stepper.particle_count(),
             steps: self.stepper.steps(),
             wall_seconds: self.meter.wall_seconds(),
-            cpu_seconds: self.meter.cpu_seconds().filter(|_| alone),
-            peak_memory_bytes: peaks.into_iter().flatten().max().filter(|_| alone),
+            cpu_seconds: self.meter.cpu_seconds(),
+            peak_memory_bytes: peaks.into_iter().flatten().max(),
             threads: self.options.threads,
         }
     }

@@ -11,7 +11,7 @@ pub struct ColumnH5<'a> {
     pub name: &'a str,
     /// Unit, an attribute of the array; empty for pure numbers.
     pub unit: &'a str,
-    /// The numbers.
+    /// The numbers; NaN is what is not known, and the attribute `not_finite` of the array says so.
     pub values: &'a [f64],
 }
 
@@ -52,9 +52,12 @@ pub fn write_columns_h5(
     for group in groups {
         writer.group(&group.path, &attributes(&group.facts))?;
         for column in &group.columns {
-            let unit = [("unit", Attribute::text(column.unit))];
+            let mut about = vec![("unit", Attribute::text(column.unit))];
+            if column.values.iter().any(|value| value.is_nan()) {
+                about.push(("not_finite", Attribute::text("NaN: not known")));
+            }
             let array = format!("{}/{}", group.path, column.name);
-            writer.array(&array, Array::F64(column.values), ArrayLayout::Rows, &unit)?;
+            writer.array(&array, Array::F64(column.values), ArrayLayout::Rows, &about)?;
         }
         for (name, words) in &group.texts {
             let array = format!("{}/{name}", group.path);

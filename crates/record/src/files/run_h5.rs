@@ -106,7 +106,10 @@ fn write_state(writer: &HdfWriter, state: &CheckpointState) -> Result<(), RunErr
     writer.group("checkpoint", &[("meaning", Attribute::text(meaning))])?;
     // Numbered, because a name of the solver need not be a valid name of a link.
     for (number, (name, values)) in state.reals.iter().enumerate() {
-        let attributes = [("name", Attribute::text(name.as_str()))];
+        let mut attributes = vec![("name", Attribute::text(name.as_str()))];
+        if values.iter().any(|value| value.is_infinite()) {
+            attributes.push(("not_finite", Attribute::text("inf: no limit")));
+        }
         let path = format!("checkpoint/reals_{number:03}");
         writer.array(&path, Array::F64(values), ArrayLayout::Rows, &attributes)?;
     }

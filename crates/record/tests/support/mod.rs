@@ -5,7 +5,7 @@
 
 pub mod cut;
 
-use sphcut_record::driver::{Export, Process, RunOptions, Source, Start, Stepper};
+use sphcut_record::driver::{Export, RunOptions, Source, Start, Stepper};
 use sphcut_record::{Facts, MaterialFacts, Provenance, Run, Setting};
 use sphcut_sph::setup::{CuttingFrame, Dimension, Pass};
 use sphcut_sph::{
@@ -227,7 +227,6 @@ pub fn options(dir: &Path, start: Start) -> RunOptions {
         snapshots: 9,
         checkpoint_interval: Duration::from_secs(3600),
         threads: 1,
-        process: Process::Own,
         export: Export::Vtkhdf,
     }
 }

@@ -8,7 +8,7 @@ use crate::terminal::note;
 use crate::{loading, results, text};
 use sphcut_postprocess::calibration::{MeasuredForces, Trial};
 use sphcut_postprocess::evaluate;
-use sphcut_record::driver::{Export, Process, RunOptions, Start};
+use sphcut_record::driver::{Export, RunOptions, Start};
 use sphcut_record::{Outcome, Provenance, Run, RunFiles};
 use sphcut_scenario::{PatchError, Scenario};
 use std::path::Path;
@@ -75,7 +75,6 @@ impl Workbench<'_> {
             snapshots: scenario.output.snapshots,
             checkpoint_interval: Duration::from_secs_f64(scenario.output.checkpoint_seconds),
             threads: loading::threads(self.arguments.threads),
-            process: Process::Own,
             export: Export::Vtkhdf,
         };
         let run = match run::compute(scenario, &options(Start::Resume), None, self.style) {

@@ -8,7 +8,7 @@ use crate::{files, interrupt, loading, results};
 use clap::Args;
 use serde_json::{Value, json};
 use sphcut_postprocess::{evaluate, summary_json};
-use sphcut_record::driver::{self, Export, Moment, Process, RunOptions, Start};
+use sphcut_record::driver::{self, Export, Moment, RunOptions, Start};
 use sphcut_record::{Outcome, Run, RunError};
 use sphcut_scenario::Scenario;
 use std::io::{BufRead, Read};
@@ -113,7 +113,6 @@ fn stepped(
         snapshots: scenario.output.snapshots,
         checkpoint_interval: Duration::from_secs_f64(scenario.output.checkpoint_seconds),
         threads: arguments.threads,
-        process: Process::Own,
         export: Export::Nothing,
     };
     let pool = loading::pool(arguments.threads)?;
