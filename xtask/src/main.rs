@@ -1,8 +1,9 @@
-//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench | blind`.
+//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench | blind | fuzz`.
 
 mod bench;
 mod blind;
 mod docs;
+mod fuzz;
 mod inspect;
 mod source;
 mod tidy;
@@ -43,6 +44,18 @@ enum Chore {
         #[arg(long, value_name = "FOLDER")]
         peers: Option<PathBuf>,
     },
+    /// Read changed files with every reader: no panic, no hang, bounded memory.
+    Fuzz {
+        /// For how long.
+        #[arg(long, default_value_t = 10.0)]
+        minutes: f64,
+        /// Other seeds give other inputs.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Only this reader.
+        #[arg(long)]
+        target: Option<String>,
+    },
     /// Draw blind cases for the diagnosis, and score what was claimed of them.
     #[command(alias = "conceal")]
     Blind {
@@ -59,6 +72,9 @@ fn main() -> ExitCode {
         Chore::Schema => docs::schema(&root()),
         Chore::Inspect { folder } => inspect::inspect(&folder),
         Chore::Blind { what } => blind::run(&what),
+        Chore::Fuzz { minutes, seed, target } => {
+            fuzz::run(&root(), minutes, seed, target.as_deref())
+        }
         Chore::Bench { peers } => bench::run(&root(), peers.as_deref()),
     };
     match result {
