@@ -163,6 +163,7 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("sphcut sweep cancel out/sweep", Elsewhere("cluster")),
     ("sphcut sweep cancel DIR", Elsewhere("cluster")),
     ("sphcut sweep DIR/runs.toml --out DIR/swept", Not("takes hours")),
+    ("cargo xtask fuzz --minutes 13 --seed 2", Not("takes a quarter of an hour")),
     ("cargo xtask tidy", Not("a check of the repository")),
     ("cargo xtask docs --check", Not("a check of the repository")),
     (
