@@ -1,6 +1,7 @@
 //! The file of a diagnosis, carried out.
 
 use crate::DiagnosisCase;
+use crate::data::mistakes::refuse_mistakes;
 use crate::data::recordings::{Recording, Recordings};
 use crate::error::DiagnoseError;
 use crate::inference::commissioning::{Batch, ReferenceComparison};
@@ -75,7 +76,7 @@ fn range(case: &DiagnosisCase) -> Option<[[f64; 2]; 2]> {
 }
 
 /// The lines of a table as recordings of what `model` predicts.
-fn recordings(
+pub(crate) fn recordings(
     rows: &[CutTableRow],
     model: &dyn Predictor,
     section: &'static str,
@@ -87,5 +88,6 @@ fn recordings(
         deviations: row.deviations,
     });
     Recordings::new(cuts.collect(), model.channels())
+        .and_then(|found| refuse_mistakes(&found, model).map(|()| found))
         .map_err(|reason| DiagnoseError::Table { section, reason: Box::new(reason) })
 }

@@ -35,6 +35,22 @@ pub enum DiagnoseError {
         /// Those needed.
         needed: f64,
     },
+    /// Repeats that do not differ at all.
+    #[error(
+        "all repeats of {} agree to the last digit, as no measurement does: give every reading with its own digits, or one line \
+         for each condition with its standard deviation in a column `{}_sd`",
+        .channel.symbol(), .channel.symbol()
+    )]
+    NoScatter {
+        /// The channel.
+        channel: Channel,
+    },
+    /// A table that is wrong in a way that shows.
+    #[error("{what}")]
+    Mistake {
+        /// What is probably wrong, and what to do.
+        what: String,
+    },
     /// A value that has no logarithm.
     #[error(
         "recording {recording}: {} = {value} has no logarithm; leave the cell empty",

@@ -1,4 +1,5 @@
 //! Recordings: channels, rows, and what they say of their own noise.
 
+pub(crate) mod mistakes;
 pub(crate) mod noise;
 pub(crate) mod recordings;

@@ -189,6 +189,9 @@ impl Recordings {
         let stated: Vec<Option<f64>> = rows.iter().map(|&k| relative(k).map(|s| s * s)).collect();
         let all_stated = stated.iter().all(|s| s.is_some_and(|variance| variance > 0.0));
         if !all_stated && law.is_none() {
+            if freedom >= FEWEST_FREEDOM {
+                return Err(DiagnoseError::NoScatter { channel });
+            }
             return Err(DiagnoseError::UnknownNoise { channel, freedom, needed: FEWEST_FREEDOM });
         }
         let mut squares = 0.0;
