@@ -93,6 +93,7 @@ pub fn diagnosis_json(
         "probability_of_none_of_these": finding.none_of_these,
         "set": keys(&finding.set),
         "set_has_none_of_these": finding.set_has_none,
+        "share_explained": finding.explained,
         "families": finding.families.iter().map(|(name, p)| json!({ "family": name, "probability": p })).collect::<Vec<_>>(),
         "effects": effects.iter().enumerate().map(|(k, effect)| json!({
             "effect": effect.key,

@@ -7,8 +7,9 @@ use crate::data::recordings::{Recordings, groups, tools};
 use crate::error::DiagnoseError;
 use crate::inference::attribute::{Attribution, Hypothesis, attribute};
 use crate::inference::commissioning::{Batch, Bias, ReferenceComparison};
-use crate::inference::fit::{Fit, fit};
+use crate::inference::fit::Fit;
 use crate::inference::locate::{Location, locate};
+use crate::inference::null::{better_null, null_fit};
 use crate::inference::problem::{InstrumentPriors, RegressionProblem};
 use crate::inference::setups::SetupScatter;
 use crate::inference::templates::Templates;
@@ -24,6 +25,11 @@ const CANDIDATES: usize = 7;
 const BEYOND: f64 = 1.5;
 /// Rivals among which the next experiment decides.
 const MOST_RIVALS: usize = 5;
+/// Amplitudes of what may differ between the batch of the reference and that of the recordings beside the nuisances, as shares of the
+/// value; equally probable before the data.
+const DISCREPANCIES: [f64; 4] = [0.0, 0.02, 0.04, 0.08];
+/// Times that the comparison may begin anew from a better null fit.
+const ROUNDS: usize = 3;
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
@@ -156,19 +162,22 @@ pub fn diagnose(
             (problem, biases)
         }
     };
-    let start = DVector::zeros(problem.unknowns());
-    let null = fit(&problem, predictor, &[], &start).ok_or(DiagnoseError::Singular)?;
-    let templates = Templates::new(&problem, predictor, &null)?;
-    let signal = templates.signal(&null);
-    let gains: Vec<f64> = (0..templates.effects()).map(|k| templates.expected_gain(k)).collect();
-    let mut attribution = attribute(&templates, &signal, &gains);
-    let fits = attribution.refine(&problem, predictor, &null);
+    let another_batch = matches!(request.reference, Some((_, _, Batch::Another)));
+    let laws: &[f64] = if another_batch { &DISCREPANCIES } else { &[0.0] };
+    let compared: Result<Vec<Compared>, DiagnoseError> = laws
+        .iter()
+        .map(|&amplitude| {
+            Compared::new(problem.clone().with_batch_discrepancy(amplitude)?, predictor)
+        })
+        .collect();
+    let Compared { problem, null, templates, signal, gains, attribution, fits } =
+        Compared::mixed(compared?);
     let explained = attribution.scored.iter().find(|s| s.hypothesis != Hypothesis::NoneOfThese);
     let best = match explained.map(|s| s.hypothesis.effects()) {
         Some([]) | None => Some(&null),
         Some(effects) => fits.iter().find(|found| found.effects == effects),
     };
-    let finding = judge(&problem, predictor, best, &attribution);
+    let finding = judge(&problem, predictor, best, &attribution, (&templates, &signal));
     let location = locate(&problem, &templates, &signal);
     let repair = repair(&finding, &fits);
     let help = match repair.filter(|_| request.held_out) {
@@ -203,6 +212,62 @@ pub fn diagnose(
         rerun: None,
         problem,
     })
+}
+
+/// The candidate effects beside the null hypothesis, under one law of the data.
+pub(crate) struct Compared {
+    pub problem: RegressionProblem,
+    pub null: Fit,
+    templates: Templates,
+    signal: DVector<f64>,
+    gains: Vec<f64>,
+    attribution: Attribution,
+    pub fits: Vec<Fit>,
+}
+
+impl Compared {
+    /// Begun anew from the null fit that the candidates lead to, as long as that is better.
+    pub fn new(
+        problem: RegressionProblem,
+        predictor: &dyn Predictor,
+    ) -> Result<Self, DiagnoseError> {
+        let null = null_fit(&problem, predictor).ok_or(DiagnoseError::Singular)?;
+        let mut found = Self::beside(problem, predictor, null)?;
+        for _ in 0..ROUNDS {
+            match better_null(&found.problem, predictor, &found.null, &found.fits) {
+                Some(better) => found = Self::beside(found.problem, predictor, better)?,
+                None => break,
+            }
+        }
+        Ok(found)
+    }
+
+    fn beside(
+        problem: RegressionProblem,
+        predictor: &dyn Predictor,
+        null: Fit,
+    ) -> Result<Self, DiagnoseError> {
+        let templates = Templates::new(&problem, predictor, &null)?;
+        let signal = templates.signal(&null);
+        let gains: Vec<f64> =
+            (0..templates.effects()).map(|k| templates.expected_gain(k)).collect();
+        let mut attribution = attribute(&templates, &signal, &gains);
+        let fits = attribution.refine(&problem, predictor, &null);
+        Ok(Self { problem, null, templates, signal, gains, attribution, fits })
+    }
+
+    /// The comparison under the law of greatest evidence, with probabilities over all laws.
+    fn mixed(mut all: Vec<Self>) -> Self {
+        let evidence = |k: &usize| all[*k].attribution.log_evidence();
+        let best = (0..all.len()).max_by(|a, b| evidence(a).total_cmp(&evidence(b))).unwrap_or(0);
+        let attributions: Vec<Attribution> =
+            all.iter().map(|one| one.attribution.clone()).collect();
+        let own = all.swap_remove(best);
+        if attributions.len() == 1 {
+            return own;
+        }
+        Self { attribution: Attribution::mixed(&attributions, best), ..own }
+    }
 }
 
 /// The covariance of standard normal unknowns when the probability of the data is raised to a power: the inverse of

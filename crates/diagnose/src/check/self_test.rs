@@ -4,7 +4,7 @@ use crate::inference::attribute::{ALARM, CLAIM, Hypothesis, attribute};
 use crate::inference::fit::Fit;
 use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
-use crate::inference::verdict::smallest_set;
+use crate::inference::verdict::{EXPLAINED, smallest_set};
 use crate::model::predictor::{Active, Predictor};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
@@ -125,9 +125,14 @@ impl<'a> Simulator<'a> {
                 let alarm = found.probability(&Hypothesis::Nothing) < ALARM;
                 let named: Vec<usize> =
                     (0..self.templates.effects()).filter(|&k| found.inclusion(k) > CLAIM).collect();
+                let is_explained = || {
+                    let share = self.templates.explained(&signal, &named);
+                    share.is_some_and(|share| share >= EXPLAINED)
+                };
+                let is_named = alarm && named == effects && is_explained();
                 let (set, _) = smallest_set(&found, self.templates.effects());
                 let member = set.iter().any(|k| effects.contains(k));
-                Some([alarm, alarm && named == effects, alarm && member])
+                Some([alarm, is_named, alarm && member])
             })
             .collect();
         let found: Vec<[bool; 3]> = found.into_iter().flatten().collect();

@@ -1,5 +1,6 @@
 //! How probable each explanation is.
 
+use crate::inference::change_error::mean_of_logs;
 use crate::inference::fit::{Fit, fit};
 use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
@@ -81,7 +82,7 @@ impl Attribution {
     /// Probability of an explanation; 0 if it is not among them.
     #[must_use]
     pub fn probability(&self, hypothesis: &Hypothesis) -> f64 {
-        self.scored.iter().find(|s| s.hypothesis == *hypothesis).map_or(0.0, |s| s.probability)
+        self.probability_of(hypothesis).unwrap_or(0.0)
     }
 
     /// Probability that an effect is among what is missing.
@@ -96,6 +97,39 @@ impl Attribution {
     #[must_use]
     pub fn is_testable(&self, effect: usize) -> bool {
         self.expected_gains[effect] >= TESTABLE && !self.unknown.contains(&effect)
+    }
+
+    /// log of the evidence of the data over all explanations.
+    pub(crate) fn log_evidence(&self) -> f64 {
+        let logs: Vec<f64> = self.scored.iter().map(|s| s.prior.ln() + s.log_evidence).collect();
+        mean_of_logs(&logs) + (logs.len() as f64).ln()
+    }
+
+    /// The explanations weighed under several laws of the data that are equally probable before: the evidence of each is its mean
+    /// over the laws. One that was not weighed under some law counts there as impossible. Coordinates are those of `all[best]`, where
+    /// it has them.
+    pub(crate) fn mixed(all: &[Self], best: usize) -> Self {
+        let mut mixed = all[best].clone();
+        for other in all {
+            for scored in &other.scored {
+                if mixed.probability_of(&scored.hypothesis).is_none() {
+                    mixed.scored.push(scored.clone());
+                }
+            }
+        }
+        for scored in &mut mixed.scored {
+            let of = |one: &Self| {
+                let found = one.scored.iter().find(|s| s.hypothesis == scored.hypothesis);
+                found.map_or(f64::NEG_INFINITY, |s| s.log_evidence)
+            };
+            scored.log_evidence = mean_of_logs(&all.iter().map(of).collect::<Vec<f64>>());
+        }
+        mixed.normalise();
+        mixed
+    }
+
+    fn probability_of(&self, hypothesis: &Hypothesis) -> Option<f64> {
+        self.scored.iter().find(|s| s.hypothesis == *hypothesis).map(|s| s.probability)
     }
 
     /// P(nothing missing) by the evidence as it is; what is left is shared by the other explanations in proportion to

@@ -155,6 +155,12 @@ impl Loose {
 
     /// log of the evidence with an amplitude for each group, but for log |2 pi V| / 2 of the law by which all is whitened.
     pub(crate) fn log_evidence(&self, amplitudes: &[f64]) -> f64 {
+        self.square_and_determinant(amplitudes)
+            .map_or(f64::NEG_INFINITY, |(square, determinant)| -0.5 * (square + determinant))
+    }
+
+    /// x' V^-1 x and log |V| with an amplitude for each group.
+    pub(crate) fn square_and_determinant(&self, amplitudes: &[f64]) -> Option<(f64, f64)> {
         let last = self.products.nrows() - 1;
         let scale = |k: usize| self.groups.get(k).map_or(1.0, |group| amplitudes[*group]);
         // Columns without an amplitude say nothing.
@@ -169,10 +175,10 @@ impl Loose {
             normal[(j, j)] += 1.0;
             slope[j] = scale(column) * self.products[(last, column)];
         }
-        let Some(factor) = normal.cholesky() else { return f64::NEG_INFINITY };
+        let factor = normal.cholesky()?;
         let determinant: f64 = factor.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
         let square = self.products[(last, last)] - slope.dot(&factor.solve(&slope));
-        -0.5 * (square + determinant)
+        Some((square, determinant))
     }
 
     /// The most probable amplitude of each group out of `grid`, found in turns, and the logarithm of the evidence: its mean over the

@@ -13,8 +13,9 @@ use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::Channel;
 
-/// Amplitudes of the bias that are tried, as shares of the value.
-const AMPLITUDES: [f64; 7] = [0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
+/// Amplitudes of the bias that are tried, as shares of the value: from what no measurement shows to what no model is wrong by, so
+/// that neither end is the answer.
+const AMPLITUDES: [f64; 9] = [0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64];
 /// Lengths over which it changes, in shares of the ranges of log v_c and log h.
 const LENGTHS: [f64; 3] = [0.3, 0.6, 1.2];
 /// Length over which a stated error of the model changes, in the same shares.
@@ -131,6 +132,29 @@ impl RegressionProblem {
         let factors = biases.iter().map(|&(channel, bias)| plain.bias_factor(channel, bias));
         let factors = factors.collect();
         Ok((plain.with_common(factors)?, biases))
+    }
+
+    /// The same problem with a model that is wrong by another smooth share of `amplitude` in the diagnosed rows, which the reference
+    /// does not know: what changes from batch to batch and from bench to bench beside the nuisances.
+    ///
+    /// # Errors
+    /// A covariance that cannot be inverted.
+    pub(crate) fn with_batch_discrepancy(self, amplitude: f64) -> Result<Self, DiagnoseError> {
+        if amplitude == 0.0 {
+            return Ok(self);
+        }
+        let bias = Bias { amplitude, length: STATED_LENGTH, origin: BiasOrigin::Stated };
+        let factors = self.channels().into_iter().map(|channel| {
+            let Factor { rows, columns } = self.bias_factor(channel, bias);
+            let kept: Vec<usize> =
+                (0..rows.len()).filter(|&k| self.is_diagnosed(rows[k])).collect();
+            Factor {
+                columns: columns.select_rows(&kept),
+                rows: kept.into_iter().map(|k| rows[k]).collect(),
+            }
+        });
+        let factors = factors.collect();
+        self.with_common(factors)
     }
 
     /// With more that rows have in common.

@@ -11,17 +11,20 @@ use nalgebra::{DMatrix, DVector};
 /// Step of the unknowns, in standard deviations of their priors, over which the model is differenced.
 const STEP: f64 = 0.02;
 /// Steps after which a fit ends.
-const MOST_STEPS: usize = 30;
-/// Length of a step, in standard deviations of the priors, after which the derivative is kept until the end.
+const MOST_STEPS: usize = 60;
+/// Length of a step, in standard deviations of the priors, below which the derivative is kept for the next.
 const SMALL: f64 = 0.3;
-/// Distance from where the derivative was taken beyond which it is taken anew at the end.
-const STALE: f64 = 0.02;
+/// Damping of the first step, and of the first with a new derivative after a step that failed.
+const DAMPING: f64 = 1e-3;
+/// Tenfold increases of the damping after which a step has failed.
+const MOST_TRIES: usize = 12;
 /// Rounds in which the error of the change and the fit follow each other.
 const ERROR_ROUNDS: usize = 1;
 /// Share of the largest eigenvalue below which a direction of an error does not count.
 pub(crate) const NEGLIGIBLE: f64 = 1e-10;
-/// Decrease of the target below which a fit has ended; it is twice a logarithm of probability.
-const ENOUGH: f64 = 1e-3;
+/// Decrease of the target that a full step still promises, g' H^-1 g, below which a fit has converged; it is twice a logarithm of
+/// probability.
+const CONVERGED: f64 = 1e-3;
 
 /// The most probable unknowns under one hypothesis.
 #[derive(Debug, Clone)]
@@ -189,42 +192,49 @@ impl System<'_> {
         Some(Point { unknowns: unknowns.clone(), prediction, jacobian, target })
     }
 
-    /// Damped Gauss-Newton steps; the derivative is taken anew after steps that are not small.
+    /// Damped Gauss-Newton steps. The derivative is kept over small steps and taken anew after others, after a step that failed and
+    /// before the fit may end: it ends only where a full step with the derivative of that very place promises no more than
+    /// [`CONVERGED`], or where no step lowers the target.
     fn descend(&self, law: &GaussianLaw, start: Point) -> Option<Point> {
         let Point { mut unknowns, mut prediction, mut jacobian, .. } = start;
         let mut target = self.target(law, &prediction, &unknowns)?;
-        let mut damping = 1e-3;
-        let mut taken_at = unknowns.clone();
+        let mut damping = DAMPING;
+        let mut is_fresh = true;
         for _ in 0..MOST_STEPS {
             let white = law.whiten(jacobian.clone());
             let residual = law.whiten_vector(&self.measured - &prediction);
             let slope = white.tr_mul(&residual) - &unknowns;
             let normal = white.tr_mul(&white) + DMatrix::identity(unknowns.len(), unknowns.len());
-            let (mut gain, mut moved) = (0.0, 0.0);
-            for _ in 0..12 {
+            let promised = slope.dot(&normal.clone().cholesky()?.solve(&slope));
+            let mut moved = None;
+            for _ in 0..if promised < CONVERGED { 0 } else { MOST_TRIES } {
                 let mut damped = normal.clone();
                 for k in 0..unknowns.len() {
                     damped[(k, k)] *= 1.0 + damping;
                 }
                 let next = &unknowns + damped.cholesky()?.solve(&slope);
                 let there = self.predict(&next);
-                if let Some(lower) = self.target(law, &there, &next).filter(|t| *t <= target) {
-                    (gain, moved) = (target - lower, (&next - &unknowns).norm());
+                if let Some(lower) = self.target(law, &there, &next).filter(|t| *t < target) {
+                    moved = Some((&next - &unknowns).norm());
                     (unknowns, prediction, target) = (next, there, lower);
                     damping = (damping * 0.1).max(1e-9);
                     break;
                 }
                 damping *= 10.0;
             }
-            if moved > SMALL {
-                jacobian = self.jacobian(&unknowns, &prediction);
-                taken_at.copy_from(&unknowns);
-            }
-            if gain < ENOUGH {
-                break;
+            match moved {
+                Some(length) if length <= SMALL => is_fresh = false,
+                None if is_fresh => break,
+                _ => {
+                    jacobian = self.jacobian(&unknowns, &prediction);
+                    is_fresh = true;
+                    if moved.is_none() {
+                        damping = DAMPING;
+                    }
+                }
             }
         }
-        if (&unknowns - taken_at).norm() > STALE {
+        if !is_fresh {
             jacobian = self.jacobian(&unknowns, &prediction);
         }
         Some(Point { unknowns, prediction, jacobian, target })

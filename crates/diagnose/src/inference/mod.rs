@@ -8,6 +8,7 @@ pub(crate) mod gaussian;
 pub(crate) mod law;
 pub(crate) mod locate;
 pub(crate) mod monotone;
+pub(crate) mod null;
 pub(crate) mod places;
 pub(crate) mod problem;
 pub(crate) mod setups;

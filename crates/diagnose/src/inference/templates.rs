@@ -258,9 +258,7 @@ impl Templates {
     /// most probable, as if channels were independent; that all are 0 is "nothing missing" and taken off.
     pub(crate) fn log_evidence_of_none(&self, signal: &DVector<f64>) -> f64 {
         let count = self.discrepancy.len();
-        let columns: Vec<&DMatrix<f64>> = self.discrepancy.iter().collect();
-        let groups = columns.iter().enumerate().flat_map(|(c, own)| vec![c; own.ncols()]);
-        let loose = Loose::grouped(&columns, groups.collect(), signal);
+        let loose = self.with_discrepancy(signal);
         let (_, all) = loose.most_probable(&AMPLITUDES);
         // Z = sum_k p_k Z_k with all amplitudes 0 among the k.
         let nothing = loose.log_evidence(&vec![0.0; count]);
@@ -269,20 +267,53 @@ impl Templates {
         all + rest.ln() - (1.0 - share).ln() - 0.5 * self.log_determinant
     }
 
+    fn with_discrepancy(&self, deviation: &DVector<f64>) -> Loose {
+        let columns: Vec<&DMatrix<f64>> = self.discrepancy.iter().collect();
+        let groups = columns.iter().enumerate().flat_map(|(c, own)| vec![c; own.ncols()]);
+        Loose::grouped(&columns, groups.collect(), deviation)
+    }
+
+    /// How much of what is wrong with the null hypothesis `effects` explain as the model has them, without errors of their own:
+    ///
+    /// ```text
+    /// share = (Phi_0 - Phi_1) / (Phi_0 - Phi_2),   Phi_0 = |e|^2,   Phi_1 = |e - d(t)|^2 + t't
+    /// ```
+    ///
+    /// at the most probable t, where Phi_2 has in place of |e - d|^2 what is left of it when a smooth residual of every channel, that of
+    /// an unmodelled effect, is fitted to e - d as well. An effect that is the cause leaves noise; one that stands in for another leaves a
+    /// pattern. 0 if the effects explain nothing.
+    pub(crate) fn explained(&self, signal: &DVector<f64>, effects: &[usize]) -> Option<f64> {
+        let rigid = self.rigid(signal, effects)?;
+        let left = signal - self.change(effects, &rigid.coordinates);
+        let own: f64 = rigid.coordinates.iter().map(|t| t * t).sum();
+        let loose = self.with_discrepancy(&left);
+        let (amplitudes, _) = loose.most_probable(&AMPLITUDES);
+        let (square, _) = loose.square_and_determinant(&amplitudes)?;
+        let by_effects = (signal.norm_squared() - left.norm_squared() - own).max(0.0);
+        let by_residual = left.norm_squared() - square;
+        let all = by_effects + by_residual;
+        Some(if all > 0.0 { by_effects / all } else { 0.0 })
+    }
+
     /// The most probable parameters of `effects` and the evidence there; `None` where the model had no answer.
     pub(crate) fn peak(&self, signal: &DVector<f64>, effects: &[usize]) -> Option<EvidencePeak> {
-        if !effects.iter().all(|&effect| self.is_known(effect)) {
-            return None;
-        }
-        let starts = self.starts(signal, effects).into_iter();
-        let rigid = starts
-            .filter_map(|start| self.climb(signal, effects, start, None))
-            .max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
+        let rigid = self.rigid(signal, effects)?;
         if self.errors.iter().all(|error| *error == 0.0) {
             Some(rigid)
         } else {
             self.loosened(signal, effects, rigid)
         }
+    }
+
+    /// Without errors of the change.
+    fn rigid(&self, signal: &DVector<f64>, effects: &[usize]) -> Option<EvidencePeak> {
+        if !effects.iter().all(|&effect| self.is_known(effect)) {
+            return None;
+        }
+        let starts = self.starts(signal, effects).into_iter();
+        starts
+            .filter_map(|start| self.climb(signal, effects, start, None))
+            .max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
     }
 
     /// With the error of the change, as in [`fit`](crate::fit()).

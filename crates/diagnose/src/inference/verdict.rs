@@ -4,6 +4,7 @@ use crate::inference::attribute::{ALARM, Attribution, CLAIM, Hypothesis};
 use crate::inference::fit::Fit;
 use crate::inference::law::{Covariance, Factor, GaussianLaw};
 use crate::inference::problem::RegressionProblem;
+use crate::inference::templates::Templates;
 use crate::model::predictor::Predictor;
 use nalgebra::DVector;
 use sphcut_physics::Channel;
@@ -13,6 +14,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 const SET: f64 = 0.95;
 /// Above this probability of "none of these" no effect is claimed.
 const NO_CLAIM: f64 = 0.5;
+/// Effects are named only if as the model has them they explain more than this share of what they and a smooth residual explain.
+pub(crate) const EXPLAINED: f64 = 0.7;
 /// Probability with which a right explanation fails the gate, over all channels.
 const GATE: f64 = 0.01;
 
@@ -63,6 +66,8 @@ pub struct Conclusion {
     pub families: Vec<(&'static str, f64)>,
     /// Effects that these data cannot tell, with the expected fall of chi^2.
     pub untestable: Vec<(usize, f64)>,
+    /// Which share of the mismatch the effects that are probable enough to be named explain beside a smooth residual.
+    pub explained: Option<f64>,
     /// The best explanation, channel by channel.
     pub gates: Vec<Gate>,
 }
@@ -74,6 +79,12 @@ impl Conclusion {
         self.verdict != ClaimVerdict::NoAlarm
     }
 
+    /// The effects that are probable enough to be named.
+    #[must_use]
+    pub fn probable(&self) -> Vec<usize> {
+        probable(&self.inclusion)
+    }
+
     /// The family that is named: that of all claimed effects, or one above the probability of a claim.
     #[must_use]
     pub fn family(&self) -> Option<&'static str> {
@@ -82,7 +93,8 @@ impl Conclusion {
 }
 
 /// What may be claimed: an alarm if P(nothing missing) < 0.05; "none of these" above P = 0.5; a name above P = 0.9; otherwise the smallest set of
-/// effects of which at least one is missing with P = 0.95. If `best`, the fit of the best explanation, does not follow a channel
+/// effects of which at least one is missing with P = 0.95. Effects that explain less than 70 % of what they and a smooth residual explain together are not
+/// named either, however probable: they stand in for something else. If `best`, the fit of the best explanation, does not follow a channel
 /// (chi^2 given the other channels beyond its 99 % quantile over all channels), the claim is "none of these".
 #[must_use]
 pub fn judge(
@@ -90,6 +102,7 @@ pub fn judge(
     predictor: &dyn Predictor,
     best: Option<&Fit>,
     attribution: &Attribution,
+    (templates, signal): (&Templates, &DVector<f64>),
 ) -> Conclusion {
     let effects = predictor.effects();
     let nothing = attribution.probability(&Hypothesis::Nothing);
@@ -97,12 +110,13 @@ pub fn judge(
     let inclusion: Vec<f64> = (0..effects.len()).map(|k| attribution.inclusion(k)).collect();
     let (set, set_has_none) = smallest_set(attribution, effects.len());
     let gates = best.and_then(|fit| gates(problem, fit)).unwrap_or_default();
-    let named: Vec<usize> = (0..effects.len()).filter(|&k| inclusion[k] > CLAIM).collect();
+    let named = probable(&inclusion);
+    let explained = if named.is_empty() { None } else { templates.explained(signal, &named) };
     let verdict = if nothing >= ALARM {
         ClaimVerdict::NoAlarm
     } else if none_of_these > NO_CLAIM || gates.iter().any(|gate| !gate.passed) {
         ClaimVerdict::NoneOfThese
-    } else if named.is_empty() {
+    } else if explained.is_none_or(|share| share < EXPLAINED) {
         ClaimVerdict::OneOf
     } else {
         ClaimVerdict::Named(named)
@@ -120,8 +134,13 @@ pub fn judge(
         set,
         set_has_none,
         untestable,
+        explained,
         gates,
     }
+}
+
+fn probable(inclusion: &[f64]) -> Vec<usize> {
+    (0..inclusion.len()).filter(|&k| inclusion[k] > CLAIM).collect()
 }
 
 /// Adds, one after the other, what covers most of the explanations that are left.

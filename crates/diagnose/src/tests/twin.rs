@@ -176,7 +176,13 @@ pub fn diagnosed(twin: &Twin, recordings: &Recordings) -> DiagnosedTwin {
     let gains: Vec<f64> = (0..twin.effects.len()).map(|k| templates.expected_gain(k)).collect();
     let mut attribution = attribute(&templates, &signal, &gains);
     let fits = attribution.refine(&problem, twin, &null);
-    let finding = judge(&problem, twin, Some(fits.first().unwrap_or(&null)), &attribution);
+    let finding = judge(
+        &problem,
+        twin,
+        Some(fits.first().unwrap_or(&null)),
+        &attribution,
+        (&templates, &signal),
+    );
     DiagnosedTwin { problem, null, templates, signal, attribution, fits, finding }
 }
 

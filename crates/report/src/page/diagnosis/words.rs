@@ -191,8 +191,13 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
             let family = finding.family().map_or_else(String::new, |name| {
                 format!(" Its family is known: {}.", family(name))
             });
+            let stands_in = finding.explained.map_or_else(String::new, |share| format!(
+                " {} is not named: it explains {} of what it and a smooth residual explain together, and may stand in for another effect.",
+                listed(&titles(&finding.probable())),
+                percent(share)
+            ));
             format!(
-                "An effect is missing, but these data do not distinguish which: with 95 % probability at least one of {}.{family}",
+                "An effect is missing, but these data do not distinguish which: with 95 % probability at least one of {}.{family}{stands_in}",
                 listed(&set)
             )
         }
