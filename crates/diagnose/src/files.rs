@@ -1,6 +1,6 @@
 //! `diagnosis.json`.
 
-use crate::check::held_out::{HeldOutErrors, Part};
+use crate::check::held_out::{Competitor, HeldOutErrors, Part};
 use crate::check::self_test::Rate;
 use crate::data::recordings::{NoiseSource, Recordings};
 use crate::inference::attribute::Hypothesis;
@@ -276,6 +276,14 @@ fn held(held: &HeldOutErrors) -> Value {
         "repaired": held.repaired,
         "ratio": held.ratio[0],
         "ratio_interval": [held.ratio[1], held.ratio[2]],
+        "competitors": held.competitors.iter().map(|(competitor, ratio)| json!({
+            "competitor": match competitor {
+                Competitor::RunnerUp => "runner_up",
+                Competitor::Regression(method) => method.key(),
+            },
+            "ratio": ratio[0],
+            "ratio_interval": [ratio[1], ratio[2]],
+        })).collect::<Vec<_>>(),
         "improves": held.improves(),
         "channels": held.channels.iter().map(|(channel, [refitted, repaired])| json!({
             "channel": channel.symbol(), "nuisances_fitted_again": refitted, "repaired": repaired,

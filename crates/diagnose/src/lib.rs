@@ -43,7 +43,7 @@ mod tests;
 mod wear;
 
 pub use case::{diagnose_case, diagnose_case_as};
-pub use check::held_out::{HeldOutErrors, HeldValue, Part, does_it_help};
+pub use check::held_out::{Competitor, HeldOutErrors, HeldValue, Part, does_it_help};
 pub use check::rerun::{
     Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions, unseen_fits,
 };

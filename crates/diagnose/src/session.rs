@@ -181,7 +181,11 @@ pub fn diagnose(
     let location = locate(&problem, &templates, &signal);
     let repair = repair(&finding, &fits);
     let help = match repair.filter(|_| request.held_out) {
-        Some(k) => does_it_help(&problem, request.recordings, predictor, &fits[k], request.seed)?,
+        Some(k) => {
+            let is_other = |other: &&Fit| other.effects.iter().all(|e| !fits[k].effects.contains(e));
+            let explanations = (&fits[k], fits.iter().find(is_other));
+            does_it_help(&problem, request.recordings, predictor, explanations, request.seed)?
+        }
         None => Vec::new(),
     };
     let simulator = Simulator::new(&problem, predictor, (&templates, &gains), &null);

@@ -45,8 +45,19 @@ pub struct HeldValue {
     pub channel: Channel,
     /// By the base scenario as it is, fitted again, repaired.
     pub plain: [f64; 3],
+    /// By the runner-up: the most probable explanation without an effect of the repair.
+    pub runner_up: Option<f64>,
     /// By each regression, in the order of [`HeldOutErrors::grey_box`].
     pub grey_box: Vec<f64>,
+}
+
+/// What a repair has to beat beside the nuisances fitted again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Competitor {
+    /// The most probable explanation without an effect of the repair.
+    RunnerUp,
+    /// The best regression.
+    Regression(Method),
 }
 
 /// Errors on what was held out: mean of |log(prediction / measured)|.
@@ -64,6 +75,8 @@ pub struct HeldOutErrors {
     pub repaired: f64,
     /// Error of the repair over that of fitting the nuisances alone, with its 95 % interval.
     pub ratio: [f64; 3],
+    /// Error of the repair over that of each competitor, with its 95 % interval.
+    pub competitors: Vec<(Competitor, [f64; 3])>,
     /// The same by channel: fitted again, repaired.
     pub channels: Vec<(Channel, [f64; 2])>,
     /// The base scenario corrected by regression of its residual over v_c and h; empty for a channel of which there is nothing to learn
@@ -74,14 +87,23 @@ pub struct HeldOutErrors {
 }
 
 impl HeldOutErrors {
-    /// Whether the repair helps beyond doubt: the interval of the ratio lies below 1.
+    /// Whether the repair helps beyond doubt: the intervals of the ratios to fitting the nuisances alone, to the runner-up and to the best
+    /// regression all lie below 1. Most wrong explanations predict better than the nuisances alone; that says that something is missing,
+    /// not what.
     #[must_use]
     pub fn improves(&self) -> bool {
-        self.ratio[2] < 1.0
+        self.ratio[2] < 1.0 && self.unbeaten().is_none()
+    }
+
+    /// The first competitor that the repair does not beat beyond doubt.
+    #[must_use]
+    pub fn unbeaten(&self) -> Option<Competitor> {
+        self.competitors.iter().find(|(_, ratio)| ratio[2] >= 1.0).map(|(rival, _)| *rival)
     }
 }
 
-/// Leaves out one block after the other and predicts it by what the rest teaches, with `fit` as the repair.
+/// Leaves out one block after the other and predicts it by what the rest teaches, with the first of `explanations` as the repair and
+/// the second, if there is one, as its runner-up.
 ///
 /// # Errors
 /// A covariance that cannot be inverted.
@@ -89,7 +111,7 @@ pub fn does_it_help(
     problem: &RegressionProblem,
     recordings: &Recordings,
     predictor: &dyn Predictor,
-    repair: &Fit,
+    explanations: (&Fit, Option<&Fit>),
     seed: u64,
 ) -> Result<Vec<HeldOutErrors>, DiagnoseError> {
     let condition_of = conditions(recordings);
@@ -97,7 +119,9 @@ pub fn does_it_help(
     let base = problem.predict(predictor, &DVector::zeros(problem.model_unknowns()), &[]);
     let learners = Learners { problem, base, condition_of: &condition_of, seed };
     let settings = learners.settings();
-    let context = Context { problem, predictor, repair, learners: &learners, settings: &settings };
+    let (repair, runner_up) = explanations;
+    let context =
+        Context { problem, predictor, repair, runner_up, learners: &learners, settings: &settings };
     let mut found = Vec::new();
     for (part, folds) in blocks.parts(problem) {
         let each: Result<Vec<Vec<HeldValue>>, DiagnoseError> =
@@ -187,6 +211,7 @@ struct Context<'a> {
     problem: &'a RegressionProblem,
     predictor: &'a dyn Predictor,
     repair: &'a Fit,
+    runner_up: Option<&'a Fit>,
     learners: &'a Learners<'a>,
     settings: &'a [Task],
 }
@@ -204,11 +229,15 @@ impl Context<'_> {
         let nuisances = problem.unknowns();
         let start = self.repair.unknowns.rows(0, nuisances).into_owned();
         let null = fit(&training, self.predictor, &[], &start).ok_or(DiagnoseError::Singular)?;
-        let full = fit(&training, self.predictor, &self.repair.effects, &self.repair.unknowns)
-            .ok_or(DiagnoseError::Singular)?;
+        let explained = |found: &Fit| {
+            let full = fit(&training, self.predictor, &found.effects, &found.unknowns)
+                .ok_or(DiagnoseError::Singular)?;
+            self.predicted(&kept, &full)
+        };
         let base = &self.learners.base;
         let predictions =
-            [base.clone(), self.predicted(&kept, &null)?, self.predicted(&kept, &full)?];
+            [base.clone(), self.predicted(&kept, &null)?, explained(self.repair)?];
+        let runner_up = self.runner_up.map(explained).transpose()?;
         let corrections = match part {
             Part::UnfittedChannel => Vec::new(),
             _ => self.learners.corrections(self.settings, &kept, held),
@@ -219,10 +248,14 @@ impl Context<'_> {
                 recording: problem.rows[row].recording,
                 channel: problem.rows[row].channel,
                 plain: [0, 1, 2].map(|p: usize| predictions[p][row] - measured),
+                runner_up: runner_up.as_ref().map(|all| all[row] - measured),
                 grey_box: corrections.iter().map(|all| base[row] + all[k] - measured).collect(),
             }
         });
-        Ok(values.filter(|value| value.plain.iter().all(|e| e.is_finite())).collect())
+        let finite = |value: &HeldValue| {
+            value.plain.iter().chain(&value.runner_up).all(|error| error.is_finite())
+        };
+        Ok(values.filter(finite).collect())
     }
 
     /// log y of all rows by a fit to those that were kept, with what their residual r says of what all rows have in common: the bias, what is
@@ -347,11 +380,23 @@ fn summary(part: Part, each: Vec<HeldValue>, condition_of: &[usize], seed: u64) 
     };
     let [before, refitted, repaired] = [0, 1, 2].map(|p: usize| mean(&|e| e.plain[p]));
     let methods = METHODS.iter().enumerate().take(each[0].grey_box.len());
-    let grey_box = methods.map(|(m, &method)| (method, mean(&|e| e.grey_box[m]))).collect();
-    let both =
-        each.iter().map(|e| (condition_of[e.recording], [e.plain[1].abs(), e.plain[2].abs()]));
-    let [low, high] = ratio_interval(both, seed);
-    let ratio = [repaired / refitted, low, high];
+    let grey_box: Vec<(Method, f64)> =
+        methods.map(|(m, &method)| (method, mean(&|e| e.grey_box[m]))).collect();
+    let over = |rival: f64, of: &dyn Fn(&HeldValue) -> f64| {
+        let both = each
+            .iter()
+            .map(|e| (condition_of[e.recording], [of(e).abs(), e.plain[2].abs()]));
+        let [low, high] = ratio_interval(both, seed);
+        [repaired / rival, low, high]
+    };
+    let ratio = over(refitted, &|e| e.plain[1]);
+    let runner_up = |e: &HeldValue| e.runner_up.unwrap_or(f64::NAN);
+    let second = each[0].runner_up.map(|_| (Competitor::RunnerUp, over(mean(&runner_up), &runner_up)));
+    let best = grey_box.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    let best = best.map(|(m, &(method, error))| {
+        (Competitor::Regression(method), over(error, &|e| e.grey_box[m]))
+    });
+    let competitors = second.into_iter().chain(best).collect();
     let of = |channel: Channel| {
         let own = || each.iter().filter(move |e| e.channel == channel);
         let count = own().count();
@@ -360,7 +405,18 @@ fn summary(part: Part, each: Vec<HeldValue>, condition_of: &[usize], seed: u64) 
     };
     let channels = Channel::RECORDED.into_iter().filter_map(of).collect();
     let values = each.len();
-    HeldOutErrors { part, values, before, refitted, repaired, ratio, channels, grey_box, each }
+    HeldOutErrors {
+        part,
+        values,
+        before,
+        refitted,
+        repaired,
+        ratio,
+        competitors,
+        channels,
+        grey_box,
+        each,
+    }
 }
 
 /// 95 % interval of the ratio of the mean errors: whole conditions drawn with replacement, both errors of a value together

@@ -480,7 +480,7 @@ mod whole {
         let problem = twin.problem(&quiet);
         let start = DVector::zeros(problem.unknowns() + 1);
         let wrong = fit(&problem, &twin, &[0], &start).unwrap();
-        let help = crate::does_it_help(&problem, &quiet, &twin, &wrong, 1).unwrap();
+        let help = crate::does_it_help(&problem, &quiet, &twin, (&wrong, None), 1).unwrap();
         assert!(!help[0].improves(), "{:?}", help[0]);
     }
 
@@ -496,7 +496,7 @@ mod whole {
             let problem = twin.problem(&data);
             let start = DVector::zeros(problem.unknowns() + 1);
             let repair = fit(&problem, &twin, &[0], &start).unwrap();
-            crate::does_it_help(&problem, &data, &twin, &repair, 1).unwrap()
+            crate::does_it_help(&problem, &data, &twin, (&repair, None), 1).unwrap()
         };
         let (rigid, loose) = (held(&[0.0]), held(&[0.05, 0.1, 0.2, 0.4, 0.8]));
         for part in 0..2 {

@@ -150,7 +150,7 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
         .map(|held| {
             let grey: Vec<f64> = held.grey_box.iter().map(|(_, error)| *error).collect();
             json!({ "part": held.part.key(), "values": held.values, "before": held.before,
-                    "refitted": held.refitted, "repaired": held.repaired, "ratio": held.ratio,
+                    "refitted": held.refitted, "repaired": held.repaired, "ratio": held.ratio, "improves": held.improves(),
                     "grey_box": grey, "each": each(held) })
         })
         .collect();

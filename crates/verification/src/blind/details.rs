@@ -95,7 +95,7 @@ fn held(answer: &Answer, value: &Value, parts: &[&str], is_exact: bool) -> Optio
         let each = if is_exact { exact(answer, one)? } else { recorded(one)? };
         errors.iter_mut().zip(each).for_each(|(sum, error)| *sum += error / own.len() as f64);
     }
-    let improves = own.iter().all(|one| one["ratio"][2].as_f64().is_some_and(|high| high < 1.0));
+    let improves = own.iter().all(|one| one["improves"] == true);
     Some(Held { errors, improves })
 }
 

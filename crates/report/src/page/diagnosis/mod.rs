@@ -249,7 +249,13 @@ fn does_it_help(page: &DiagnosisPage<'_>) -> Markup {
                         @for _ in held.grey_box.len()..first.grey_box.len() { td.n { (NONE) } }
                     } } }
                 } }
-                p { "The correction improves the prediction where the whole 95 % interval of the ratio lies below 1." }
+                (table("The correction improves the prediction only where the whole 95 % intervals of the ratios to the recalibrated baseline, to the \
+                    runner-up explanation and to the best regression all lie below 1: most wrong explanations, too, predict better than recalibration.",
+                    [Text("Left out"), Text("Corrected over"), Number("Ratio"), Text("Better")],
+                    &html! { @for held in help { @for (competitor, ratio) in &held.competitors { tr {
+                        th scope="row" { (part(held.part)) } td { (words::competitor(*competitor)) }
+                        td.n { (with_ends(*ratio)) } td { @if ratio[2] < 1.0 { "yes" } @else { "no" } }
+                    } } } }))
                 (table("The same by channel. A channel to which nothing was fitted is predicted only if the others show the missing effect, too.",
                 [Text("Left out"), Text("Channel"), Number("Recalibrated baseline"), Number("Corrected"), Number("Corrected / recalibrated")],
                 &html! { @for held in help { @for (channel, [refitted, repaired]) in &held.channels { tr {

@@ -4,7 +4,7 @@ use super::DiagnosisPage;
 use crate::kit::numbers::{percent, three_digits};
 use crate::kit::text::listed;
 use sphcut_diagnose::{
-    BiasOrigin, ClaimVerdict, Fit, HeldOutErrors, ParameterEstimate, Part, Rate,
+    BiasOrigin, ClaimVerdict, Competitor, Fit, HeldOutErrors, ParameterEstimate, Part, Rate,
 };
 use sphcut_physics::Channel;
 
@@ -39,6 +39,13 @@ pub(super) fn part(part: Part) -> &'static str {
         Part::ThinnestChip => "the thinnest chips (beyond the rest)",
         Part::UnfittedChannel => "each channel in turn, which then nothing is fitted to",
         Part::Tools => "the tools of each rake and edge radius, one after the other",
+    }
+}
+
+pub(super) fn competitor(competitor: Competitor) -> String {
+    match competitor {
+        Competitor::RunnerUp => "the runner-up explanation".to_owned(),
+        Competitor::Regression(method) => format!("the best regression ({})", method.name()),
     }
 }
 
@@ -241,8 +248,18 @@ fn whereabouts(page: &DiagnosisPage<'_>) -> Option<String> {
 }
 
 fn help(page: &DiagnosisPage<'_>, held: &HeldOutErrors) -> String {
-    let how = if held.improves() {
-        "the correction improves the prediction"
+    let unbeaten;
+    let how = if held.ratio[2] < 1.0 {
+        match held.unbeaten() {
+            None => "the correction improves the prediction, beyond the runner-up explanation and the best regression, too",
+            Some(competitor) => {
+                unbeaten = format!(
+                    "better than recalibration, but not beyond {}, so that this is no evidence for the explanation",
+                    self::competitor(competitor)
+                );
+                &unbeaten
+            }
+        }
     } else if held.ratio[1] > 1.0 {
         "the correction makes it worse"
     } else {
