@@ -128,6 +128,7 @@ pub fn diagnosis_json(
                 BiasOrigin::Reference => "reference",
                 BiasOrigin::Difference => "difference",
                 BiasOrigin::Stated => "stated",
+                BiasOrigin::Compared => "comparisons",
             },
         })).collect::<Vec<_>>(),
         "scatter_between_conditions": found.setups.iter().map(|setup| json!({

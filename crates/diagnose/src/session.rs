@@ -6,7 +6,7 @@ use crate::check::self_test::{PositiveControl, Rate, Simulator};
 use crate::data::recordings::{Recordings, groups, tools};
 use crate::error::DiagnoseError;
 use crate::inference::attribute::{Attribution, Hypothesis, attribute};
-use crate::inference::commissioning::{Batch, Bias, ReferenceComparison};
+use crate::inference::commissioning::{Batch, Bias, BiasOrigin, ReferenceComparison};
 use crate::inference::fit::Fit;
 use crate::inference::locate::{Location, locate};
 use crate::inference::null::{better_null, null_fit};
@@ -25,9 +25,9 @@ const CANDIDATES: usize = 7;
 const BEYOND: f64 = 1.5;
 /// Rivals among which the next experiment decides.
 const MOST_RIVALS: usize = 5;
-/// Amplitudes of what may differ between the batch of the reference and that of the recordings beside the nuisances, as shares of the
-/// value; equally probable before the data.
-const DISCREPANCIES: [f64; 4] = [0.0, 0.02, 0.04, 0.08];
+/// What may differ between the batch of the reference and that of the recordings beside the nuisances, as shares of the bias of each
+/// channel; equally probable before the data.
+const DISCREPANCIES: [f64; 4] = [0.125, 0.25, 0.5, 1.0];
 /// Times that the comparison may begin anew from a better null fit.
 const ROUNDS: usize = 3;
 /// Half width of a 95 % interval in standard deviations.
@@ -40,7 +40,8 @@ pub struct DiagnosisRequest<'a> {
     pub recordings: &'a Recordings,
     /// Cuts in which nothing is missing.
     pub reference: Option<(&'a Recordings, ReferenceComparison, Batch)>,
-    /// Share by which the model is wrong by itself, smoothly over the conditions, where no reference teaches it.
+    /// Share by which the model is wrong by itself, smoothly over the conditions, where no reference teaches it; `None`: what the model
+    /// says of that ([`Predictor::model_errors`]).
     pub model_error: Option<f64>,
     /// What instruments add.
     pub instruments: InstrumentPriors,
@@ -140,37 +141,12 @@ pub fn diagnose(
     request: &DiagnosisRequest<'_>,
     predictor: &dyn Predictor,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let mut setups = Vec::new();
-    let (problem, biases) = match request.reference {
-        None => {
-            let plain =
-                RegressionProblem::new(request.recordings, predictor, &request.instruments)?;
-            let (plain, found) = plain.with_setup_scatter(predictor)?;
-            setups = found;
-            match request.model_error {
-                None => (plain, Vec::new()),
-                Some(share) => plain.with_model_error(share)?,
-            }
-        }
-        Some(reference) => {
-            let (problem, biases) = RegressionProblem::beside(
-                request.recordings,
-                reference,
-                predictor,
-                &request.instruments,
-            )?;
-            (problem, biases)
-        }
-    };
-    let another_batch = matches!(request.reference, Some((_, _, Batch::Another)));
-    let laws: &[f64] = if another_batch { &DISCREPANCIES } else { &[0.0] };
-    let compared: Result<Vec<Compared>, DiagnoseError> = laws
-        .iter()
-        .map(|&amplitude| {
-            Compared::new(problem.clone().with_batch_discrepancy(amplitude)?, predictor)
-        })
+    let (problems, setups) = problems(request, predictor)?;
+    let compared: Result<Vec<Compared>, DiagnoseError> = problems
+        .into_iter()
+        .map(|(problem, biases)| Ok(Compared { biases, ..Compared::new(problem, predictor)? }))
         .collect();
-    let Compared { problem, null, templates, signal, gains, attribution, fits } =
+    let Compared { problem, biases, null, templates, signal, gains, attribution, fits } =
         Compared::mixed(compared?);
     let explained = attribution.scored.iter().find(|s| s.hypothesis != Hypothesis::NoneOfThese);
     let best = match explained.map(|s| s.hypothesis.effects()) {
@@ -182,7 +158,8 @@ pub fn diagnose(
     let repair = repair(&finding, &fits);
     let help = match repair.filter(|_| request.held_out) {
         Some(k) => {
-            let is_other = |other: &&Fit| other.effects.iter().all(|e| !fits[k].effects.contains(e));
+            let is_other =
+                |other: &&Fit| other.effects.iter().all(|e| !fits[k].effects.contains(e));
             let explanations = (&fits[k], fits.iter().find(is_other));
             does_it_help(&problem, request.recordings, predictor, explanations, request.seed)?
         }
@@ -218,9 +195,42 @@ pub fn diagnose(
     })
 }
 
+type BiasedProblem = (RegressionProblem, Vec<(Channel, Bias)>);
+
+/// The regression under each law of the data that is as probable as the others before them, with the scatter between conditions: what
+/// another batch may change beside the nuisances, or how wrong the model may be where nothing teaches it.
+fn problems(
+    request: &DiagnosisRequest<'_>,
+    predictor: &dyn Predictor,
+) -> Result<(Vec<BiasedProblem>, Vec<SetupScatter>), DiagnoseError> {
+    let (recordings, instruments) = (request.recordings, &request.instruments);
+    if let Some(reference) = request.reference {
+        let (problem, biases) =
+            RegressionProblem::beside(recordings, reference, predictor, instruments)?;
+        if reference.2 == Batch::Same {
+            return Ok((vec![(problem, biases)], Vec::new()));
+        }
+        let of = |&share: &f64| {
+            Ok((problem.clone().with_batch_discrepancy(share, &biases)?, biases.clone()))
+        };
+        let all: Result<Vec<BiasedProblem>, DiagnoseError> = DISCREPANCIES.iter().map(of).collect();
+        return Ok((all?, Vec::new()));
+    }
+    let plain = RegressionProblem::new(recordings, predictor, instruments)?;
+    let (plain, setups) = plain.with_setup_scatter(predictor)?;
+    let stated = request.model_error.map(|share| [[share; Channel::RECORDED.len()]]);
+    let (laws, origin) = match &stated {
+        Some(stated) => (stated.as_slice(), BiasOrigin::Stated),
+        None => (predictor.model_errors(), BiasOrigin::Compared),
+    };
+    let of = |law| plain.clone().with_model_error(law, origin);
+    Ok((laws.iter().map(of).collect::<Result<_, DiagnoseError>>()?, setups))
+}
+
 /// The candidate effects beside the null hypothesis, under one law of the data.
 pub(crate) struct Compared {
     pub problem: RegressionProblem,
+    biases: Vec<(Channel, Bias)>,
     pub null: Fit,
     templates: Templates,
     signal: DVector<f64>,
@@ -257,7 +267,8 @@ impl Compared {
             (0..templates.effects()).map(|k| templates.expected_gain(k)).collect();
         let mut attribution = attribute(&templates, &signal, &gains);
         let fits = attribution.refine(&problem, predictor, &null);
-        Ok(Self { problem, null, templates, signal, gains, attribution, fits })
+        let biases = Vec::new();
+        Ok(Self { problem, biases, null, templates, signal, gains, attribution, fits })
     }
 
     /// The comparison under the law of greatest evidence, with probabilities over all laws.

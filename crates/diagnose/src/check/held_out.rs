@@ -235,8 +235,7 @@ impl Context<'_> {
             self.predicted(&kept, &full)
         };
         let base = &self.learners.base;
-        let predictions =
-            [base.clone(), self.predicted(&kept, &null)?, explained(self.repair)?];
+        let predictions = [base.clone(), self.predicted(&kept, &null)?, explained(self.repair)?];
         let runner_up = self.runner_up.map(explained).transpose()?;
         let corrections = match part {
             Part::UnfittedChannel => Vec::new(),
@@ -383,15 +382,15 @@ fn summary(part: Part, each: Vec<HeldValue>, condition_of: &[usize], seed: u64) 
     let grey_box: Vec<(Method, f64)> =
         methods.map(|(m, &method)| (method, mean(&|e| e.grey_box[m]))).collect();
     let over = |rival: f64, of: &dyn Fn(&HeldValue) -> f64| {
-        let both = each
-            .iter()
-            .map(|e| (condition_of[e.recording], [of(e).abs(), e.plain[2].abs()]));
+        let both =
+            each.iter().map(|e| (condition_of[e.recording], [of(e).abs(), e.plain[2].abs()]));
         let [low, high] = ratio_interval(both, seed);
         [repaired / rival, low, high]
     };
     let ratio = over(refitted, &|e| e.plain[1]);
     let runner_up = |e: &HeldValue| e.runner_up.unwrap_or(f64::NAN);
-    let second = each[0].runner_up.map(|_| (Competitor::RunnerUp, over(mean(&runner_up), &runner_up)));
+    let second =
+        each[0].runner_up.map(|_| (Competitor::RunnerUp, over(mean(&runner_up), &runner_up)));
     let best = grey_box.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1));
     let best = best.map(|(m, &(method, error))| {
         (Competitor::Regression(method), over(error, &|e| e.grey_box[m]))

@@ -1,6 +1,6 @@
 //! Sections of a file of a diagnosis.
 
-use sphcut_input::section::{Field, Kind, Presence, Section, positive};
+use sphcut_input::section::{Field, Kind, Presence, Section, between, positive};
 use sphcut_physics::{Quantity, Range};
 
 /// What the data without a missing effect are used for.
@@ -150,8 +150,8 @@ pub(crate) fn priors() -> Section {
             share("gain", "1 %", "gain of each channel"),
             Field::with_default("offset", positive(Quantity::Force, 1e6), "3 N", "zero of each force"),
             share("drift", "2 %", "drift of each channel from the first cut to the last"),
-            Field::optional("model_error", positive(Quantity::Dimensionless, 1.0), "by how much the model of the cut is wrong by itself, as a share that changes smoothly over speed and thickness: \
-                 from comparisons of the model with other measurements. Only without [reference], which teaches it")
+            Field::optional("model_error", between(Quantity::Dimensionless, 0.0, 1.0), "by how much the model of the cut is wrong by itself, as a share that changes smoothly over speed and thickness: \
+                 from comparisons of the model with other measurements; 0: it is exact. Only without [reference], which teaches it. Without both: what the comparisons of the closed form with measured cuts say; paired runs count as exact")
             .example("\"10 %\""),
         ],
     )

@@ -27,6 +27,9 @@ const ROUNDS: usize = 3;
 /// Standard deviation of the bias of each condition when two states are compared: as good as unknown.
 const UNKNOWN: f64 = 1.0;
 
+/// Amplitude of the bias of another batch where none is known.
+const DIFFERENT: f64 = 0.08;
+
 /// How the data without a missing effect are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReferenceComparison {
@@ -54,6 +57,8 @@ pub enum BiasOrigin {
     Difference,
     /// Its amplitude is stated, from comparisons of the model with other measurements.
     Stated,
+    /// Its amplitude follows from the comparisons of the model with measurements that the program knows ([`Predictor::model_errors`]).
+    Compared,
 }
 
 /// The bias of the model as a normal process of log v_c and log h, and of rake and edge radius where the tools of the recordings differ,
@@ -73,7 +78,8 @@ pub struct Bias {
 }
 
 impl RegressionProblem {
-    /// The same problem with a model that is wrong by a smooth share of `amplitude`, unknown and independent between channels.
+    /// The same problem with a model that is wrong by a smooth share of each channel, by its place in [`Channel::RECORDED`], unknown and
+    /// independent between channels.
     ///
     /// Every explanation has to do with such a model; what is left to be explained is what the model could not be wrong by.
     ///
@@ -81,11 +87,18 @@ impl RegressionProblem {
     /// A covariance that cannot be inverted.
     pub fn with_model_error(
         self,
-        amplitude: f64,
+        amplitudes: &[f64; Channel::RECORDED.len()],
+        origin: BiasOrigin,
     ) -> Result<(Self, Vec<(Channel, Bias)>), DiagnoseError> {
-        let bias = Bias { amplitude, length: STATED_LENGTH, origin: BiasOrigin::Stated };
-        let biases: Vec<(Channel, Bias)> =
-            self.channels().into_iter().map(|channel| (channel, bias)).collect();
+        let biases: Vec<(Channel, Bias)> = self
+            .channels()
+            .into_iter()
+            .map(|channel| (channel, amplitudes[channel.index()]))
+            .filter(|(_, amplitude)| *amplitude > 0.0)
+            .map(|(channel, amplitude)| {
+                (channel, Bias { amplitude, length: STATED_LENGTH, origin })
+            })
+            .collect();
         let factors = biases.iter().map(|&(channel, bias)| self.bias_factor(channel, bias));
         let factors = factors.collect();
         Ok((self.with_common(factors)?, biases))
@@ -134,18 +147,29 @@ impl RegressionProblem {
         Ok((plain.with_common(factors)?, biases))
     }
 
-    /// The same problem with a model that is wrong by another smooth share of `amplitude` in the diagnosed rows, which the reference
-    /// does not know: what changes from batch to batch and from bench to bench beside the nuisances.
+    /// The same problem with a model whose bias of the diagnosed rows is another than that of the reference by a smooth function of the
+    /// amplitude
+    ///
+    /// ```text
+    /// a'_c = share a_c
+    /// ```
+    ///
+    /// unknown to the reference: what changes from batch to batch and from bench to bench beside the nuisances. A channel in which the model
+    /// is wrong is wrong in what the nuisances do to it, too, and these are others in another batch. Where the bias is unknown because only
+    /// the difference of two states counts, a_c is taken as [`DIFFERENT`].
     ///
     /// # Errors
     /// A covariance that cannot be inverted.
-    pub(crate) fn with_batch_discrepancy(self, amplitude: f64) -> Result<Self, DiagnoseError> {
-        if amplitude == 0.0 {
-            return Ok(self);
-        }
-        let bias = Bias { amplitude, length: STATED_LENGTH, origin: BiasOrigin::Stated };
-        let factors = self.channels().into_iter().map(|channel| {
-            let Factor { rows, columns } = self.bias_factor(channel, bias);
+    pub(crate) fn with_batch_discrepancy(
+        self,
+        share: f64,
+        biases: &[(Channel, Bias)],
+    ) -> Result<Self, DiagnoseError> {
+        let factors = biases.iter().map(|&(channel, bias)| {
+            let is_known = bias.origin != BiasOrigin::Difference;
+            let amplitude = share * if is_known { bias.amplitude } else { DIFFERENT };
+            let own = Bias { amplitude, length: STATED_LENGTH, origin: BiasOrigin::Stated };
+            let Factor { rows, columns } = self.bias_factor(channel, own);
             let kept: Vec<usize> =
                 (0..rows.len()).filter(|&k| self.is_diagnosed(rows[k])).collect();
             Factor {
@@ -177,6 +201,40 @@ impl RegressionProblem {
         reference: std::ops::Range<usize>,
         predictor: &dyn Predictor,
     ) -> Result<Vec<(Channel, Bias)>, DiagnoseError> {
+        let TriedBiases { tried, chosen, .. } = self.tried_biases(reference, predictor)?;
+        let channels = self.channels().into_iter();
+        Ok(channels.zip(tried.iter().zip(chosen)).map(|(c, (all, k))| (c, all[k].bias)).collect())
+    }
+
+    /// How probable each amplitude of an error of the model is by these recordings, in which nothing is missing, if all are as probable
+    /// before: for each channel amplitude and probability, the mean over the lengths, the other channels with their most probable bias.
+    ///
+    /// # Errors
+    /// A covariance that cannot be inverted.
+    pub fn amplitudes_of_model_error(
+        &self,
+        predictor: &dyn Predictor,
+    ) -> Result<Vec<(Channel, Vec<[f64; 2]>)>, DiagnoseError> {
+        let found = self.tried_biases(0..self.rows.len(), predictor)?;
+        let of = |(c, channel): (usize, Channel)| {
+            let logs: Vec<f64> = (0..found.tried[c].len()).map(|k| found.evidence(c, k)).collect();
+            let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let total: f64 = logs.iter().map(|log| (log - most).exp()).sum();
+            let probability = |amplitude: f64| {
+                let own = found.tried[c].iter().zip(&logs);
+                let own = own.filter(|(tried, _)| tried.bias.amplitude == amplitude);
+                own.map(|(_, log)| (log - most).exp() / total).sum::<f64>()
+            };
+            (channel, AMPLITUDES.map(|amplitude| [amplitude, probability(amplitude)]).to_vec())
+        };
+        Ok(self.channels().into_iter().enumerate().map(of).collect())
+    }
+
+    fn tried_biases(
+        &self,
+        reference: std::ops::Range<usize>,
+        predictor: &dyn Predictor,
+    ) -> Result<TriedBiases, DiagnoseError> {
         let rows: Vec<usize> = reference.clone().collect();
         let channels = self.channels();
         let first = learnt(FIRST, LENGTHS[1]);
@@ -199,19 +257,16 @@ impl RegressionProblem {
             .collect();
         let tried = tried?;
         let place = |all: &Vec<Tried>| all.iter().position(|t| t.bias == first).unwrap_or(0);
-        let mut chosen: Vec<usize> = tried.iter().map(place).collect();
+        let chosen = tried.iter().map(place).collect();
+        let mut all = TriedBiases { tried, chosen, unknowns: found.unknowns.len() };
         for _ in 0..ROUNDS {
             for c in 0..channels.len() {
-                let evidence = |k: usize| {
-                    let pick = |other: usize| if other == c { k } else { chosen[other] };
-                    let all = (0..channels.len()).map(|other| &tried[other][pick(other)]);
-                    log_evidence(all, found.unknowns.len())
-                };
-                let best = (0..tried[c].len()).max_by(|&a, &b| evidence(a).total_cmp(&evidence(b)));
-                chosen[c] = best.unwrap_or(0);
+                let best = (0..all.tried[c].len())
+                    .max_by(|&a, &b| all.evidence(c, a).total_cmp(&all.evidence(c, b)));
+                all.chosen[c] = best.unwrap_or(0);
             }
         }
-        Ok((0..channels.len()).map(|c| (channels[c], tried[c][chosen[c]].bias)).collect())
+        Ok(all)
     }
 
     /// What each bias makes of some rows of a channel and of what is seen there: the derivatives by the nuisances and the
@@ -278,6 +333,22 @@ struct Tried {
     bias: Bias,
     products: DMatrix<f64>,
     log_determinant: f64,
+}
+
+/// What was tried of each channel, and which of that is the most probable.
+struct TriedBiases {
+    tried: Vec<Vec<Tried>>,
+    chosen: Vec<usize>,
+    unknowns: usize,
+}
+
+impl TriedBiases {
+    /// log of the evidence with the bias `k` of channel `c` beside the chosen ones of the others.
+    fn evidence(&self, c: usize, k: usize) -> f64 {
+        let pick = |other: usize| if other == c { k } else { self.chosen[other] };
+        let all = (0..self.tried.len()).map(|other| &self.tried[other][pick(other)]);
+        log_evidence(all, self.unknowns)
+    }
 }
 
 /// log of the evidence of all channels together.

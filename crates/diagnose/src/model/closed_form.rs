@@ -25,6 +25,16 @@ pub(crate) const POWER: f64 = 0.25;
 /// less than the library (root mean square of the difference over that of the change).
 pub(crate) const CHANGE_ERRORS: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
 
+/// Quantiles of 12.5, 37.5, 62.5 and 87.5 % of the amplitude of the model's own error, by channel, from its comparisons with measured cuts
+/// (AISI 1045: 4 conditions, Ti6Al4V: 44): the mean over the data sets of how probable each makes the amplitudes. A channel that nobody compared
+/// has the mean of those that were. `cargo run --release -p sphcut-diagnose --example model_error` makes the table.
+const MODEL_ERRORS: [[f64; Channel::RECORDED.len()]; 4] = [
+    [0.060, 0.232, 0.074, 0.152, 0.074, 0.074, 0.074],
+    [0.080, 0.303, 0.162, 0.250, 0.162, 0.162, 0.162],
+    [0.108, 0.395, 0.293, 0.333, 0.293, 0.293, 0.293],
+    [0.189, 0.638, 0.451, 0.445, 0.451, 0.451, 0.451],
+];
+
 /// The only effect left that depends on what was cut before.
 const GROWS: &str = "flank_wear";
 
@@ -120,6 +130,10 @@ impl Predictor for ClosedForm {
         POWER
     }
 
+    fn model_errors(&self) -> &[[f64; Channel::RECORDED.len()]] {
+        &MODEL_ERRORS
+    }
+
     fn follows_series(&self, active: &[Active]) -> bool {
         active.iter().any(|one| self.entries[one.effect].key == GROWS)
     }
@@ -192,7 +206,7 @@ mod tests {
         DiagnosisRequest {
             recordings,
             reference: None,
-            model_error: None,
+            model_error: Some(0.0),
             instruments: InstrumentPriors { gain: 0.01, offset: 3.0, drift: 0.02 },
             self_test: 0,
             control: 0,

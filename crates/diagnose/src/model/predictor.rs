@@ -138,6 +138,12 @@ pub trait Predictor: Sync {
         &[0.0]
     }
 
+    /// How wrong it may be by itself, smoothly over the conditions, where no reference cuts teach it: shares of each channel, by place in
+    /// [`Channel::RECORDED`]; each line is as probable as the others.
+    fn model_errors(&self) -> &[[f64; Channel::RECORDED.len()]] {
+        &[[0.0; Channel::RECORDED.len()]]
+    }
+
     /// Logarithm of each of [`Predictor::channels`]' quantities in SI units, in that order; a value that is not finite
     /// where there is no answer. `nuisances` holds x of each nuisance, the logarithm of a factor.
     fn log_observables(

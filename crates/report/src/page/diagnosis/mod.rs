@@ -332,6 +332,9 @@ fn bias(bias: sphcut_diagnose::Bias) -> String {
     match bias.origin {
         BiasOrigin::Reference => format!("{}, by the reference cuts", size()),
         BiasOrigin::Stated => format!("{}, as stated", size()),
+        BiasOrigin::Compared => {
+            format!("{}, by comparisons of the model with measured cuts", size())
+        }
         BiasOrigin::Difference => {
             "cancelled: only the difference of the two states counts".to_owned()
         }

@@ -127,13 +127,19 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
             unanswered(page.diagnosis.asked[0], found)
         ));
     }
-    let stated = page.diagnosis.bias.filter(|bias| bias.origin == BiasOrigin::Stated);
-    if let Some(bias) = stated {
-        words.push(format!(
-            "The model is taken to be wrong by {} by itself, smoothly over speed and thickness, as stated: what is claimed lies beyond that. There are no \
-             reference cuts that would show it.",
-            percent(bias.amplitude)
-        ));
+    if let Some(bias) = page.diagnosis.bias {
+        let why = match bias.origin {
+            BiasOrigin::Stated => Some("as stated"),
+            BiasOrigin::Compared => Some("as it may be by its comparisons with measured cuts"),
+            BiasOrigin::Reference | BiasOrigin::Difference => None,
+        };
+        words.extend(why.map(|why| {
+            format!(
+                "The model is taken to be wrong by up to {} by itself, smoothly over speed and thickness, {why}: what is claimed lies beyond that. There \
+                 are no reference cuts that would show it.",
+                percent(bias.amplitude)
+            )
+        }));
     }
     if !page.diagnosis.setups.is_empty() {
         let each = page.diagnosis.setups.iter();
@@ -251,7 +257,9 @@ fn help(page: &DiagnosisPage<'_>, held: &HeldOutErrors) -> String {
     let unbeaten;
     let how = if held.ratio[2] < 1.0 {
         match held.unbeaten() {
-            None => "the correction improves the prediction, beyond the runner-up explanation and the best regression, too",
+            None => {
+                "the correction improves the prediction, beyond the runner-up explanation and the best regression, too"
+            }
             Some(competitor) => {
                 unbeaten = format!(
                     "better than recalibration, but not beyond {}, so that this is no evidence for the explanation",
