@@ -8,6 +8,7 @@ use crate::commands::diagnose::DiagnoseArguments;
 use crate::commands::export::ExportArguments;
 use crate::commands::greybox::GreyboxArguments;
 use crate::commands::identify::IdentifyArguments;
+use crate::commands::predict::PredictForcesArguments;
 use crate::commands::recordings::RecordingsArguments;
 use crate::commands::report::ReportArguments;
 use crate::commands::run::RunArguments;
@@ -82,6 +83,8 @@ pub enum Command {
     Identify(IdentifyArguments),
     /// Find which physics a simulation left out, from measurements over speed and thickness.
     Diagnose(DiagnoseArguments),
+    /// Predict forces at new conditions with the correction that a diagnosis found, each with its interval.
+    Predict(PredictForcesArguments),
     /// Find what grows while tools cut, and how far, from forces of several tools over their lives.
     Wear(WearArguments),
     /// Write the snapshots of a run as VTKHDF for ParaView.

@@ -42,6 +42,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Springback(arguments) => commands::springback::springback(&arguments),
         Command::Identify(arguments) => commands::identify::identify(&arguments),
         Command::Diagnose(arguments) => commands::diagnose::diagnose(&arguments),
+        Command::Predict(arguments) => commands::predict::predict(&arguments),
         Command::Wear(arguments) => commands::wear::wear(&arguments),
         Command::Sweep(arguments) => commands::sweep::sweep(&arguments),
         Command::Store(arguments) => commands::store::store(&arguments),

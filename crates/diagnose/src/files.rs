@@ -1,5 +1,6 @@
 //! `diagnosis.json`.
 
+use crate::check::forecast::Forecast;
 use crate::check::held_out::{Competitor, HeldOutErrors, Part};
 use crate::check::self_test::Rate;
 use crate::data::recordings::{NoiseSource, Recordings};
@@ -49,6 +50,8 @@ pub struct DiagnosisProvenance<'a> {
     pub title: &'a str,
     /// Where it comes from.
     pub source: &'a str,
+    /// The file of the diagnosis, as it was named.
+    pub file: &'a str,
     /// The model that explains.
     pub model: &'a str,
     /// Version of the program.
@@ -75,6 +78,7 @@ pub fn diagnosis_json(
         "program_version": provenance.version,
         "title": provenance.title,
         "source": provenance.source,
+        "file": provenance.file,
         "model": provenance.model,
         "seed": provenance.seed,
         "recordings": recordings.all().len(),
@@ -129,6 +133,7 @@ pub fn diagnosis_json(
                 BiasOrigin::Difference => "difference",
                 BiasOrigin::Stated => "stated",
                 BiasOrigin::Compared => "comparisons",
+                BiasOrigin::AnotherBatch => "another_batch",
             },
         })).collect::<Vec<_>>(),
         "scatter_between_conditions": found.setups.iter().map(|setup| json!({
@@ -176,6 +181,35 @@ pub fn diagnosis_json(
         })),
     });
     format!("{page:#}\n")
+}
+
+/// A table of forecasts: a line per condition; of each channel the value as simulated, corrected, and the ends of its 95 % interval. SI units
+/// but v_c in m/min and h in mm.
+#[must_use]
+pub fn forecasts_csv(conditions: &[CuttingCondition], forecasts: &[Vec<Forecast>]) -> String {
+    let mut text = "v_c [m/min],h [mm]".to_owned();
+    for one in forecasts.iter().take(1).flatten() {
+        let (name, unit) = (one.channel.symbol(), one.channel.unit());
+        for part in ["as_simulated", "corrected", "low", "high"] {
+            text += &format!(",{name}_{part} [{unit}]");
+        }
+    }
+    for (condition, own) in conditions.iter().zip(forecasts) {
+        let (speed, size) = (condition.cutting_speed, condition.uncut_chip_thickness);
+        text += &format!("\n{},{}", significant(speed * 60.0), significant(size * 1e3));
+        for one in own {
+            let [low, high] = one.interval;
+            for value in [one.as_simulated, one.value, low, high] {
+                text += &format!(",{}", significant(value));
+            }
+        }
+    }
+    text + "\n"
+}
+
+/// Six digits, without those of the conversion of units.
+fn significant(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// Every value that was left out: its line in the table (from 1), what was measured, and what was predicted of it. SI units.

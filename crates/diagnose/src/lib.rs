@@ -43,6 +43,7 @@ mod tests;
 mod wear;
 
 pub use case::{diagnose_case, diagnose_case_as};
+pub use check::forecast::{Forecast, forecast};
 pub use check::held_out::{Competitor, HeldOutErrors, HeldValue, Part, does_it_help};
 pub use check::rerun::{
     Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions, unseen_fits,
@@ -54,7 +55,7 @@ pub use file::{
     AirRecord, DiagnosisCase, DiagnosisFile, PairedRunsPlan, ReferenceCuts, SeriesPlan,
     load_diagnosis, load_diagnosis_file,
 };
-pub use files::{DiagnosisProvenance, diagnosis_json, held_out_csv};
+pub use files::{DiagnosisProvenance, diagnosis_json, forecasts_csv, held_out_csv};
 pub use inference::attribute::{Attribution, Hypothesis, Scored, attribute};
 pub use inference::commissioning::{Batch, Bias, BiasOrigin, ReferenceComparison};
 pub use inference::fit::{Fit, fit};

@@ -27,7 +27,7 @@ const BEYOND: f64 = 1.5;
 const MOST_RIVALS: usize = 5;
 /// What may differ between the batch of the reference and that of the recordings beside the nuisances, as shares of the bias of each
 /// channel; equally probable before the data.
-const DISCREPANCIES: [f64; 4] = [0.125, 0.25, 0.5, 1.0];
+const DISCREPANCIES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 /// Times that the comparison may begin anew from a better null fit.
 const ROUNDS: usize = 3;
 /// Half width of a 95 % interval in standard deviations.
@@ -210,9 +210,7 @@ fn problems(
         if reference.2 == Batch::Same {
             return Ok((vec![(problem, biases)], Vec::new()));
         }
-        let of = |&share: &f64| {
-            Ok((problem.clone().with_batch_discrepancy(share, &biases)?, biases.clone()))
-        };
+        let of = |&share: &f64| problem.clone().with_batch_discrepancy(share, biases.clone());
         let all: Result<Vec<BiasedProblem>, DiagnoseError> = DISCREPANCIES.iter().map(of).collect();
         return Ok((all?, Vec::new()));
     }
@@ -297,7 +295,8 @@ fn widened(covariance: &DMatrix<f64>, power: f64) -> Option<DMatrix<f64>> {
 }
 
 fn largest(biases: &[(Channel, Bias)]) -> Option<Bias> {
-    let all = biases.iter().map(|(_, bias)| *bias);
+    let of_model = |bias: &Bias| bias.origin != BiasOrigin::AnotherBatch;
+    let all = biases.iter().map(|(_, bias)| *bias).filter(of_model);
     all.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
 }
 

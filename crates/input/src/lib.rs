@@ -22,7 +22,8 @@ pub use files::OutsideFiles;
 pub use findings::{Origin, ResolvedEntry};
 pub use problem::{Colours, Mistake, Problem, SourceText};
 pub use tables::{
-    CutTableRow, ForceTableRow, MeasuredForceRow, MeasuredSpringback, SeriesRow, read_cut_table,
-    read_force_table, read_measured_forces, read_measured_springback, read_series_table,
+    CutTableRow, ForceTableRow, MeasuredForceRow, MeasuredSpringback, SeriesRow,
+    read_condition_table, read_cut_table, read_force_table, read_measured_forces,
+    read_measured_springback, read_series_table,
 };
 pub use units::UnitError;

@@ -57,6 +57,42 @@ fn what_the_example_conceals_is_among_what_is_claimed() {
     assert!(page.contains(">Noise of a single cutting force<"));
     assert!(!page.contains("NaN") && !page.contains("src=\"http"));
     shop.sphcut(&command).expect_code(2).expect_err("use --force");
+    corrected_forces_are_predicted(&shop);
+}
+
+/// At the measured conditions the corrected cutting force lies nearer than the simulated one, and its interval holds nearly all.
+fn corrected_forces_are_predicted(shop: &Workshop) {
+    let numbers = |text: &str| -> Vec<Vec<f64>> {
+        let lines = text.lines().skip(1);
+        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
+    };
+    let measured = numbers(&shop.read("cuts.csv"));
+    let places = measured.iter().map(|cut| format!("{},{}\n", cut[0], cut[1]));
+    shop.write("new.csv", &format!("v_c [m/min],h [mm]\n{}500,0.05\n", places.collect::<String>()));
+    let command =
+        ["predict", "--diagnosis", "missing", "--conditions", "new.csv", "--out", "forces.csv"];
+    shop.sphcut(&command).expect_code(0);
+    let text = shop.read("forces.csv");
+    assert!(
+        text.starts_with("v_c [m/min],h [mm],F_c_as_simulated [N],F_c_corrected [N],F_c_low [N]"),
+        "{text}"
+    );
+    let predicted = numbers(&text);
+    assert_eq!(predicted.len(), measured.len() + 1);
+    let (mut errors, mut inside) = ([0.0; 2], 0);
+    for (cut, own) in measured.iter().zip(&predicted) {
+        // F_f: columns 4 and 6 on.
+        errors[0] += (own[6] / cut[4]).ln().abs();
+        errors[1] += (own[7] / cut[4]).ln().abs();
+        inside += usize::from((own[8]..=own[9]).contains(&cut[4]));
+    }
+    assert!(errors[1] < errors[0], "{errors:?}");
+    // Of 40 values 35 or fewer lie inside of 95 % intervals with a probability below 5 %.
+    assert!(inside >= 35, "{inside}");
+    shop.sphcut(&command).expect_code(2).expect_err("use --force");
+    shop.write("bad.csv", "v_c [m/min]\n100\n");
+    let bad = ["predict", "--diagnosis", "missing", "--conditions", "bad.csv", "--out", "b.csv"];
+    shop.sphcut(&bad).expect_code(2).expect_err("`h");
 }
 
 #[test]

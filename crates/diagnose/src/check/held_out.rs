@@ -4,7 +4,7 @@ use crate::data::recordings::Recordings;
 use crate::error::DiagnoseError;
 use crate::inference::change_error::{self, Loose};
 use crate::inference::fit::{Fit, NEGLIGIBLE, active, fit};
-use crate::inference::law::Eigenpairs;
+use crate::inference::law::{Eigenpairs, Factor};
 use crate::inference::problem::RegressionProblem;
 use crate::model::predictor::Predictor;
 use nalgebra::{DMatrix, DVector};
@@ -229,13 +229,15 @@ impl Context<'_> {
         let nuisances = problem.unknowns();
         let start = self.repair.unknowns.rows(0, nuisances).into_owned();
         let null = fit(&training, self.predictor, &[], &start).ok_or(DiagnoseError::Singular)?;
+        let predicted =
+            |found: &Fit| predicted(problem, self.predictor, &kept, found).map(|(mean, _)| mean);
         let explained = |found: &Fit| {
             let full = fit(&training, self.predictor, &found.effects, &found.unknowns)
                 .ok_or(DiagnoseError::Singular)?;
-            self.predicted(&kept, &full)
+            predicted(&full)
         };
         let base = &self.learners.base;
-        let predictions = [base.clone(), self.predicted(&kept, &null)?, explained(self.repair)?];
+        let predictions = [base.clone(), predicted(&null)?, explained(self.repair)?];
         let runner_up = self.runner_up.map(explained).transpose()?;
         let corrections = match part {
             Part::UnfittedChannel => Vec::new(),
@@ -256,44 +258,52 @@ impl Context<'_> {
         };
         Ok(values.filter(finite).collect())
     }
+}
 
-    /// log y of all rows by a fit to those that were kept, with what their residual r says of what all rows have in common: the bias, what is
-    /// not known of the effects, and the errors of the model in what they change,
-    ///
-    /// ```text
-    /// log y_* = log M_* + instruments_* + C_*k (C_kk + noise)^-1 r
-    /// ```
-    ///
-    /// (the mean of a normal law given the kept rows). The shares by which the model may be wrong are the most probable ones by the kept rows.
-    fn predicted(&self, kept: &[usize], found: &Fit) -> Result<DVector<f64>, DiagnoseError> {
-        let predictor = self.predictor;
-        let nuisances = self.problem.unknowns();
-        let active = active(predictor, &found.effects, &found.unknowns.as_slice()[nuisances..]);
-        let uncertain = self.problem.with_effects_uncertain(predictor, &active);
-        let problem = uncertain.as_ref().unwrap_or(self.problem);
-        let own = found.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
-        let model = problem.predict(predictor, &found.unknowns, &active);
-        let mut law = problem.select(kept)?.noise;
-        let mut error = DMatrix::zeros(problem.rows.len(), 0);
-        let shares = predictor.change_errors();
-        if !active.is_empty() && shares.iter().any(|share| *share != 0.0) {
-            let change = &model - problem.predict(predictor, &found.unknowns, &[]);
-            let columns = change_error::everywhere(problem, &change, Some(kept));
-            let white = law.whiten(columns.select_rows(kept));
-            let deviation = &found.residual + &found.jacobian * &found.unknowns;
-            let slopes = law.whiten(found.jacobian.clone());
-            let channels = problem.channels().len();
-            let loose = Loose::new(&white, channels, &slopes, &law.whiten_vector(deviation));
-            error = change_error::scaled(columns, &loose.most_probable(shares).0);
-            let white = law.whiten(error.select_rows(kept));
-            law = law.tilted(&Eigenpairs::of(&white, NEGLIGIBLE));
-        }
-        let weights = law.unwhiten_transposed(law.whiten_vector(found.residual.clone()));
-        let mut spread = DVector::zeros(problem.rows.len());
-        kept.iter().zip(weights.iter()).for_each(|(&row, weight)| spread[row] = *weight);
-        let common = problem.covariance.common(&spread) + &error * error.tr_mul(&spread);
-        Ok(model + &problem.instrument * own + common)
+/// log y of all rows by a fit to those that were kept, with what their residual r says of what all rows have in common: the bias, what is
+/// not known of the effects, and the errors of the model in what they change,
+///
+/// ```text
+/// log y_* = log M_* + instruments_* + C_*k (C_kk + noise)^-1 r
+/// ```
+///
+/// (the mean of a normal law given the kept rows). The shares by which the model may be wrong are the most probable ones by the kept rows.
+///
+/// Beside it the columns of all that rows have in common but nuisances and parameters.
+pub(crate) fn predicted(
+    asked: &RegressionProblem,
+    predictor: &dyn Predictor,
+    kept: &[usize],
+    found: &Fit,
+) -> Result<(DVector<f64>, Vec<Factor>), DiagnoseError> {
+    let nuisances = asked.unknowns();
+    let active = active(predictor, &found.effects, &found.unknowns.as_slice()[nuisances..]);
+    let uncertain = asked.with_effects_uncertain(predictor, &active);
+    let problem = uncertain.as_ref().unwrap_or(asked);
+    let own = found.unknowns.rows(problem.model_unknowns(), problem.instrument.ncols());
+    let model = problem.predict(predictor, &found.unknowns, &active);
+    let mut law = problem.select(kept)?.noise;
+    let mut error = DMatrix::zeros(problem.rows.len(), 0);
+    let shares = predictor.change_errors();
+    if !active.is_empty() && shares.iter().any(|share| *share != 0.0) {
+        let change = &model - problem.predict(predictor, &found.unknowns, &[]);
+        let columns = change_error::everywhere(problem, &change, Some(kept));
+        let white = law.whiten(columns.select_rows(kept));
+        let deviation = &found.residual + &found.jacobian * &found.unknowns;
+        let slopes = law.whiten(found.jacobian.clone());
+        let channels = problem.channels().len();
+        let loose = Loose::new(&white, channels, &slopes, &law.whiten_vector(deviation));
+        error = change_error::scaled(columns, &loose.most_probable(shares).0);
+        let white = law.whiten(error.select_rows(kept));
+        law = law.tilted(&Eigenpairs::of(&white, NEGLIGIBLE));
     }
+    let weights = law.unwhiten_transposed(law.whiten_vector(found.residual.clone()));
+    let mut spread = DVector::zeros(problem.rows.len());
+    kept.iter().zip(weights.iter()).for_each(|(&row, weight)| spread[row] = *weight);
+    let common = problem.covariance.common(&spread) + &error * error.tr_mul(&spread);
+    let mut factors = problem.covariance.factors.clone();
+    factors.push(Factor::of_all(error));
+    Ok((model + &problem.instrument * own + common, factors))
 }
 
 /// A method with its settings for a channel.

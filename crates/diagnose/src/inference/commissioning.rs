@@ -28,7 +28,7 @@ const ROUNDS: usize = 3;
 const UNKNOWN: f64 = 1.0;
 
 /// Amplitude of the bias of another batch where none is known.
-const DIFFERENT: f64 = 0.08;
+const DIFFERENT: f64 = 0.04;
 
 /// How the data without a missing effect are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,6 +59,8 @@ pub enum BiasOrigin {
     Stated,
     /// Its amplitude follows from the comparisons of the model with measurements that the program knows ([`Predictor::model_errors`]).
     Compared,
+    /// Of the diagnosed rows alone: what another batch may change of what the reference teaches.
+    AnotherBatch,
 }
 
 /// The bias of the model as a normal process of log v_c and log h, and of rake and edge radius where the tools of the recordings differ,
@@ -99,9 +101,7 @@ impl RegressionProblem {
                 (channel, Bias { amplitude, length: STATED_LENGTH, origin })
             })
             .collect();
-        let factors = biases.iter().map(|&(channel, bias)| self.bias_factor(channel, bias));
-        let factors = factors.collect();
-        Ok((self.with_common(factors)?, biases))
+        Ok((self.with_biases(&biases)?, biases))
     }
 
     /// The regression of `recordings` beside `reference`, in which nothing is missing.
@@ -142,9 +142,7 @@ impl RegressionProblem {
                 channels.into_iter().map(|channel| (channel, unknown)).collect()
             }
         };
-        let factors = biases.iter().map(|&(channel, bias)| plain.bias_factor(channel, bias));
-        let factors = factors.collect();
-        Ok((plain.with_common(factors)?, biases))
+        Ok((plain.with_biases(&biases)?, biases))
     }
 
     /// The same problem with a model whose bias of the diagnosed rows is another than that of the reference by a smooth function of the
@@ -163,15 +161,27 @@ impl RegressionProblem {
     pub(crate) fn with_batch_discrepancy(
         self,
         share: f64,
-        biases: &[(Channel, Bias)],
-    ) -> Result<Self, DiagnoseError> {
-        let factors = biases.iter().map(|&(channel, bias)| {
+        mut biases: Vec<(Channel, Bias)>,
+    ) -> Result<(Self, Vec<(Channel, Bias)>), DiagnoseError> {
+        let origin = BiasOrigin::AnotherBatch;
+        let others = biases.iter().map(|&(channel, bias)| {
             let is_known = bias.origin != BiasOrigin::Difference;
             let amplitude = share * if is_known { bias.amplitude } else { DIFFERENT };
-            let own = Bias { amplitude, length: STATED_LENGTH, origin: BiasOrigin::Stated };
-            let Factor { rows, columns } = self.bias_factor(channel, own);
-            let kept: Vec<usize> =
-                (0..rows.len()).filter(|&k| self.is_diagnosed(rows[k])).collect();
+            (channel, Bias { amplitude, length: STATED_LENGTH, origin })
+        });
+        let others: Vec<(Channel, Bias)> = others.collect();
+        let problem = self.with_biases(&others)?;
+        biases.extend(others);
+        Ok((problem, biases))
+    }
+
+    /// With what rows have in common because of `biases`.
+    pub(crate) fn with_biases(self, biases: &[(Channel, Bias)]) -> Result<Self, DiagnoseError> {
+        let factors = biases.iter().map(|&(channel, bias)| {
+            let Factor { rows, columns } = self.bias_factor(channel, bias);
+            let acts =
+                |row: usize| bias.origin != BiasOrigin::AnotherBatch || self.is_diagnosed(row);
+            let kept: Vec<usize> = (0..rows.len()).filter(|&k| acts(rows[k])).collect();
             Factor {
                 columns: columns.select_rows(&kept),
                 rows: kept.into_iter().map(|k| rows[k]).collect(),

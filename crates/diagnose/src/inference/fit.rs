@@ -89,6 +89,17 @@ pub(crate) fn active(predictor: &dyn Predictor, effects: &[usize], t: &[f64]) ->
         .collect()
 }
 
+/// The derivative of the prediction by the unknowns at `found`, of all rows of another problem with the same unknowns.
+pub(crate) fn slopes(
+    problem: &RegressionProblem,
+    predictor: &dyn Predictor,
+    found: &Fit,
+) -> DMatrix<f64> {
+    let system =
+        System { problem, predictor, effects: &found.effects, measured: problem.measured() };
+    system.jacobian(&found.unknowns, &system.predict(&found.unknowns))
+}
+
 /// Minimises the target
 ///
 /// ```text

@@ -24,8 +24,13 @@ pub(crate) fn scaled_places(problem: &RegressionProblem) -> Vec<[f64; AXES]> {
         .collect();
     let mut scaled = raw.clone();
     for axis in 0..AXES {
-        let low = raw.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
-        let high = raw.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+        // Rows that are asked for and not measured do not change the range.
+        let measured = || {
+            let all = raw.iter().zip(&problem.rows);
+            all.filter(|(_, row)| row.variance.is_finite()).map(|(place, _)| place[axis])
+        };
+        let low = measured().fold(f64::INFINITY, f64::min);
+        let high = measured().fold(f64::NEG_INFINITY, f64::max);
         for (to, from) in scaled.iter_mut().zip(&raw) {
             to[axis] = if high > low { (from[axis] - low) / (high - low) } else { 0.0 };
         }

@@ -2,6 +2,7 @@
 
 use crate::data::recordings::Recordings;
 use crate::error::DiagnoseError;
+use crate::inference::commissioning::Bias;
 use crate::inference::law::{Covariance, Factor, GaussianLaw};
 use crate::model::predictor::{Active, Predictor};
 use nalgebra::{DMatrix, DVector};
@@ -159,6 +160,36 @@ impl RegressionProblem {
             predictor.effect_uncertainty(channel, at, active)
         });
         if unknown.is_empty() { None } else { self.clone().with_common(unknown).ok() }
+    }
+
+    /// This problem with rows of all channels at `conditions`, which nobody measured: their variance is infinite, no instrument acts on them.
+    ///
+    /// # Errors
+    /// A condition at which the model has no answer.
+    pub(crate) fn asked_at(
+        &self,
+        conditions: &[CuttingCondition],
+        biases: &[(Channel, Bias)],
+        predictor: &dyn Predictor,
+    ) -> Result<Self, DiagnoseError> {
+        let (mut sites, mut rows) = (self.sites.clone(), self.rows.clone());
+        for &condition in conditions {
+            sites.push(Site { condition, batch: 0, diagnosed: true });
+            rows.extend(self.channels().into_iter().map(|channel| RegressionRow {
+                site: sites.len() - 1,
+                channel,
+                log_value: 0.0,
+                variance: f64::INFINITY,
+                order: 0.0,
+                recording: usize::MAX,
+            }));
+        }
+        let more = rows.len() - self.rows.len();
+        let instrument = self.instrument.clone().insert_rows(self.rows.len(), more, 0.0);
+        let mut all = Self::assemble(sites, rows, (self.batches, instrument), predictor)?;
+        // The scatter between conditions is noise.
+        all.covariance.variances.rows_mut(0, self.rows.len()).copy_from(&self.covariance.variances);
+        all.with_biases(biases)
     }
 
     /// log y.

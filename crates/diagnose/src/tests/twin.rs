@@ -7,7 +7,9 @@ use crate::judge;
 use crate::model::predictor::{
     Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior,
 };
-use crate::{Attribution, Conclusion, Fit, InstrumentPriors, Templates, attribute};
+use crate::{
+    Attribution, Conclusion, DiagnosisRequest, Fit, InstrumentPriors, Templates, attribute,
+};
 use nalgebra::{DMatrix, DVector};
 use sphcut_greybox::Random;
 use sphcut_physics::{Channel, CuttingCondition};
@@ -186,6 +188,22 @@ pub fn diagnosed(twin: &Twin, recordings: &Recordings) -> DiagnosedTwin {
     DiagnosedTwin { problem, null, templates, signal, attribution, fits, finding }
 }
 
+/// Everything but self-test and control.
+pub fn request(recordings: &Recordings) -> DiagnosisRequest<'_> {
+    DiagnosisRequest {
+        recordings,
+        reference: None,
+        model_error: None,
+        instruments: INSTRUMENTS,
+        self_test: 0,
+        control: 0,
+        held_out: true,
+        batch: 3,
+        range: None,
+        seed: 1,
+    }
+}
+
 mod tests {
     use super::*;
     use crate::{ClaimVerdict, Hypothesis, locate};
@@ -342,22 +360,7 @@ mod tests {
 /// With everything: bias, self-test, control, held-out blocks, next experiment.
 mod whole {
     use super::*;
-    use crate::{Batch, ClaimVerdict, DiagnosisRequest, Part, ReferenceComparison, diagnose};
-
-    fn request(recordings: &Recordings) -> DiagnosisRequest<'_> {
-        DiagnosisRequest {
-            recordings,
-            reference: None,
-            model_error: None,
-            instruments: INSTRUMENTS,
-            self_test: 0,
-            control: 0,
-            held_out: true,
-            batch: 3,
-            range: None,
-            seed: 1,
-        }
-    }
+    use crate::{Batch, ClaimVerdict, Part, ReferenceComparison, diagnose};
 
     fn hidden(effect: usize, amplitude: f64) -> [Active; 1] {
         [Active { effect, values: vec![amplitude] }]

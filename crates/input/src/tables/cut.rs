@@ -97,7 +97,21 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * CHANNELS + INTERVALS + 2] = [
 /// # Errors
 /// The first mistake with its line and column.
 pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
-    let lines = columns::read(text, &COLUMNS, "no line with measured values follows the header")?;
+    let rows = read_condition_table(text)?;
+    if rows.iter().all(|row| row.values.iter().all(Option::is_none)) {
+        let all = Channel::RECORDED.map(Channel::symbol).join(", ");
+        let message = format!("nothing was measured: there is none of {all}");
+        return Err(columns::whole(1, message));
+    }
+    Ok(rows)
+}
+
+/// The same of cuts that need not have been measured.
+///
+/// # Errors
+/// The first mistake with its line and column.
+pub fn read_condition_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
+    let lines = columns::read(text, &COLUMNS, "no line with a cut follows the header")?;
     let part = |line: &TableLine, from: usize| std::array::from_fn(|k| line.get(from + k));
     let mut rows: Vec<CutTableRow> = Vec::with_capacity(lines.len());
     for line in lines {
@@ -135,11 +149,6 @@ pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
             }
         }
         rows.push(row);
-    }
-    if rows.iter().all(|row| row.values.iter().all(Option::is_none)) {
-        let all = Channel::RECORDED.map(Channel::symbol).join(", ");
-        let message = format!("nothing was measured: there is none of {all}");
-        return Err(columns::whole(1, message));
     }
     Ok(rows)
 }

@@ -5,7 +5,7 @@ mod force;
 mod measured;
 mod series;
 
-pub use cut::{CutTableRow, read_cut_table};
+pub use cut::{CutTableRow, read_condition_table, read_cut_table};
 pub use force::{ForceTableRow, read_force_table};
 pub use measured::{
     MeasuredForceRow, MeasuredSpringback, read_measured_forces, read_measured_springback,

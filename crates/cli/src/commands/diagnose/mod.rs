@@ -24,6 +24,7 @@ Examples:
   sphcut diagnose scenarios/diagnosis/example.toml --out missing --closed-form
   sphcut diagnose CASE.toml --out missing --dry-run       what it takes with the particle solver
   sphcut diagnose CASE.toml --out missing --store kept    the runs are kept for the next diagnosis
+  sphcut predict --diagnosis missing --conditions new.csv --out new_forces.csv    corrected forces at other cuts
 
 What appears in the output folder:
   diagnosis.html        one page: residual pattern, candidates, correction, validation, limits, next experiment
@@ -66,8 +67,10 @@ pub struct DiagnoseArguments {
     pub force: bool,
 }
 
+/// How the closed form is called in `diagnosis.json`.
+pub(crate) const CLOSED_FORM: &str = "the closed-form model (Oxley's shear zone, Zorev's contact)";
 const PAGE: &str = "diagnosis.html";
-const NUMBERS: &str = "diagnosis.json";
+pub(crate) const NUMBERS: &str = "diagnosis.json";
 const PATCH: &str = "scenario.patch.toml";
 const HELD_OUT: &str = "held_out.csv";
 const LINES: &str = "lines.csv";
@@ -100,7 +103,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let paired;
     let (model, name): (&dyn Predictor, &str) = if arguments.closed_form {
         closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
-        (&closed, "the closed-form model (Oxley's shear zone, Zorev's contact)")
+        (&closed, CLOSED_FORM)
     } else {
         match Paired::library(case, arguments)?.run(arguments)? {
             Ended::Interrupted => return Ok(interrupted()),
@@ -121,7 +124,9 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         }
     }
     files::create_folder(out)?;
+    let path = arguments.scene.scenario.display().to_string();
     let provenance = DiagnosisProvenance {
+        file: &path,
         title: &case.title,
         source: &case.source,
         model: name,

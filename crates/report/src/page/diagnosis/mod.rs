@@ -330,6 +330,7 @@ fn bias(bias: sphcut_diagnose::Bias) -> String {
         format!("{}, changing over {} of the range", percent(bias.amplitude), percent(bias.length))
     };
     match bias.origin {
+        BiasOrigin::AnotherBatch => format!("{}, from batch to batch", size()),
         BiasOrigin::Reference => format!("{}, by the reference cuts", size()),
         BiasOrigin::Stated => format!("{}, as stated", size()),
         BiasOrigin::Compared => {

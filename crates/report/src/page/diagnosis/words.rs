@@ -131,7 +131,7 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
         let why = match bias.origin {
             BiasOrigin::Stated => Some("as stated"),
             BiasOrigin::Compared => Some("as it may be by its comparisons with measured cuts"),
-            BiasOrigin::Reference | BiasOrigin::Difference => None,
+            BiasOrigin::Reference | BiasOrigin::Difference | BiasOrigin::AnotherBatch => None,
         };
         words.extend(why.map(|why| {
             format!(
