@@ -117,6 +117,10 @@ const COMMANDS: &[(&str, Trial)] = &[
         "sphcut diagnose validation/diagnosis_klippel/paired.toml --out missing --dry-run",
         Elsewhere("diagnose"),
     ),
+    (
+        "sphcut predict --diagnosis missing --conditions new.csv --out new_forces.csv",
+        Elsewhere("diagnose"),
+    ),
     ("sphcut diagnose FOLDER/case.toml --out found", Elsewhere("series")),
     (
         "sphcut diagnose validation/diagnosis_klippel/paired.toml --out DIR --store KEPT",

@@ -135,8 +135,7 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
         };
         words.extend(why.map(|why| {
             format!(
-                "The model is taken to be wrong by up to {} by itself, smoothly over speed and thickness, {why}: what is claimed lies beyond that. There \
-                 are no reference cuts that would show it.",
+                "The model is taken to be wrong by up to {} by itself, smoothly over speed and thickness, {why}: what is claimed lies beyond that.",
                 percent(bias.amplitude)
             )
         }));
@@ -158,7 +157,11 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
             listed(&titles.map(|title| format!("\u{201c}{title}\u{201d}")).collect::<Vec<_>>())
         ));
     }
-    if page.diagnosis.bias.is_none() && page.diagnosis.finding.is_alarm() {
+    let has_reference = page
+        .diagnosis
+        .bias
+        .is_some_and(|bias| matches!(bias.origin, BiasOrigin::Reference | BiasOrigin::Difference));
+    if !has_reference && page.diagnosis.finding.is_alarm() {
         words.push(
             "There are no reference cuts: what the model itself gets wrong looks like missing physics too. Cuts without a missing effect (fresh edge, \
              known radius) would distinguish the two."
