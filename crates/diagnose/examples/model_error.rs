@@ -2,8 +2,8 @@
 //! without each data set: `cargo run --release -p sphcut-diagnose --example model_error`
 
 use sphcut_diagnose::{
-    ClosedForm, InstrumentPriors, Predictor, Recording, Recordings, RegressionProblem,
-    closed_form_cut, load_diagnosis,
+    AmplitudeWeights, ClosedForm, InstrumentPriors, Predictor, Recording, Recordings,
+    RegressionProblem, closed_form_cut, load_diagnosis,
 };
 use sphcut_physics::Channel;
 use sphcut_scenario::LoadOptions;
@@ -13,7 +13,7 @@ use std::path::Path;
 const SETS: [&str; 2] = ["diagnosis_nist/as_simulated.toml", "diagnosis_klippel/blunt.toml"];
 const QUANTILES: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
 
-type Weights = Vec<(Channel, Vec<[f64; 2]>)>;
+type Weights = Vec<AmplitudeWeights>;
 
 fn weights(file: &str) -> Result<Weights, Box<dyn std::error::Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation").join(file);

@@ -57,7 +57,9 @@ pub use file::{
 };
 pub use files::{DiagnosisProvenance, diagnosis_json, forecasts_csv, held_out_csv};
 pub use inference::attribute::{Attribution, Hypothesis, Scored, attribute};
-pub use inference::commissioning::{Batch, Bias, BiasOrigin, ReferenceComparison};
+pub use inference::commissioning::{
+    AmplitudeWeights, Batch, Bias, BiasOrigin, ReferenceComparison,
+};
 pub use inference::fit::{Fit, fit};
 pub use inference::locate::{Contrast, Location, MapPoint, benjamini_hochberg, locate};
 pub use inference::monotone::never_falling;

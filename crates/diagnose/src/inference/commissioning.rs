@@ -79,6 +79,9 @@ pub struct Bias {
     pub origin: BiasOrigin,
 }
 
+/// A channel with amplitudes and how probable each is.
+pub type AmplitudeWeights = (Channel, Vec<[f64; 2]>);
+
 impl RegressionProblem {
     /// The same problem with a model that is wrong by a smooth share of each channel, by its place in [`Channel::RECORDED`], unknown and
     /// independent between channels.
@@ -224,7 +227,7 @@ impl RegressionProblem {
     pub fn amplitudes_of_model_error(
         &self,
         predictor: &dyn Predictor,
-    ) -> Result<Vec<(Channel, Vec<[f64; 2]>)>, DiagnoseError> {
+    ) -> Result<Vec<AmplitudeWeights>, DiagnoseError> {
         let found = self.tried_biases(0..self.rows.len(), predictor)?;
         let of = |(c, channel): (usize, Channel)| {
             let logs: Vec<f64> = (0..found.tried[c].len()).map(|k| found.evidence(c, k)).collect();
