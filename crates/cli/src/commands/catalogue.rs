@@ -116,7 +116,9 @@ fn unknown(entries: &[Entry], name: &str) -> Failure {
     let mut names: Vec<&str> = entries.iter().flat_map(|entry| [entry.kind, entry.key]).collect();
     names.sort_unstable();
     names.dedup();
-    Failure::input(format!("the catalogue has no entry `{name}`"))
+    let near = sphcut_input::spelling::nearest(name, names.iter().copied());
+    let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    Failure::input(format!("the catalogue has no entry `{name}`{hint}"))
         .advise(format!("it has {}", names.join(", ")))
 }
 
