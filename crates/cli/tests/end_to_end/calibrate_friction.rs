@@ -122,9 +122,15 @@ fn mistakes_are_told_before_anything_runs() {
         .expect_err("outside the range of `shear_capped_coulomb`");
     try_with(&["--to", "nan"]).expect_code(2).expect_err("outside the range");
     shop.write("turning.csv", "v_c [m/min],F_c [N]\n150,600\n");
+    try_with(&[]).expect_code(2).expect_err("`turning.csv`, line 2: `F_n` or `F_f` is missing");
+    let recorded =
+        "v_c [m/min],h [mm],b [mm],F_c [N],F_f [N],F_c_sd [N],n\n150,0.1,2,600,200,5,3\n";
+    shop.write("turning.csv", recorded);
     try_with(&[])
         .expect_code(2)
-        .expect_err("`turning.csv`, line 1: the column `F_n [N]` is missing");
+        .expect_err("its cuts are 2.0000 mm wide, that of the scenario 3.0000 mm");
+    shop.write("turning.csv", &recorded.replace(",0.1,", ",0.2,"));
+    try_with(&[]).expect_code(2).expect_err("no line has the h of the scenario, 0.1000 mm");
     shop.write("turning.csv", &format!("{good}151,600,200\n"));
     try_with(&[]).expect_code(2).expect_err("line 3: this cutting speed is there twice");
     shop.write("turning.csv", good);

@@ -1,6 +1,6 @@
 //! Measured springback as a table: comma-separated, a header with units, one cutting speed per line.
 
-use crate::columns::{self, ColumnRule, TableLine, TableProblem, column};
+use crate::columns::{self, ColumnRule, TableLine, TableProblem, column, text_column};
 use sphcut_physics::Quantity;
 
 /// One line of the table in SI units.
@@ -51,37 +51,67 @@ pub struct MeasuredForceRow {
     pub cutting_speed: f64,
     /// F_c in N.
     pub cutting_force: f64,
-    /// F_n in N.
+    /// F_n in N, in a plane cut F_f.
     pub normal_force: f64,
+    /// h in m, if the table has it.
+    pub uncut_chip_thickness: Option<f64>,
+    /// b in m, if the table has it.
+    pub width_of_cut: Option<f64>,
 }
 
-/// The same columns where forces are what is asked for.
-const FORCE_COLUMNS: [ColumnRule; 5] = [
+/// Columns where forces are what is asked for, then what tables of springback and of `sphcut recordings` have besides.
+const FORCE_COLUMNS: [ColumnRule; 17] = [
     column("v_c", Quantity::Speed, "m/min", (true, true)),
     column("F_c", Quantity::Force, "N", (true, true)),
-    column("F_n", Quantity::Force, "N", (true, true)),
+    column("F_n", Quantity::Force, "N", (false, true)),
+    column("F_f", Quantity::Force, "N", (false, true)),
+    column("h", Quantity::Length, "mm", (false, true)),
+    column("b", Quantity::Length, "mm", (false, true)),
     column("springback", Quantity::Length, "um", (false, false)),
     column("uncertainty", Quantity::Length, "um", (false, true)),
+    column("F_p", Quantity::Force, "N", (false, false)),
+    column("F_c_sd", Quantity::Force, "N", (false, false)),
+    column("F_f_sd", Quantity::Force, "N", (false, false)),
+    column("F_p_sd", Quantity::Force, "N", (false, false)),
+    column("n", Quantity::Dimensionless, "", (false, true)),
+    column("order", Quantity::Dimensionless, "", (false, false)),
+    column("time", Quantity::Time, "s", (false, false)),
+    text_column("material"),
+    text_column("tool"),
 ];
 
-/// Cutting speeds that differ by less are the same.
-const SAME_SPEED: f64 = 0.01;
+/// Cutting speeds that differ by less are the same, and likewise thicknesses.
+const SAME: f64 = 0.01;
 
-/// Reads the table of [`read_measured_springback`] for its forces: `v_c`, `F_c` and `F_n` have to be
-/// there, `springback` and `uncertainty` may be.
+/// Reads `v_c`, `F_c` and `F_n` or, as it is called in a plane cut, `F_f`; `h` and `b` if they are there. What tables of springback and of
+/// recordings have besides is read over. With a `thickness` in m, the lines of other thicknesses are left out.
 ///
 /// # Errors
 /// The first mistake with its line and column; a cutting speed that is there twice.
-pub fn read_measured_forces(text: &str) -> Result<Vec<MeasuredForceRow>, TableProblem> {
+pub fn read_measured_forces(
+    text: &str,
+    thickness: Option<f64>,
+) -> Result<Vec<MeasuredForceRow>, TableProblem> {
     let mut rows: Vec<MeasuredForceRow> = Vec::new();
     for line in columns::read(text, &FORCE_COLUMNS, "no measurement follows the header")? {
+        let normal = match (line.get(2), line.get(3)) {
+            (Some(_), Some(_)) => return Err(line.problem("it has `F_n` and `F_f`: leave out one")),
+            (normal, feed) => normal.or(feed),
+        };
         let row = MeasuredForceRow {
             cutting_speed: line.required(0),
             cutting_force: line.required(1),
-            normal_force: line.required(2),
+            normal_force: normal.ok_or_else(|| line.problem("`F_n` or `F_f` is missing"))?,
+            uncut_chip_thickness: line.get(4),
+            width_of_cut: line.get(5),
         };
+        if let (Some(own), Some(wanted)) = (row.uncut_chip_thickness, thickness)
+            && (own - wanted).abs() > SAME * wanted
+        {
+            continue;
+        }
         let same = |other: &MeasuredForceRow| {
-            (other.cutting_speed - row.cutting_speed).abs() <= SAME_SPEED * row.cutting_speed
+            (other.cutting_speed - row.cutting_speed).abs() <= SAME * row.cutting_speed
         };
         if rows.iter().any(same) {
             let message = "this cutting speed is there twice (speeds within 1 % are the same): \
@@ -90,7 +120,13 @@ pub fn read_measured_forces(text: &str) -> Result<Vec<MeasuredForceRow>, TablePr
         }
         rows.push(row);
     }
-    Ok(rows)
+    match thickness {
+        Some(wanted) if rows.is_empty() => {
+            let message = format!("no line has the h of the scenario, {:.4} mm", wanted * 1e3);
+            Err(columns::whole(1, message))
+        }
+        _ => Ok(rows),
+    }
 }
 
 #[cfg(test)]
@@ -182,19 +218,40 @@ mod tests {
     fn forces_are_read_from_the_same_table() {
         let text =
             "v_c [m/min],springback [um],uncertainty [um],F_c [N],F_n [kN]\n150,1.2,0.85,600,0.2\n";
-        let rows = read_measured_forces(text).unwrap();
-        let expected =
-            MeasuredForceRow { cutting_speed: 2.5, cutting_force: 600.0, normal_force: 200.0 };
+        let rows = read_measured_forces(text, None).unwrap();
+        let expected = MeasuredForceRow {
+            cutting_speed: 2.5,
+            cutting_force: 600.0,
+            normal_force: 200.0,
+            uncut_chip_thickness: None,
+            width_of_cut: None,
+        };
         assert_eq!(rows, [expected]);
+        let recorded = "v_c [m/min],h [mm],b [mm],F_c [N],F_f [N],F_p [N],F_c_sd [N],F_f_sd [N],F_p_sd [N],n,order,\
+                        time [s]\n150,0.1,3,600,200,10,4,3,1,5,2,12.5\n";
+        let two = format!("{recorded}150,0.2,3,900,300,10,4,3,1,5,2,12.5\n");
+        let found = read_measured_forces(&two, Some(1e-4)).unwrap();
+        let expected = MeasuredForceRow {
+            uncut_chip_thickness: Some(1e-4),
+            width_of_cut: Some(3e-3),
+            ..expected
+        };
+        assert_eq!(found, [expected]);
+        let error = read_measured_forces(recorded, Some(3e-4)).unwrap_err().to_string();
+        assert_eq!(error, "line 1: no line has the h of the scenario, 0.3000 mm");
         for (text, expected) in [
-            ("v_c [m/min],F_c [N]\n150,600\n", "line 1: the column `F_n [N]` is missing"),
+            ("v_c [m/min],F_c [N]\n150,600\n", "line 2: `F_n` or `F_f` is missing"),
+            (
+                "v_c [m/min],F_c [N],F_n [N],F_f [N]\n150,600,200,200\n",
+                "line 2: it has `F_n` and `F_f`",
+            ),
             ("v_c [m/min],F_c [N],F_n [N]\n150,600,0\n", "line 2, column 3 `F_n`: `0`: must be"),
             (
                 "v_c [m/min],F_c [N],F_n [N]\n150,600,200\n\n150.5,600,200\n",
                 "line 4: this cutting speed is there twice",
             ),
         ] {
-            let message = read_measured_forces(text).unwrap_err().to_string();
+            let message = read_measured_forces(text, None).unwrap_err().to_string();
             assert!(message.starts_with(expected), "{message}\nnot: {expected}");
         }
     }

@@ -16,6 +16,7 @@ use sphcut_postprocess::calibration::{
 };
 use sphcut_report::{calibration_words, render_calibration};
 use sphcut_scenario::{LoadOptions, Scenario};
+use sphcut_sph::setup::Dimension;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -36,8 +37,8 @@ What appears in the output folder:
   calibrated.toml    the scenario with the coefficient found
   runs/              every run; they are used again, and an interrupted scan goes on with the same command
 
---measured is a table with a header: v_c [m/min],F_c [N],F_n [N] (other units and any order; the columns of
-`sphcut springback` may be there too). See docs/howto/calibrate-friction.md.";
+--measured is a table with a header: v_c [m/min],F_c [N],F_n [N], or F_f in a plane cut (other units and any
+order). What `sphcut recordings` and `sphcut springback` use can be given as it is. See docs/howto/calibrate-friction.md.";
 
 /// Arguments of `calibrate-friction`.
 #[derive(Debug, Args)]
@@ -75,6 +76,8 @@ pub struct CalibrateArguments {
     pub told: ToldArguments,
 }
 
+/// Widths of cut that differ by a smaller share are the same.
+const SAME_WIDTH: f64 = 0.01;
 const FILES: [&str; 4] =
     ["calibration.html", "calibration.json", "calibration.csv", "calibrated.toml"];
 
@@ -95,7 +98,7 @@ fn follow(arguments: &CalibrateArguments, style: OutputStyle) -> Result<ExitCode
     let scenario = loading::scenario(&arguments.scenario)?;
     let law = friction_law(&scenario)?;
     let grid = grid(arguments, &scenario, law)?;
-    let mut rows = read(&arguments.measured)?;
+    let mut rows = read(&arguments.measured, &scenario)?;
     rows.sort_by(|a, b| b.cutting_speed.total_cmp(&a.cutting_speed));
     interrupt::install();
     let bench = Workbench { arguments, scenario: &scenario, style };
@@ -270,10 +273,25 @@ fn warn_of_files(path: &Path) {
     }
 }
 
-fn read(path: &Path) -> Result<Vec<MeasuredForces>, Failure> {
+/// The measured forces at the uncut chip thickness of the scenario, if it is a plane cut.
+fn read(path: &Path, scenario: &Scenario) -> Result<Vec<MeasuredForces>, Failure> {
     let text = files::read(path)?;
-    let rows = sphcut_input::read_measured_forces(&text)
-        .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
+    let setup = &scenario.setup;
+    let wrong = |problem: &dyn std::fmt::Display| {
+        Failure::input(format!("`{}`, {problem}", path.display()))
+    };
+    let thickness = setup.uncut_chip_thickness.filter(|_| setup.dimension == Dimension::Two);
+    let rows =
+        sphcut_input::read_measured_forces(&text, thickness).map_err(|found| wrong(&found))?;
+    let is_other = |width: f64| (width / setup.width_of_cut - 1.0).abs() > SAME_WIDTH;
+    if let Some(width) =
+        rows.iter().filter_map(|row| row.width_of_cut).find(|width| is_other(*width))
+    {
+        let (measured, simulated) = (width * 1e3, setup.width_of_cut * 1e3);
+        return Err(wrong(&format!(
+            "its cuts are {measured:.4} mm wide, that of the scenario {simulated:.4} mm: change `width_of_cut`"
+        )));
+    }
     Ok(rows
         .into_iter()
         .map(|row| MeasuredForces {
