@@ -196,13 +196,15 @@ fn coefficients(table: &SweepTable) -> Markup {
     }
     let known =
         |one: TrendEstimate, unit: f64| with_interval(one.value / unit, one.half_width / unit);
-    let heads =
-        ["K_c in N/mm\u{b2}", "K_e in N/mm", "k_c1.1 in N/mm\u{b2}", "m_c"].map(ColumnHead::Number);
+    let heads = ["K_c in N/mm\u{b2}", "K_e in N/mm", "k_c\u{2081}.\u{2081} in N/mm\u{b2}", "m_c"]
+        .map(ColumnHead::Number);
+    let has_settings = all.iter().any(|one| !one.settings.is_empty());
     let columns = ["Settings", "v_c in m/min", "Force"].map(ColumnHead::Text);
+    let columns = columns.into_iter().skip(usize::from(!has_settings));
     let body = html! {
         @for one in &all {
             tr {
-                td { (one.settings.iter().map(|(_, value)| value.as_str()).collect::<Vec<_>>().join(", ")) }
+                @if has_settings { td { (one.settings.iter().map(|(_, value)| value.as_str()).collect::<Vec<_>>().join(", ")) } }
                 td { (three_digits(one.cutting_speed * M_PER_MIN)) }
                 td { (indexed(one.force)) }
                 td.n { (minus(&known(one.cutting, 1e6))) }
@@ -219,9 +221,9 @@ fn coefficients(table: &SweepTable) -> Markup {
     html! {
         section {
             h2 { "Force coefficients" }
-            p { (indexed("F = K_c b h + K_e b")) ", and by Kienzle " (indexed("F = k_c1.1 b h")) sup { (indexed("1-m_c")) } " with h and b in mm. They hold within \
+            p { (indexed("F = K_c b h + K_e b")) ", and by Kienzle " (indexed("F = k_c\u{2081}.\u{2081} b h")) sup { (indexed("1\u{2212}m_c")) } " with h and b in mm. They hold within \
                 the thicknesses of this sweep; intervals are those of the scatter about the fit." }
-            (kit_table("", columns.into_iter().chain(heads), &body))
+            (kit_table("", columns.chain(heads), &body))
         }
     }
 }
