@@ -6,7 +6,7 @@ use crate::hull::Hull;
 use crate::pairing::{ForceKind, ForceRow};
 use crate::regressor::{Method, Model, Regressor, RegressorSettings};
 use crate::samples::Input;
-use crate::setting::CutSetting;
+use crate::setting::{CutSetting, TableKind};
 use serde::{Deserialize, Serialize};
 
 /// What a file has to say it is.
@@ -152,6 +152,32 @@ impl GreyBox {
             .map_err(|error| wrong(format!("a damaged grey box: {error}")))?;
         found.corrections.iter().try_for_each(Correction::check)?;
         Ok(found)
+    }
+
+    /// Whether the correction holds for the cuts of `table`; what is to be kept in mind if it does.
+    ///
+    /// # Errors
+    /// Another material or another width.
+    pub fn guard(&self, table: &ForceTable, kind: TableKind) -> Result<Vec<String>, GreyBoxError> {
+        let own = &self.settings[kind as usize];
+        let other = &table.setting;
+        if let Some((fitted, given)) = own.differs(other) {
+            return Err(GreyBoxError::OtherSetting { fitted, given });
+        }
+        let name = &table.origin.name;
+        let mut notes = Vec::new();
+        if let (Some(material), None) = (&own.material, &other.material) {
+            notes.push(format!("`{name}` does not say its material: taken to be `{material}`, which the correction was fitted to"));
+        }
+        for tool in
+            other.tools.iter().filter(|tool| !own.tools.is_empty() && !own.tools.contains(tool))
+        {
+            notes.push(format!(
+                "`{name}` has the tool `{tool}`, the correction was fitted to {}: it may not hold",
+                own.tools.iter().map(|tool| format!("`{tool}`")).collect::<Vec<_>>().join(", ")
+            ));
+        }
+        Ok(notes)
     }
 
     /// Whether the correction was fitted to a row of `table`: its numbers are those of a row of the fit.

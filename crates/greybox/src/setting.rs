@@ -1,8 +1,6 @@
 //! What a correction holds for beside v_c and h: material, width and tool.
 
 use crate::error::GreyBoxError;
-use crate::fit::ForceTable;
-use crate::model_file::GreyBox;
 use serde::{Deserialize, Serialize};
 
 /// Widths that differ by less, relative to the first, are the same.
@@ -53,7 +51,7 @@ impl CutSetting {
     }
 
     /// Material or width in which both differ, in words.
-    fn differs(&self, other: &Self) -> Option<(String, String)> {
+    pub(crate) fn differs(&self, other: &Self) -> Option<(String, String)> {
         if let (Some(own), Some(other)) = (&self.material, &other.material)
             && own != other
         {
@@ -93,32 +91,4 @@ pub enum TableKind {
     Simulated = 0,
     /// Measured ones.
     Measured = 1,
-}
-
-impl GreyBox {
-    /// Whether the correction holds for the cuts of `table`; what is to be kept in mind if it does.
-    ///
-    /// # Errors
-    /// Another material or another width.
-    pub fn guard(&self, table: &ForceTable, kind: TableKind) -> Result<Vec<String>, GreyBoxError> {
-        let own = &self.settings[kind as usize];
-        let other = &table.setting;
-        if let Some((fitted, given)) = own.differs(other) {
-            return Err(GreyBoxError::OtherSetting { fitted, given });
-        }
-        let name = &table.origin.name;
-        let mut notes = Vec::new();
-        if let (Some(material), None) = (&own.material, &other.material) {
-            notes.push(format!("`{name}` does not say its material: taken to be `{material}`, which the correction was fitted to"));
-        }
-        for tool in
-            other.tools.iter().filter(|tool| !own.tools.is_empty() && !own.tools.contains(tool))
-        {
-            notes.push(format!(
-                "`{name}` has the tool `{tool}`, the correction was fitted to {}: it may not hold",
-                own.tools.iter().map(|tool| format!("`{tool}`")).collect::<Vec<_>>().join(", ")
-            ));
-        }
-        Ok(notes)
-    }
 }

@@ -74,7 +74,7 @@ fn scenario(bytes: &[u8], path: &Path) {
 
 fn tables(bytes: &[u8], _: &Path) {
     let text = text(bytes);
-    let _ = (read_cut_table(&text), read_force_table(&text), read_measured_forces(&text));
+    let _ = (read_cut_table(&text), read_force_table(&text), read_measured_forces(&text, None));
     let _ = (read_measured_springback(&text), read_csv(&text, CsvLayout::default()));
     let _ = sphcut_geometry::outline::parse(&text);
     if let Ok(rows) = read_series_table(&text) {
