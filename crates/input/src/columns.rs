@@ -280,8 +280,8 @@ fn row(
     Ok(found)
 }
 
-/// The column that a name is a misspelling of: never one of another quantity, which `F_t` would be for `F_c`; a case, `_` or `-` that
-/// differ are misspellings, another index of a symbol is not.
+/// The column that a name is a misspelling of: never one of another quantity, which `F_t` would be for `F_c`. Of a symbol and of what
+/// begins with one (`F_t_sd`) letter and index have to agree; of a bare symbol case, `_` and `-` alone may differ.
 fn meant_column(name: &str, rules: &[ColumnRule]) -> Option<&'static str> {
     let plain = |name: &str| name.to_lowercase().replace(['_', '-', ' '], "");
     let is_symbol = |name: &str| plain(name).len() <= 3;
@@ -289,5 +289,10 @@ fn meant_column(name: &str, rules: &[ColumnRule]) -> Option<&'static str> {
     if is_symbol(name) {
         return known.into_iter().find(|known| plain(known) == plain(name));
     }
-    nearest(name, known.filter(|known| !is_symbol(known)))
+    let symbol = |name: &str| plain(name).chars().take(2).collect::<String>();
+    let begins_with_symbol = |name: &str| name.chars().nth(1) == Some('_');
+    let fits = |known: &&str| {
+        !begins_with_symbol(name) && !begins_with_symbol(known) || symbol(known) == symbol(name)
+    };
+    nearest(name, known.filter(|known| !is_symbol(known)).filter(fits))
 }

@@ -390,5 +390,5 @@ fn a_slip_of_the_pen_is_named_and_the_fit_shown_without_it() {
     assert!(
         json(&shop, "grey/greybox.json")["forces"][1]["outliers"].as_array().unwrap().is_empty()
     );
-    assert!(shop.read("grey/greybox.html").contains("look again at what was written down"));
+    assert!(shop.read("grey/greybox.html").contains("check the record of"));
 }

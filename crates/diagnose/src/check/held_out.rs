@@ -51,7 +51,7 @@ pub struct HeldValue {
     pub grey_box: Vec<f64>,
 }
 
-/// What a repair has to beat beside the nuisances fitted again.
+/// What a correction has to beat beside the recalibrated baseline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Competitor {
     /// The most probable explanation without an effect of the repair.

@@ -140,7 +140,7 @@ pub struct ForceFit {
     pub without_outliers: Option<Scores>,
 }
 
-/// A row that the others do not foretell.
+/// A row far from what the others predict.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Outlier {
     /// Index into the rows of the pairs.

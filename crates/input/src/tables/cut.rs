@@ -97,7 +97,7 @@ const COLUMNS: [ColumnRule; OTHERS + 2 * CHANNELS + INTERVALS + 2] = [
 /// # Errors
 /// The first mistake with its line and column.
 pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
-    let rows = read_condition_table(text)?;
+    let rows = rows(text, "no line with measured values follows the header")?;
     if rows.iter().all(|row| row.values.iter().all(Option::is_none)) {
         let all = Channel::RECORDED.map(Channel::symbol).join(", ");
         let message = format!("nothing was measured: there is none of {all}");
@@ -111,7 +111,11 @@ pub fn read_cut_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
 /// # Errors
 /// The first mistake with its line and column.
 pub fn read_condition_table(text: &str) -> Result<Vec<CutTableRow>, TableProblem> {
-    let lines = columns::read(text, &COLUMNS, "no line with a cut follows the header")?;
+    rows(text, "no line with a cut follows the header")
+}
+
+fn rows(text: &str, nothing: &str) -> Result<Vec<CutTableRow>, TableProblem> {
+    let lines = columns::read(text, &COLUMNS, nothing)?;
     let part = |line: &TableLine, from: usize| std::array::from_fn(|k| line.get(from + k));
     let mut rows: Vec<CutTableRow> = Vec::with_capacity(lines.len());
     for line in lines {

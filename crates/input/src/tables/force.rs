@@ -145,6 +145,14 @@ mod tests {
                 "line 1, column 2 `h`: the unit is missing: write `h [mm]`",
             ),
             (
+                good.replace("h [mm]", "F_t_sd [N]"),
+                "line 1, column 2 `F_t_sd`: no such column; there are",
+            ),
+            (
+                good.replace("h [mm]", "F_c_std [N]"),
+                "line 1, column 2 `F_c_std`: no such column; did you mean `F_c_sd`?",
+            ),
+            (
                 good.replace("F_c", "Fc"),
                 "line 1, column 3 `Fc`: no such column; did you mean `F_c`?",
             ),

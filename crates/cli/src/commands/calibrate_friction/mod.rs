@@ -38,7 +38,8 @@ What appears in the output folder:
   runs/              every run; they are used again, and an interrupted scan goes on with the same command
 
 --measured is a table with a header: v_c [m/min],F_c [N],F_n [N], or F_f in a plane cut (other units and any
-order). What `sphcut recordings` and `sphcut springback` use can be given as it is. See docs/howto/calibrate-friction.md.";
+order). Tables of `sphcut recordings` and `sphcut springback` can be given as they are. See
+docs/howto/calibrate-friction.md.";
 
 /// Arguments of `calibrate-friction`.
 #[derive(Debug, Args)]

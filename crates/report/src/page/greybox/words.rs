@@ -74,7 +74,7 @@ fn outliers(force: &ForceFit) -> Option<String> {
     let without = force.without_outliers.as_ref()?;
     let named = force.outliers.iter().take(NAMED).map(|row| {
         format!(
-            "{} N at {} m/min and {} mm (by {} N, {} times the usual error)",
+            "{} N at {} m/min and {} mm ({} N from what the other rows predict, {} times the usual error)",
             three_digits(row.measured),
             three_digits(60.0 * row.input[0]),
             three_digits(1e3 * row.input[1]),
@@ -86,9 +86,9 @@ fn outliers(force: &ForceFit) -> Option<String> {
     let more = force.outliers.len().saturating_sub(NAMED);
     let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
     Some(format!(
-        "{}: look again at what was written down: the other rows do not lead one to expect {named}{rest}. Fitted without, {} misses \
-         held-out conditions by {} N instead of {} N.",
+        "{}: check the record of {named}{rest}. Without {}, {} misses held-out conditions by {} N instead of {} N.",
         force.force.symbol(),
+        if force.outliers.len() == 1 { "it" } else { "them" },
         article(force.choice.method),
         three_digits(without.mae.value),
         three_digits(force.chosen().interpolation.scores.mae.value)
