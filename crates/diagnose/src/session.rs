@@ -28,8 +28,6 @@ const MOST_RIVALS: usize = 5;
 /// What may differ between the batch of the reference and that of the recordings beside the nuisances, as shares of the bias of each
 /// channel; equally probable before the data.
 const DISCREPANCIES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
-/// Times that the comparison may begin anew from a better null fit.
-const ROUNDS: usize = 3;
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
@@ -245,11 +243,9 @@ impl Compared {
     ) -> Result<Self, DiagnoseError> {
         let null = null_fit(&problem, predictor).ok_or(DiagnoseError::Singular)?;
         let mut found = Self::beside(problem, predictor, null)?;
-        for _ in 0..ROUNDS {
-            match better_null(&found.problem, predictor, &found.null, &found.fits) {
-                Some(better) => found = Self::beside(found.problem, predictor, better)?,
-                None => break,
-            }
+        // Each is better by a stated amount at least, and no evidence is above that of a perfect fit: it ends.
+        while let Some(better) = better_null(&found.problem, predictor, &found.null, &found.fits) {
+            found = Self::beside(found.problem, predictor, better)?;
         }
         Ok(found)
     }
