@@ -382,7 +382,7 @@ fn a_slip_of_the_pen_is_named_and_the_fit_shown_without_it() {
     let wrong = format!("{},{},{}0,{}", cells[0], cells[1], cells[2], cells[3]);
     shop.write("meas.csv", &meas.replacen(row, &wrong, 1));
     let ended = shop.sphcut(&FIT).expect_code(0);
-    ended.expect_err(&format!("F_c of {}0 N at 150 m/min, 0.1 mm is missed", cells[2]));
+    ended.expect_err(&format!("F_c of {}0 N at 150 m/min, 0.1 mm is 42", cells[2]));
     let cutting = &json(&shop, "grey/greybox.json")["forces"][0];
     assert_eq!(cutting["outliers"].as_array().unwrap().len(), 1, "{}", cutting["outliers"]);
     let mae = |part: &str| cutting[part]["mae"]["value"].as_f64().unwrap();

@@ -76,12 +76,12 @@ fn say(found: &GreyBoxFit) {
         found.forces.iter().flat_map(|force| force.outliers.iter().map(move |row| (force, row)))
     {
         terminal::note(&format!(
-            "warning: {} of {} N at {} m/min, {} mm is missed by {} N, {:.0} times the usual error: is it written down right?",
+            "warning: {} of {} N at {} m/min, {} mm is {:.0} N from what the other rows predict, {:.0} times the usual error: check the record",
             force.force.symbol(),
             rounded(row.measured),
             rounded(60.0 * row.input[0]),
             rounded(1e3 * row.input[1]),
-            rounded(row.error),
+            row.error.abs(),
             row.ratio
         ));
     }

@@ -71,13 +71,22 @@ fn over_thickness(simulated: &[ForceAt], measured: &[ForceAt], symbol: &str) -> 
     Some(text)
 }
 
+/// Difference as a share of the measured number from which on it is not told in per cent.
+const TENFOLD: f64 = 10.0;
+
 /// What a simulated number is against a measured one: the end of a sentence.
 fn compared(difference: f64, half_widths: f64, real: f64) -> String {
     if (difference * real).abs() <= half_widths {
         ": the intervals do not tell them apart.".to_owned()
     } else {
         let word = if difference > 0.0 { "more" } else { "less" };
-        format!(": the simulation has {} {word}.", percent(difference.abs()))
+        // A share of next to nothing says nothing.
+        let share = if difference.abs() < TENFOLD {
+            percent(difference.abs()) + " "
+        } else {
+            String::new()
+        };
+        format!(": the simulation has {share}{word}.")
     }
 }
 
