@@ -55,8 +55,9 @@ fn folder(name: &str, expected: &str) -> PathBuf {
         }
     }
     fs::write(folder.join("cuts.csv"), table).unwrap();
+    // The cuts are those of the model.
     let asked = "title = \"t\"\nsource = \"s\"\nscenario = \"cut.toml\"\n[measured]\nfile = \"cuts.csv\"\n\
-                 [checks]\nself_test = 0\ncontrol = 0\n";
+                 [priors]\nmodel_error = 0\n[checks]\nself_test = 0\ncontrol = 0\n";
     fs::write(folder.join("asked.toml"), asked).unwrap();
     let head = "title = \"Blunt\"\nkind = \"verification\"\ntier = \"quick\"\nclaim = \"it is found\"\n\
                 [[diagnosis]]\nname = \"found\"\ntitle = \"t\"\nfile = \"asked.toml\"\n";
