@@ -1,5 +1,6 @@
 //! Arguments that several commands have.
 
+use crate::files;
 use crate::progress::OutputStyle;
 use clap::Args;
 use std::path::PathBuf;
@@ -33,12 +34,19 @@ pub struct FileArguments {
     /// The file (TOML).
     #[command(flatten)]
     pub scene: ScenarioArguments,
-    /// Output folder.
+    /// Output folder [default: out/NAME_COMMAND, NAME being that of the file].
     #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Replace an existing result.
     #[arg(long)]
     pub force: bool,
+}
+
+impl FileArguments {
+    /// The output folder of a command.
+    pub fn folder(&self, command: &str) -> PathBuf {
+        files::out(self.out.as_deref(), &self.scene.scenario, &format!("_{command}"))
+    }
 }
 
 /// What is told while a command works, and how.

@@ -24,6 +24,12 @@ pub fn unless_there(
     }
 }
 
+/// The place asked for, or `out/<name of the file><ending>`.
+pub fn out(wanted: Option<&Path>, file: &Path, ending: &str) -> PathBuf {
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    wanted.map_or_else(|| Path::new("out").join(format!("{name}{ending}")), Path::to_owned)
+}
+
 /// Makes `folder` and those above it, where they are not there.
 pub fn create_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
@@ -45,6 +51,12 @@ pub fn save(path: &Path, content: &[u8]) -> Result<(), Failure> {
         .and_then(|mut file| file.write_all(content))
         .and_then(|()| std::fs::rename(&beside, path))
         .map_err(|error| Failure::output(format!("cannot write `{}`", path.display()), &error))
+}
+
+/// The same of a single file, whose folder is made where it is not there.
+pub fn save_alone(path: &Path, content: &[u8]) -> Result<(), Failure> {
+    path.parent().map_or(Ok(()), create_folder)?;
+    save(path, content)
 }
 
 /// Saves each text under its name in `folder`, which is made where it is not there.

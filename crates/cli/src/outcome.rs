@@ -7,7 +7,7 @@ use crate::results::Results;
 use crate::terminal::note;
 use crate::{terminal, text};
 use serde_json::{Value, json};
-use sphcut_postprocess::summary_json;
+use sphcut_postprocess::{ProcessResult, summary_json};
 use sphcut_record::Run;
 use sphcut_record::driver::RunOptions;
 use sphcut_scenario::Scenario;
@@ -59,6 +59,20 @@ pub fn interrupted(run: &Run, style: OutputStyle) {
     }
 }
 
+/// What can be done with a run.
+fn next(run: &Run, results: &Results) -> String {
+    let folder = results.page.parent().unwrap_or(&results.page).display();
+    match ProcessResult::is_cut(run) {
+        true if !results.result.steady.reached => {
+            "open the page; a longer `travel` in [stop] makes the means steady".to_owned()
+        }
+        true if run.facts.dimension == 2 => {
+            format!("open the page; `sphcut springback {folder}` measures the machined surface")
+        }
+        _ => "open the page in a browser".to_owned(),
+    }
+}
+
 /// Says what came out and where it is.
 pub fn finished(run: &Run, results: &Results, style: OutputStyle) {
     let result = &results.result;
@@ -72,8 +86,8 @@ pub fn finished(run: &Run, results: &Results, style: OutputStyle) {
             "summary": serde_json::from_str::<Value>(&summary).unwrap_or_default(),
         })),
         OutputStyle::Human => {
-            let page = results.page.display();
-            terminal::line(&format!("{}report             {page}", digest(run, result)));
+            terminal::line(digest(run, result).trim_end());
+            terminal::report(&results.page, &next(run, results));
         }
         OutputStyle::Quiet => {}
     }

@@ -4,6 +4,7 @@
 
 use crate::failure::{ExitCode, Failure};
 use std::io::{Error, ErrorKind, Write};
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// Says something on standard error.
@@ -30,6 +31,17 @@ pub fn line(text: &str) {
     {
         let _ = LOST.set(error);
     }
+}
+
+/// The last lines of a command: where its page is, and what to do next.
+pub fn report(page: &Path, next: &str) {
+    line(&format!("report             {}", page.display()));
+    self::next(next);
+}
+
+/// The last line of a command.
+pub fn next(what: &str) {
+    line(&format!("next               {what}"));
 }
 
 /// The first error of a line that was lost.

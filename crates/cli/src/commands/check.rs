@@ -62,6 +62,8 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     let cuts = scenario.setup.uncut_chip_thickness.is_some();
     page.push_str(&expense(&estimate, speed, threads, if cuts { CROWDING } else { 1.0 }));
     page.push_str(&warnings(&scenario.warnings));
+    let file = arguments.scenario.file.scenario.display();
+    let _ = writeln!(page, "next               sphcut run {file}");
     terminal::answer(&page)
 }
 

@@ -28,5 +28,6 @@ pub fn export(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
     let run = loading::run(&arguments.run)?;
     export_vtkhdf(&run, &target).map_err(|error| Failure::of_run(&error, &arguments.run))?;
     note(&format!("{} snapshots in {}", run.snapshots.len(), target.display()));
+    note("next               open it in ParaView, or with pyvista.read");
     Ok(ExitCode::Done)
 }

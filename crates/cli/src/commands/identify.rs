@@ -48,7 +48,7 @@ const PLAIN_START: [f64; 4] = [1.0, 0.3, 0.02, 1.0];
 
 /// Identifies the laws and writes page, numbers and material files into the output folder.
 pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
-    let out = &arguments.file.out;
+    let out = &arguments.file.folder("identify");
     files::unless_there(FILES.map(|name| out.join(name)), arguments.file.force)?;
     let plan = loading::identification(&arguments.file.scene)?;
     let curves: Vec<Curve> = plan.tests.iter().map(|test| curve(test, &plan)).collect();
@@ -92,7 +92,12 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
     ];
     files::save_all(out, &FILES, &texts)?;
     identification_words(&page).iter().for_each(|words| terminal::line(words));
-    terminal::line(&format!("report             {}", out.join(FILES[0]).display()));
+    let next = format!(
+        "copy {} beside a scenario and write material = \"{}\"",
+        out.join(FILES[3]).display(),
+        FILES[3]
+    );
+    terminal::report(&out.join(FILES[0]), &next);
     Ok(ExitCode::Done)
 }
 

@@ -35,9 +35,9 @@ pub struct PredictForcesArguments {
     /// Conditions at which forces are asked for (CSV with units in the header).
     #[arg(long, value_name = "FILE")]
     pub conditions: PathBuf,
-    /// The table that is written.
+    /// The table that is written [default: out/NAME_forces.csv, NAME being that of the conditions].
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Let the file of the diagnosis read files outside its own folder.
     #[arg(long)]
     pub allow_outside: bool,
@@ -48,7 +48,8 @@ pub struct PredictForcesArguments {
 
 /// Makes the diagnosis again and asks it for the conditions.
 pub fn predict(arguments: &PredictForcesArguments) -> Result<ExitCode, Failure> {
-    files::unless_there([arguments.out.clone()], arguments.force)?;
+    let out = files::out(arguments.out.as_deref(), &arguments.conditions, "_forces.csv");
+    files::unless_there([out.clone()], arguments.force)?;
     let numbers = arguments.diagnosis.join(NUMBERS);
     let damaged = |what: &str| Failure::input(format!("`{}` {what}", numbers.display()));
     let found: serde_json::Value = serde_json::from_str(&files::read(&numbers)?)
@@ -82,7 +83,10 @@ pub fn predict(arguments: &PredictForcesArguments) -> Result<ExitCode, Failure> 
         ));
     }
     let forecasts = forecast(&diagnosis, &recordings, &model, &conditions).map_err(mistaken)?;
-    files::save(&arguments.out, forecasts_csv(&conditions, &forecasts).as_bytes())?;
-    terminal::line(&format!("{} conditions  {}", conditions.len(), arguments.out.display()));
+    files::save_alone(&out, forecasts_csv(&conditions, &forecasts).as_bytes())?;
+    terminal::line(&format!("{} conditions  {}", conditions.len(), out.display()));
+    terminal::next(
+        "measure where the interval is widest, and add the cut to the table of the diagnosis",
+    );
     Ok(ExitCode::Done)
 }

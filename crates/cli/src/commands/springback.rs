@@ -36,9 +36,9 @@ pub struct SpringbackArguments {
     /// Measured springback (CSV with units in the header).
     #[arg(long, value_name = "FILE")]
     pub measured: Option<PathBuf>,
-    /// Output folder.
+    /// Output folder [default: out/RUN_springback, RUN being the first].
     #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Replace an existing springback report.
     #[arg(long)]
     pub force: bool,
@@ -48,7 +48,7 @@ const FILES: [&str; 3] = ["springback.html", "springback.json", "springback.csv"
 
 /// Measures the runs and writes page, numbers and table into the output folder.
 pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> {
-    let out = &arguments.out;
+    let out = &files::out(arguments.out.as_deref(), &arguments.runs[0], "_springback");
     files::unless_there(FILES.map(|name| out.join(name)), arguments.force)?;
     // The table first: a mistake in it is told at once.
     let measurements = arguments.measured.as_deref().map(read).transpose()?.unwrap_or_default();
@@ -89,7 +89,10 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
     for run in &runs {
         terminal::line(&line(run));
     }
-    terminal::line(&format!("report             {}", out.join(FILES[0]).display()));
+    terminal::report(
+        &out.join(FILES[0]),
+        "open the page; --measured FILE sets measured springback beside it",
+    );
     Ok(ExitCode::Done)
 }
 

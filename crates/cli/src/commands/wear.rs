@@ -30,9 +30,9 @@ See docs/howto/wear.md.";
 pub struct WearArguments {
     /// Forces of the tools over their time in cut (CSV with units in the header).
     pub table: PathBuf,
-    /// Output folder.
+    /// Output folder [default: out/NAME_wear, NAME being that of the table].
     #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Segments at the beginning of each tool in which nothing has grown yet.
     #[arg(long, value_name = "N", default_value = "1")]
     pub fresh: NonZeroUsize,
@@ -47,7 +47,8 @@ const PAGE: &str = "wear.html";
 
 /// Says what grows, and writes it with the amount on every segment.
 pub fn wear(arguments: &WearArguments) -> Result<ExitCode, Failure> {
-    let files = [NUMBERS, AMOUNTS, PAGE].map(|name| arguments.out.join(name));
+    let out = &files::out(arguments.out.as_deref(), &arguments.table, "_wear");
+    let files = [NUMBERS, AMOUNTS, PAGE].map(|name| out.join(name));
     files::unless_there(files.clone(), arguments.force)?;
     let table = arguments.table.display().to_string();
     let text = files::read(&arguments.table)?;
@@ -59,14 +60,14 @@ pub fn wear(arguments: &WearArguments) -> Result<ExitCode, Failure> {
         .collect();
     let found = grows(&segments, arguments.fresh.get())
         .map_err(|error| Failure::input(format!("`{table}`: {error}")))?;
-    let (out, version) = (&arguments.out, env!("CARGO_PKG_VERSION"));
+    let version = env!("CARGO_PKG_VERSION");
     files::create_folder(out)?;
     files::save(&files[0], growth_json(&found, version).as_bytes())?;
     files::save(&files[1], growth_csv(&found).as_bytes())?;
     let page = WearPage { table: &table, growth: &found, version };
     files::save(&files[2], render_wear(&page).as_bytes())?;
     growth_words(&found).iter().for_each(|words| terminal::line(words));
-    terminal::line(&format!("amounts  {}", files[1].display()));
-    terminal::line(&format!("report   {}", files[2].display()));
+    terminal::line(&format!("amounts            {}", files[1].display()));
+    terminal::report(&files[2], "open the page: each tool with its wear force and interval");
     Ok(ExitCode::Done)
 }

@@ -41,6 +41,31 @@ fn check_shows_both_units_the_cost_and_warnings() {
 }
 
 #[test]
+fn every_command_has_a_folder_of_its_own_and_says_what_to_do_next() {
+    let shop = Workshop::new("commands_next");
+    shop.write("tiny.toml", &TINY.replace("travel = \"0.2 mm\"", "travel = \"0.02 mm\""));
+    let top = format!("{CASES}/..");
+    let last = |arguments: &[&str]| {
+        let ended = shop.sphcut(arguments).expect_code(0);
+        let line = ended.out.lines().last().unwrap_or_default().to_owned();
+        assert!(line.starts_with("next  "), "{arguments:?}: {line}");
+        line
+    };
+    assert!(last(&["check", "tiny.toml", "--no-measure"]).ends_with("sphcut run tiny.toml"));
+    assert!(last(&["run", "tiny.toml", "--threads", "1"]).contains("travel"));
+    assert!(last(&["report", "out/tiny"]).contains("travel"));
+    last(&["wear", &format!("{CASES}/diagnosis_wear/reference.csv")]);
+    assert!(shop.path("out/reference_wear/wear.html").is_file());
+    last(&["recordings", &format!("{top}/scenarios/recordings/example.toml")]);
+    assert!(shop.path("out/example_recordings/forces.csv").is_file());
+    let law = last(&["identify", &format!("{top}/scenarios/identification/example.toml")]);
+    assert!(law.contains("out/example_identify/johnson_cook.toml"), "{law}");
+    let sweep = format!("{top}/scenarios/ti6al4v_four_cuts_sweep.toml");
+    last(&["sweep", &sweep, "--dry-run", "--no-measure"]);
+    assert!(!shop.path("out/ti6al4v_four_cuts_sweep").exists(), "a dry run writes nothing");
+}
+
+#[test]
 fn check_and_run_refuse_the_same_mistakes() {
     let shop = Workshop::new("commands_check_mistake");
     shop.tiny_with("25 um", "25 kg");

@@ -137,11 +137,11 @@ const COMMANDS: &[(&str, Trial)] = &[
         AsItStands,
     ),
     (
-        "sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep --dry-run",
+        "sphcut sweep scenarios/aisi1045_sweep.toml --dry-run",
         Instead("sphcut sweep two.toml --out out/sweep --dry-run"),
     ),
     (
-        "sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep",
+        "sphcut sweep scenarios/aisi1045_sweep.toml",
         Instead("sphcut sweep two.toml --out out/sweep"),
     ),
     (
@@ -246,7 +246,7 @@ fn a_misspelt_option_is_not_accepted() {
     for command in [
         "sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep --dry-rum",
         "sphcut rum cut.toml",
-        "sphcut springback out/cut",
+        "sphcut springback --out out/cut",
         "cargo xtask docs --chek",
         "cargo run --release -p sphcut-sweep --example overhed",
     ] {

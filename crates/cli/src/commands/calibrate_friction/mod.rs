@@ -51,9 +51,9 @@ pub struct CalibrateArguments {
     /// Measured forces (CSV with units in the header).
     #[arg(long, value_name = "FILE")]
     pub measured: PathBuf,
-    /// Output folder.
+    /// Output folder [default: out/NAME_friction, NAME being that of the scenario].
     #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Smallest coefficient.
     #[arg(long, value_name = "MU", default_value_t = 0.1)]
     pub from: f64,
@@ -77,6 +77,13 @@ pub struct CalibrateArguments {
     pub told: ToldArguments,
 }
 
+impl CalibrateArguments {
+    /// Output folder.
+    fn folder(&self) -> PathBuf {
+        files::out(self.out.as_deref(), &self.scenario.file.scenario, "_friction")
+    }
+}
+
 /// Widths of cut that differ by a smaller share are the same.
 const SAME_WIDTH: f64 = 0.01;
 const FILES: [&str; 4] =
@@ -93,7 +100,7 @@ pub fn calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
 }
 
 fn follow(arguments: &CalibrateArguments, style: OutputStyle) -> Result<ExitCode, Failure> {
-    let out = &arguments.out;
+    let out = &arguments.folder();
     files::unless_there(FILES.map(|name| out.join(name)), arguments.force)
         .map_err(|failure| failure.advise("finished runs are used again"))?;
     let scenario = loading::scenario(&arguments.scenario)?;
@@ -241,8 +248,9 @@ fn write(
         calibration_csv(calibration),
         patched,
     ];
-    files::save_all(&arguments.out, &FILES, &texts)?;
-    let page = arguments.out.join(FILES[0]);
+    let out = &arguments.folder();
+    files::save_all(out, &FILES, &texts)?;
+    let page = out.join(FILES[0]);
     match style {
         OutputStyle::Json => emit(&json!({
             "event": "done",
@@ -254,12 +262,13 @@ fn write(
             calibration_words(calibration).iter().for_each(|words| terminal::line(words));
             let found = text::number(coefficient);
             terminal::line(&format!("friction_coefficient = {found}"));
-            terminal::line(&format!("report             {}", page.display()));
+            let next = format!("`sphcut run {}` cuts with it", out.join(FILES[3]).display());
+            terminal::report(&page, &next);
         }
         OutputStyle::Quiet => {}
     }
     if style != OutputStyle::Json {
-        warn_of_files(&arguments.out.join(FILES[3]));
+        warn_of_files(&out.join(FILES[3]));
     }
     Ok(())
 }

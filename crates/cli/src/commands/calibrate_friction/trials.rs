@@ -34,7 +34,7 @@ impl Workbench<'_> {
     ) -> Result<Option<Trial>, Failure> {
         let scenario = self.varied(coefficient, measured.cutting_speed)?;
         let name = run_name(coefficient, measured.cutting_speed);
-        let folder = self.arguments.out.join("runs").join(&name);
+        let folder = self.arguments.folder().join("runs").join(&name);
         let run = match kept(&folder, &loading::provenance(&scenario)) {
             Some(run) => {
                 self.tell(&format!("{name}: used again"));

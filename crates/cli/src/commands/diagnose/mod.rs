@@ -47,9 +47,9 @@ pub struct DiagnoseArguments {
     /// The file of the diagnosis (TOML).
     #[command(flatten)]
     pub scene: ScenarioArguments,
-    /// Output folder.
+    /// Output folder [default: out/NAME_diagnose, NAME being that of the file].
     #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Explain with the closed-form model instead of runs of the particle solver.
     #[arg(long)]
     pub closed_form: bool,
@@ -67,6 +67,13 @@ pub struct DiagnoseArguments {
     pub force: bool,
 }
 
+impl DiagnoseArguments {
+    /// Output folder.
+    fn folder(&self) -> PathBuf {
+        files::out(self.out.as_deref(), &self.scene.scenario, "_diagnose")
+    }
+}
+
 /// How the closed form is called in `diagnosis.json`.
 pub(crate) const CLOSED_FORM: &str = "the closed-form model (Oxley's shear zone, Zorev's contact)";
 const PAGE: &str = "diagnosis.html";
@@ -78,7 +85,7 @@ const TRENDS: &str = "trends.csv";
 
 /// Diagnoses and writes page, numbers and, where an effect is named, the patch.
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
-    let out = &arguments.out;
+    let out = &arguments.folder();
     let files = [PAGE, NUMBERS, PATCH, HELD_OUT, LINES, TRENDS].map(|name| out.join(name));
     files::unless_there(files.clone(), arguments.force)?;
     let file = loading::diagnosis(&arguments.scene)?;
@@ -156,7 +163,13 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     write_or_remove(&files[2..], &texts)?;
     diagnosis_words(&page).iter().for_each(|words| terminal::line(words));
     series.iter().flat_map(series_summary).for_each(|words| terminal::line(&words));
-    terminal::line(&format!("report  {}", files[0].display()));
+    let next = if files[2].is_file() {
+        let base = case.base_path.display();
+        format!("`sphcut run {base} --patch {}` cuts with what was missing", files[2].display())
+    } else {
+        "open the page: it ends with the measurement that would tell most".to_owned()
+    };
+    terminal::report(&files[0], &next);
     Ok(ExitCode::Done)
 }
 
@@ -180,7 +193,7 @@ fn series_alone(
     files::save(&files[1], format!("{numbers}\n").as_bytes())?;
     write_or_remove(&files[2..], &[None, None, Some(series_csv(found)), Some(trends_csv(found))])?;
     series_summary(found).iter().for_each(|words| terminal::line(words));
-    terminal::line(&format!("report  {}", files[0].display()));
+    terminal::report(&files[0], "open the page: lines, what they follow, and trends");
     Ok(ExitCode::Done)
 }
 

@@ -140,13 +140,15 @@ impl Paired {
     pub fn run(&self, arguments: &DiagnoseArguments) -> Result<Ended, Failure> {
         let threads = loading::threads(arguments.threads);
         let plan = local::planned(&self.sweep, threads)?;
-        let folder = arguments.out.join(FOLDER).join(&self.sweep.name);
+        let folder = arguments.folder().join(FOLDER).join(&self.sweep.name);
         files::create_folder(&folder)?;
         if !self.patch.is_empty() {
             files::save(&folder.join(super::PATCH), self.patch.as_bytes())?;
         }
-        let root =
-            arguments.store.clone().unwrap_or_else(|| arguments.out.join(FOLDER).join("store"));
+        let root = arguments
+            .store
+            .clone()
+            .unwrap_or_else(|| arguments.folder().join(FOLDER).join("store"));
         let store = Store::create(&root)?;
         local::note_needs(&store, &folder, &plan)?;
         interrupt::install();

@@ -52,9 +52,9 @@ pub struct FitArguments {
     /// Measured forces (CSV with units in the header).
     #[arg(long, value_name = "FILE")]
     pub measured: PathBuf,
-    /// Output folder.
+    /// Output folder [default: out/NAME_greybox, NAME being that of the measured table].
     #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Regressors to compare, separated by commas [default: all].
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub regressors: Vec<String>,
@@ -81,9 +81,9 @@ pub struct PredictArguments {
     /// Simulated forces at the new conditions (CSV with units in the header).
     #[arg(long, value_name = "FILE")]
     pub simulated: PathBuf,
-    /// File to write (CSV).
+    /// File to write (CSV) [default: out/NAME_corrected.csv, NAME being that of the simulated table].
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Regressor [default: the one the fit says to use].
     #[arg(long, value_name = "NAME")]
     pub regressor: Option<String>,
@@ -104,9 +104,9 @@ pub struct CompareArguments {
     /// Measured forces (CSV with units in the header).
     #[arg(long, value_name = "FILE")]
     pub measured: PathBuf,
-    /// Output folder.
+    /// Output folder [default: out/NAME_comparison, NAME being that of the measured table].
     #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Regressor [default: the one the fit says to use].
     #[arg(long, value_name = "NAME")]
     pub regressor: Option<String>,

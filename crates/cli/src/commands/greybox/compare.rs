@@ -13,7 +13,7 @@ const RESAMPLES: usize = 1000;
 
 /// Compares a stored correction with measurements.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
-    let out = &arguments.out;
+    let out = &files::out(arguments.out.as_deref(), &arguments.measured, "_comparison");
     files::unless_there(FILES.map(|name| out.join(name)), arguments.force)?;
     let method = method(arguments.regressor.as_deref())?;
     let model = model(&arguments.model)?;
@@ -46,6 +46,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
             100.0 * force.coverage
         ));
     }
-    terminal::line(&format!("report  {}", out.join(FILES[0]).display()));
+    let next = "open the page: it says whether the correction may be used at such cuts";
+    terminal::report(&out.join(FILES[0]), next);
     Ok(ExitCode::Done)
 }

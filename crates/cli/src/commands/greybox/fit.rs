@@ -14,7 +14,7 @@ const TICKS: u64 = 1000;
 
 /// Fits and writes page, numbers, points and models.
 pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
-    let out = &arguments.out;
+    let out = &files::out(arguments.out.as_deref(), &arguments.measured, "_greybox");
     files::unless_there(FILES.map(|name| out.join(name)), arguments.force)?;
     let options =
         FitOptions { seed: arguments.seed, methods: methods(arguments)?, ..FitOptions::default() };
@@ -38,7 +38,11 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
     files::save_all(out, &FILES, &texts)?;
     if !arguments.quiet {
         say(&found);
-        terminal::line(&format!("report  {}", out.join(FILES[0]).display()));
+        let next = format!(
+            "`sphcut greybox predict --model {} --simulated FILE` corrects simulated forces of other cuts",
+            out.display()
+        );
+        terminal::report(&out.join(FILES[0]), &next);
     }
     Ok(ExitCode::Done)
 }

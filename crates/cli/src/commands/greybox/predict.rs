@@ -8,7 +8,8 @@ use sphcut_greybox::{ForceKind, TableKind, predictions_csv};
 
 /// Corrects a table of simulated forces.
 pub fn predict(arguments: &PredictArguments) -> Result<ExitCode, Failure> {
-    files::unless_there([arguments.out.clone()], arguments.force)?;
+    let out = files::out(arguments.out.as_deref(), &arguments.simulated, "_corrected.csv");
+    files::unless_there([out.clone()], arguments.force)?;
     let method = method(arguments.regressor.as_deref())?;
     let (model, simulated) = (model(&arguments.model)?, table(&arguments.simulated)?);
     let notes = model
@@ -33,7 +34,8 @@ pub fn predict(arguments: &PredictArguments) -> Result<ExitCode, Failure> {
             rows.len()
         ));
     }
-    files::save(&arguments.out, predictions_csv(&rows).as_bytes())?;
-    terminal::line(&format!("{} conditions  {}", rows.len(), arguments.out.display()));
+    files::save_alone(&out, predictions_csv(&rows).as_bytes())?;
+    terminal::line(&format!("{} conditions  {}", rows.len(), out.display()));
+    terminal::next("measure one of them: `sphcut greybox compare` tests the correction");
     Ok(ExitCode::Done)
 }

@@ -46,7 +46,7 @@ const LARGEST: u64 = 2 << 30;
 
 /// Evaluates the records and writes page, tables and series into the output folder.
 pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> {
-    let out = &arguments.file.out;
+    let out = &arguments.file.folder("recordings");
     files::unless_there(FILES.map(|name| out.join(name)), arguments.file.force)?;
     let plan = loading::recordings(&arguments.file.scene)?;
     let mut cuts = Vec::new();
@@ -79,7 +79,11 @@ pub fn recordings(arguments: &RecordingsArguments) -> Result<ExitCode, Failure> 
     files::save_all(out, &FILES, &texts)?;
     write_series(&out.join(FILES[4]), &plan, &cuts, &pooled)?;
     recordings_words(&page).iter().for_each(|words| terminal::line(words));
-    terminal::line(&format!("report             {}", out.join(FILES[0]).display()));
+    let next = format!(
+        "`sphcut calibrate-friction CUT.toml --measured {}`, or `measured` in a file for sphcut diagnose",
+        out.join(FILES[2]).display()
+    );
+    terminal::report(&out.join(FILES[0]), &next);
     if pooled.conditions.is_empty() {
         return Err(Failure::input("no record gives a force"));
     }

@@ -2,6 +2,7 @@
 
 use super::one::OneArguments;
 use crate::common_arguments::{PatchableArguments, ToldArguments, minutes};
+use crate::files;
 use clap::{ArgMatches, Args, Command, Error, FromArgMatches, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -9,8 +10,8 @@ use std::time::Duration;
 
 const HELP: &str = "\
 Examples:
-  sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep --dry-run   the runs, their cost, the total
-  sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep             run what is missing
+  sphcut sweep scenarios/aisi1045_sweep.toml --dry-run   the runs, their cost, the total
+  sphcut sweep scenarios/aisi1045_sweep.toml             run what is missing, into out/aisi1045_sweep
 
 What appears in the output folder:
   sweep.html      one page: forces over speed and thickness, pictures, failures, cost
@@ -24,10 +25,10 @@ already are not computed again. A run that fails is noted with its reason and do
 code is 3 then.
 
 On a Slurm cluster:
-  sphcut sweep scenarios/aisi1045_sweep.toml --out out/sweep --executor slurm --slurm-option=--partition=short
-  sphcut sweep status out/sweep      what is finished, what runs, how long it takes
-  sphcut sweep collect out/sweep     table and page of what is there (a job does it when all tasks have ended)
-  sphcut sweep cancel out/sweep      end the tasks; checkpoints are kept
+  sphcut sweep scenarios/aisi1045_sweep.toml --executor slurm --slurm-option=--partition=short
+  sphcut sweep status out/aisi1045_sweep      what is finished, what runs, how long it takes
+  sphcut sweep collect out/aisi1045_sweep     table and page of what is there (a job does it when all tasks have ended)
+  sphcut sweep cancel out/aisi1045_sweep      end the tasks; checkpoints are kept
 
 See docs/howto/sweep.md, docs/howto/cluster.md, and docs/sweep_keys.md for all keys.";
 
@@ -115,9 +116,9 @@ pub struct SweepArguments {
     /// The file of the sweep (TOML).
     #[command(flatten)]
     pub scene: PatchableArguments,
-    /// Output folder.
+    /// Output folder [default: out/NAME, NAME being that of the file].
     #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// Store of results [default: DIR/store]; several sweeps can share one, at the same time too.
     #[arg(long, value_name = "DIR")]
     pub store: Option<PathBuf>,
@@ -157,8 +158,13 @@ pub struct SweepArguments {
 }
 
 impl SweepArguments {
+    /// Output folder.
+    pub fn folder(&self) -> PathBuf {
+        files::out(self.out.as_deref(), &self.scene.file.scenario, "")
+    }
+
     /// Folder of the store of results.
     pub fn store_folder(&self) -> PathBuf {
-        self.store.clone().unwrap_or_else(|| self.out.join("store"))
+        self.store.clone().unwrap_or_else(|| self.folder().join("store"))
     }
 }

@@ -27,6 +27,7 @@ pub fn dry_run(
         page.push_str(&slurm::announced(arguments, plan, speed)?);
     }
     page.push_str(&warnings(plan));
+    let _ = writeln!(page, "next               the same command without --dry-run");
     terminal::answer(&page)
 }
 

@@ -46,7 +46,7 @@ fn follow(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
         return dry_run::dry_run(arguments, &sweep, &plan, threads);
     }
     let style = arguments.told.style();
-    let out = &arguments.out;
+    let out = &arguments.folder();
     files::create_folder(out)?;
     let store = Store::create(&arguments.store_folder())?;
     local::note_needs(&store, out, &plan)?;
@@ -67,7 +67,7 @@ fn follow(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     let page = tables::write(out, &sweep, &plan, &store, (&states, &measured))?;
     let code = local::told(&states, start, style);
     if style == OutputStyle::Human {
-        terminal::line(&format!("report  {}", page.display()));
+        terminal::report(&page, &tables::next(out));
     }
     Ok(code)
 }

@@ -12,6 +12,9 @@ use sphcut_sweep::{
 };
 use std::path::{Path, PathBuf};
 
+/// Forces of all cuts.
+const SIMULATED: &str = "simulated.csv";
+
 /// v_c in m/s, h in m, F_c and F_f in N of the measured cuts; none without `--measured`.
 pub fn measured(path: Option<&Path>) -> Result<Vec<[f64; 4]>, Failure> {
     let Some(path) = path else { return Ok(Vec::new()) };
@@ -39,7 +42,7 @@ pub fn write(
         .write_h5(&out.join("table.h5"), &sweep.text, version)
         .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
     if let Some(simulated) = table.simulated_csv() {
-        files::save(&out.join("simulated.csv"), simulated.as_bytes())?;
+        files::save(&out.join(SIMULATED), simulated.as_bytes())?;
     }
     let coefficients = force_coefficients(&table);
     if !coefficients.is_empty() {
@@ -53,6 +56,19 @@ pub fn write(
     let path = out.join("sweep.html");
     files::save(&path, text.as_bytes())?;
     Ok(path)
+}
+
+/// What can be done with the output of a sweep in `out`.
+pub fn next(out: &Path) -> String {
+    let simulated = out.join(SIMULATED);
+    if simulated.is_file() {
+        let simulated = simulated.display();
+        format!(
+            "`sphcut greybox fit --simulated {simulated} --measured FILE` compares with measured forces"
+        )
+    } else {
+        "open the page".to_owned()
+    }
 }
 
 /// The summary of the run in `folder`: the stored one, or one made from the record if that is of an earlier

@@ -48,11 +48,11 @@ pub fn write(
     let failed = count(|state| matches!(state, State::Failed(_)));
     let missing = states.len() - finished - failed;
     terminal::line(&format!(
-        "{} of {} runs finished, {failed} failed, {missing} without a result\nreport  {}",
+        "{} of {} runs finished, {failed} failed, {missing} without a result",
         text::grouped(finished as u64),
         text::grouped(states.len() as u64),
-        page.display()
     ));
+    terminal::report(&page, &tables::next(&submission.out));
     Ok(match (missing, failed) {
         (0, 0) => ExitCode::Done,
         (0, _) => ExitCode::Diverged,

@@ -120,7 +120,7 @@ pub fn submit(
     style: OutputStyle,
 ) -> Result<ExitCode, Failure> {
     tables::measured(arguments.measured.as_deref())?;
-    refuse_second(&arguments.out)?;
+    refuse_second(&arguments.folder())?;
     if arguments.retry_failed {
         for run in &plan.runs {
             store.forget_failure(&run.address)?;
@@ -173,7 +173,7 @@ fn recorded(
         allow_outside: arguments.scene.file.allow_outside,
         patch: arguments.scene.patch.as_deref().map(absolute).transpose()?,
         title: sweep.title.clone(),
-        out: absolute(&arguments.out)?,
+        out: absolute(&arguments.folder())?,
         store: store.root().to_owned(),
         measured,
         runs: array.runs,
@@ -279,7 +279,8 @@ fn tell(
             "folder": submission.folder,
         }));
     }
-    let shown = arguments.out.display();
+    let folder = arguments.folder();
+    let shown = folder.display();
     say(
         style,
         &format!(
