@@ -6,6 +6,10 @@ use sphcut_sph::setup::{Body, Shape};
 
 /// Fewest particles across a length that is to be resolved.
 pub(crate) const RESOLVED: f64 = 5.0;
+/// Particles across an edge radius below which it is not seen.
+const SEEN: f64 = 2.0;
+/// Fastest cut in m/s (1000 m/min) for which the models of a material and of friction are usually known.
+const FAST: f64 = 1000.0 / 60.0;
 /// Travel in uncut chip thicknesses before a mean force can be steady: the prototype's mean still
 /// moved after ten.
 const STEADY_TRAVEL: f64 = 10.0;
@@ -24,6 +28,7 @@ pub(crate) struct CutFigures {
     /// Turning: material between the grooves and either side.
     pub(crate) side_room: Option<f64>,
     pub(crate) edge_radius: Option<f64>,
+    pub(crate) cutting_speed: f64,
     pub(crate) particle_spacing: f64,
     pub(crate) travel: f64,
     pub(crate) length: f64,
@@ -50,6 +55,20 @@ pub(crate) fn cut(figures: &CutFigures) -> Vec<String> {
         ));
     }
     warnings.extend(edge_warning(figures));
+    if figures.edge_radius.is_some_and(|radius| radius > depth * (1.0 + 1e-9)) {
+        warnings.push(
+            "the edge radius is larger than the uncut chip thickness: much of the material is pressed below \
+             the edge, not cut"
+                .to_owned(),
+        );
+    }
+    if figures.cutting_speed > FAST * (1.0 + 1e-9) {
+        warnings.push(format!(
+            "the cutting speed is {} m/min; above 1000 m/min strain rates are beyond those at which flow \
+             stress is measured",
+            significant(figures.cutting_speed * 60.0)
+        ));
+    }
     if falls_short(figures.travel, STEADY_TRAVEL * depth) {
         warnings.push(format!(
             "the travel is {} uncut chip thicknesses: mean forces are rarely steady before {STEADY_TRAVEL}",
@@ -158,11 +177,14 @@ fn edge_warning(figures: &CutFigures) -> Option<String> {
         return Some("the edge is sharp: its ploughing force is left out".to_owned());
     }
     (falls_short(across, RESOLVED)).then(|| {
-        format!(
-            "particles across the edge radius: {}; below {RESOLVED} the ploughing force is not \
-             resolved",
-            significant(across)
-        )
+        let means = if falls_short(across, SEEN) {
+            format!(
+                "below {SEEN} the tool is as blunt as the spacing makes it, whatever its radius"
+            )
+        } else {
+            format!("below {RESOLVED} the ploughing force is not resolved")
+        };
+        format!("particles across the edge radius: {}; {means}", significant(across))
     })
 }
 
@@ -173,6 +195,7 @@ mod tests {
     const GOOD: CutFigures = CutFigures {
         uncut_chip_thickness: 1e-4,
         edge_radius: Some(1e-4),
+        cutting_speed: 2.5,
         particle_spacing: 2e-5,
         travel: 1.5e-3,
         length: 2.5e-3,
@@ -195,10 +218,19 @@ mod tests {
             assert!(found[0].contains(part), "{found:?}");
         };
         expect(
-            CutFigures { uncut_chip_thickness: 8e-5, ..GOOD },
+            CutFigures { uncut_chip_thickness: 8e-5, edge_radius: None, ..GOOD },
             "across the uncut chip thickness: 4;",
         );
-        expect(CutFigures { edge_radius: Some(2e-5), ..GOOD }, "across the edge radius: 1;");
+        expect(
+            CutFigures { edge_radius: Some(2e-5), ..GOOD },
+            "across the edge radius: 1; below 2",
+        );
+        expect(
+            CutFigures { edge_radius: Some(6e-5), ..GOOD },
+            "across the edge radius: 3; below 5",
+        );
+        expect(CutFigures { edge_radius: Some(1.2e-4), ..GOOD }, "larger than the uncut chip");
+        expect(CutFigures { cutting_speed: 20.0, ..GOOD }, "the cutting speed is 1200 m/min");
         expect(CutFigures { edge_radius: Some(0.0), ..GOOD }, "sharp");
         expect(CutFigures { travel: 5e-4, ..GOOD }, "rarely steady");
         expect(CutFigures { length: 1.6e-3, ..GOOD }, "before the back side");

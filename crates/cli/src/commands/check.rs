@@ -2,20 +2,29 @@
 
 use crate::common_arguments::PatchableArguments;
 use crate::failure::{ExitCode, Failure};
-use crate::{loading, terminal, text};
+use crate::{files, loading, terminal, text};
 use clap::Args;
+use serde_json::{Value, json};
 use sphcut_input::{Origin, ResolvedEntry};
+use sphcut_record::Facts;
+use sphcut_report::{PreviewPage, render_preview};
 use sphcut_scenario::Scenario;
 use sphcut_sph::setup::{Body, Dimension, Setup, Shape};
-use sphcut_sph::{Estimate, Simulation};
+use sphcut_sph::{Estimate, Simulation, Snapshot};
 use sphcut_sweep::CROWDING;
 use sphcut_tool_heat::ToolMeshFacts;
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 use std::time::Duration;
 
 const HELP: &str = "\
-`check` runs a few dozen steps to measure the speed of this machine; --no-measure skips that.";
+`check` runs a few dozen steps to measure the speed of this machine; --no-measure skips that.
+
+Examples:
+  sphcut check cut.toml                        cost, warnings, resolution
+  sphcut check cut.toml --all                  every key as well, in your units and in SI, defaults marked
+  sphcut check cut.toml --preview cut.html     a drawing of workpiece, tool, window, supports and particles";
 
 /// Arguments of `check`.
 #[derive(Debug, Args)]
@@ -30,6 +39,15 @@ pub struct CheckArguments {
     /// Do not measure the speed; no expected duration then.
     #[arg(long)]
     pub no_measure: bool,
+    /// Every key as well, as written and in SI.
+    #[arg(long)]
+    pub all: bool,
+    /// Write a page with a drawing of the setup.
+    #[arg(long, value_name = "FILE")]
+    pub preview: Option<PathBuf>,
+    /// Everything as one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Most particles that are built for an estimate in the plane and in space: less than a second and 200 MB.
@@ -54,21 +72,96 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     let scenario = loading::scenario(&arguments.scenario)?;
     let threads = loading::threads(arguments.threads);
     let pool = loading::pool(threads)?;
-    let (estimate, speed) = pool.install(|| cost(&scenario.setup, !arguments.no_measure))?;
+    let (estimate, speed, first) = pool.install(|| cost(&scenario.setup, !arguments.no_measure))?;
+    let cuts = scenario.setup.uncut_chip_thickness.is_some();
+    let more_steps = if cuts { CROWDING } else { 1.0 };
+    let command = format!("sphcut run {}", arguments.scenario.file.scenario.display());
+    if let Some(path) = &arguments.preview {
+        let cost = expense(&estimate, speed, threads, more_steps);
+        let page = PreviewPage {
+            provenance: &loading::provenance(&scenario),
+            facts: &Facts::of(&scenario.setup),
+            first: &first,
+            particles: estimate.particles,
+            cost: &cost.lines().skip(2).map(str::trim).collect::<Vec<_>>(),
+            command: &command,
+        };
+        files::save_alone(path, render_preview(&page).as_bytes())?;
+    }
+    if arguments.json {
+        let page = as_json(&scenario, &estimate, (speed, more_steps), threads);
+        return terminal::answer(&format!("{page:#}\n"));
+    }
     let mut page = String::new();
     let _ = writeln!(page, "{}", heading(&scenario));
-    page.push_str(&settings(&scenario.description));
-    page.push_str(&resolution(&scenario));
-    let cuts = scenario.setup.uncut_chip_thickness.is_some();
-    page.push_str(&expense(&estimate, speed, threads, if cuts { CROWDING } else { 1.0 }));
+    page.push_str(expense(&estimate, speed, threads, more_steps).trim_start());
     page.push_str(&warnings(&scenario.warnings));
-    let file = arguments.scenario.file.scenario.display();
-    let _ = writeln!(page, "next               sphcut run {file}");
+    page.push_str(&resolution(&scenario));
+    page.push('\n');
+    if arguments.all {
+        page.push_str(&settings(&scenario.description));
+    } else {
+        page.push_str("--all shows every key, in your units and in SI\n");
+    }
+    if let Some(path) = &arguments.preview {
+        let _ = writeln!(page, "preview            {}", path.display());
+    }
+    let _ = writeln!(page, "next               {command}");
     terminal::answer(&page)
 }
 
+/// The same for programs; SI units.
+fn as_json(
+    scenario: &Scenario,
+    estimate: &Estimate,
+    (speed, more_steps): (Option<f64>, f64),
+    threads: usize,
+) -> Value {
+    let setup = &scenario.setup;
+    let across = |length: Option<f64>| length.map(|length| length / setup.particle_spacing);
+    let seconds = speed.map(|speed| {
+        let least = estimate.steps as f64 * estimate.particles as f64 / speed;
+        [least, more_steps * least]
+    });
+    let settings = scenario.description.iter().map(|entry| {
+        let origin = match entry.origin {
+            Origin::Given => "given",
+            Origin::Default => "default",
+            Origin::Derived => "derived",
+        };
+        json!({
+            "section": entry.section,
+            "key": entry.key,
+            "text": entry.text,
+            "value": entry.value,
+            "unit": entry.unit,
+            "origin": origin,
+        })
+    });
+    json!({
+        "scenario": scenario.name,
+        "title": scenario.title,
+        "warnings": scenario.warnings,
+        "cost": {
+            "particles": estimate.particles,
+            "steps": estimate.steps,
+            "time_step_s": estimate.time_step,
+            "memory_bytes": estimate.memory_bytes + BASE_BYTES,
+            "threads": threads,
+            "updates_per_second": speed,
+            "seconds": seconds,
+        },
+        "resolution": {
+            "particle_spacing_m": setup.particle_spacing,
+            "across_uncut_chip_thickness": across(setup.uncut_chip_thickness),
+            "across_edge_radius": across(setup.tool.as_ref().and_then(|tool| tool.edge_radius)),
+        },
+        "settings": settings.collect::<Vec<_>>(),
+    })
+}
+
 /// Builds the particles, or a part of a large workpiece, and, if wanted, measures the updates per second.
-fn cost(setup: &Setup, measured: bool) -> Result<(Estimate, Option<f64>), Failure> {
+fn cost(setup: &Setup, measured: bool) -> Result<(Estimate, Option<f64>, Snapshot), Failure> {
     let build = |setup| Simulation::new(setup).map_err(|error| Failure::input(error.to_string()));
     let (part, whole) = excerpt(setup);
     let mut simulation = build(part)?;
@@ -86,8 +179,9 @@ fn cost(setup: &Setup, measured: bool) -> Result<(Estimate, Option<f64>), Failur
             "about {count} particles need {memory} of memory; the costs are those of a part of them"
         ));
     }
+    let first = simulation.snapshot();
     let speed = if measured { Some(speed(&mut simulation)?) } else { None };
-    Ok((estimate, speed))
+    Ok((estimate, speed, first))
 }
 
 /// A workpiece that is too large to be built for an estimate, measured by the part of it that is built.

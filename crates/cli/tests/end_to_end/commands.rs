@@ -20,7 +20,7 @@ fn help_teaches_with_examples() {
 fn check_shows_both_units_the_cost_and_warnings() {
     let shop = Workshop::new("commands_check");
     shop.write("tiny.toml", TINY);
-    let page = shop.sphcut(&["check", "tiny.toml", "--threads", "1"]).expect_code(0).out;
+    let page = shop.sphcut(&["check", "tiny.toml", "--threads", "1", "--all"]).expect_code(0).out;
     let expected = [
         "A tiny cut",
         "150 m/min",
@@ -38,6 +38,30 @@ fn check_shows_both_units_the_cost_and_warnings() {
         assert!(page.contains(text), "`{text}` is not in:\n{page}");
     }
     assert!(!shop.path("out").exists(), "check writes nothing");
+    let short = shop.sphcut(&["check", "tiny.toml", "--no-measure"]).expect_code(0).out;
+    let place = |text: &str| short.find(text).unwrap_or_else(|| panic!("{text}: {short}"));
+    assert!(place("cost") < place("warnings") && place("warnings") < place("resolution"));
+    assert!(!short.contains("= 2.5 m/s"), "{short}");
+}
+
+#[test]
+fn check_draws_the_setup_and_speaks_json() {
+    let shop = Workshop::new("commands_preview");
+    shop.write("tiny.toml", TINY);
+    let arguments = ["check", "tiny.toml", "--no-measure", "--preview", "page/cut.html", "--json"];
+    let found: serde_json::Value =
+        serde_json::from_str(&shop.sphcut(&arguments).expect_code(0).out).unwrap();
+    assert_eq!(found["cost"]["particles"], 391);
+    assert_eq!(found["resolution"]["across_uncut_chip_thickness"], 4.0);
+    assert!(found["cost"]["seconds"].is_null());
+    let page = shop.read("page/cut.html");
+    // 0.1 mm / 25 um, 20 um / 25 um, and particles near the edge.
+    for text in
+        ["4 particles across", "0.8 particles across", "h = 100 \u{b5}m", "sphcut run tiny.toml"]
+    {
+        assert!(page.contains(text), "{text}");
+    }
+    assert!(page.matches("<circle").count() > 50);
 }
 
 #[test]

@@ -37,6 +37,8 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("sphcut check cut.toml", AsItStands),
     ("sphcut check scenarios/quickstart.toml --no-measure", AsItStands),
     ("sphcut check scenarios/quickstart.toml", AsItStands),
+    ("sphcut check scenarios/quickstart.toml --all", AsItStands),
+    ("sphcut check scenarios/quickstart.toml --preview cut.html", AsItStands),
     (
         "cargo run --release -- run scenarios/quickstart.toml",
         Instead("sphcut check scenarios/quickstart.toml --no-measure"),

@@ -69,7 +69,7 @@ fn a_patch_changes_the_scenario_and_stands_in_its_result() {
     let shop = Workshop::new("run_patch");
     shop.write("tiny.toml", TINY);
     shop.write("edge.toml", "[scenario]\ntool.edge_radius = \"33 um\"\n");
-    let check = ["check", "tiny.toml", "--no-measure"];
+    let check = ["check", "tiny.toml", "--no-measure", "--all"];
     let before = shop.sphcut(&check).expect_code(0);
     let after = shop.sphcut(&[&check[..], &["--patch", "edge.toml"]].concat()).expect_code(0);
     assert!(!before.out.contains("33 um") && after.out.contains("33 um"), "{}", after.out);

@@ -4,6 +4,7 @@ mod calibration;
 mod diagnosis;
 mod greybox;
 mod identification;
+mod preview;
 mod recordings;
 mod residual_stress;
 mod run;
@@ -17,6 +18,7 @@ pub use diagnosis::{
 };
 pub use greybox::{greybox_words, render_comparison, render_greybox};
 pub use identification::{IdentificationPage, identification_words, render_identification};
+pub use preview::{PreviewPage, render_preview};
 pub use recordings::{RecordingsPage, recordings_words, render_recordings};
 pub use run::{render_report, write_report};
 pub use springback::{SpringbackRun, render_springback};

@@ -480,6 +480,7 @@ impl CutScenario {
             below: self.workpiece.height - self.deepest(),
             side_room,
             edge_radius: self.tool.edge_radius,
+            cutting_speed: self.process.cutting_speed,
             particle_spacing: self.resolution.particle_spacing,
             travel: self.end.travel,
             length: self.workpiece.length,

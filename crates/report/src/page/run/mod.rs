@@ -1,9 +1,11 @@
 //! `report.html`: one run.
 
+mod drawing;
 mod history;
 mod measures;
 mod tables;
 
+pub(super) use drawing::drawings;
 pub(super) use history::force_figure;
 
 use crate::ReportError;
@@ -43,6 +45,7 @@ pub fn render_report(run: &Run, result: &ProcessResult) -> Result<String, Report
     let title =
         if provenance.title.is_empty() { &provenance.scenario_name } else { &provenance.title };
     let pictures = draw_all(run)?;
+    let first = if run.snapshots.is_empty() { None } else { Some(run.snapshots.get(0)?) };
     let body = html! {
         (warnings(result))
         (tables::key_figures(run, result))
@@ -51,7 +54,7 @@ pub fn render_report(run: &Run, result: &ProcessResult) -> Result<String, Report
         (measures::section(run, result))
         (history::section(run, result))
         (tables::balances(run, result))
-        (tables::setup(run, result))
+        (tables::setup(run, result, first.as_deref()))
         (reproduce(run))
     };
     let lead = html! { (lead(run)) };

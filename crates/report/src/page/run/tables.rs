@@ -1,5 +1,6 @@
 //! The tables of the page.
 
+use super::drawing::drawings;
 use crate::kit::colours::INK;
 use crate::kit::numbers::{UM, grouped, percent, three_digits, with_interval};
 use crate::kit::table::{ResultRow, results as results_table, row};
@@ -9,7 +10,7 @@ use sphcut_postprocess::{
     EnergyBalance, Force, MomentumBalance, ProcessResult, TermKind, ToolHeatBalance,
 };
 use sphcut_record::{Run, Setting};
-use sphcut_sph::ChannelId;
+use sphcut_sph::{ChannelId, Snapshot};
 
 /// The five numbers one looks for first.
 pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
@@ -346,10 +347,11 @@ fn momentum_row(name: &str, balance: &MomentumBalance) -> Markup {
 }
 
 /// Resolution, resolved scenario, effects, cost.
-pub(super) fn setup(run: &Run, result: &ProcessResult) -> Markup {
+pub(super) fn setup(run: &Run, result: &ProcessResult, first: Option<&Snapshot>) -> Markup {
     html! {
         section {
             h2 { "Setup" }
+            @if let Some(first) = first { (drawings(&run.facts, &run.provenance.settings, first)) }
             (results_table("Resolution and cost.", &cost_rows(result)))
             @if !run.provenance.effects.is_empty() {
                 h3 { "Laws and effects" }

@@ -1,0 +1,273 @@
+//! The setup of a plane cut as two drawings: all of it, and the edge.
+
+use crate::kit::colours::{BLUE, BLUE_LIGHT, GREEN, GREY, INK, RED, SLATE};
+use crate::kit::numbers::{UM, plain, three_digits};
+use crate::kit::text::{svg_description, svg_text};
+use maud::{Markup, PreEscaped, html};
+use sphcut_record::{Facts, Setting};
+use sphcut_sph::Snapshot;
+use std::fmt::Write;
+
+const WIDTH: f64 = 520.0;
+/// More particles than this are not drawn, those farthest from the edge first.
+const MOST_PARTICLES: usize = 2500;
+
+/// A cut before it begins, in m; the uncut surface is y = 0, the tool moves along x.
+struct CutScene<'a> {
+    facts: &'a Facts,
+    /// Length and height of the workpiece.
+    size: [f64; 2],
+    depth: f64,
+    tool: Vec<[f64; 2]>,
+    particles: Vec<[f64; 2]>,
+    /// Depth of the held layers, and which sides are held.
+    held: (f64, [bool; 2]),
+    /// How far the window reaches ahead of the edge and behind it.
+    window: Option<[f64; 2]>,
+}
+
+/// The drawings with their captions; nothing of a cut in space or one that is turned in the plane.
+pub(crate) fn drawings(facts: &Facts, settings: &[Setting], first: &Snapshot) -> Markup {
+    let Some(scene) = CutScene::new(facts, settings, first) else { return html! {} };
+    html! {
+        div.pair {
+            figure { (PreEscaped(scene.whole())) figcaption { (scene.caption()) } }
+            figure { (PreEscaped(scene.edge())) figcaption { "The edge with its radius, the uncut chip thickness and the particles as they start." } }
+        }
+    }
+}
+
+impl<'a> CutScene<'a> {
+    fn new(facts: &'a Facts, settings: &[Setting], first: &Snapshot) -> Option<Self> {
+        let find = |section: &str, key: &str| {
+            settings.iter().find(|setting| setting.section == section && setting.key == key)
+        };
+        let number = |section: &str, key: &str| find(section, key)?.value.parse().ok();
+        let is_plain = facts.dimension == 2
+            && facts.frame.cutting == [1.0, 0.0, 0.0]
+            && facts.frame.feed[1] < 0.0
+            && first.time == 0.0;
+        let held = |side: &str| find("boundaries", side).is_some_and(|set| set.text != "free");
+        let layers: f64 = number("boundaries", "layers").unwrap_or(0.0);
+        let flat = |points: &[[f64; 3]]| points.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>();
+        is_plain.then_some(())?;
+        Some(Self {
+            facts,
+            size: [number("workpiece", "length")?, number("workpiece", "height")?],
+            depth: facts.uncut_chip_thickness?,
+            tool: Some(flat(&first.tool)).filter(|tool| tool.len() > 2)?,
+            particles: flat(&first.position),
+            held: (layers * facts.particle_spacing, [held("bottom"), held("back")]),
+            window: number("window", "ahead").zip(number("window", "behind")).map(<[f64; 2]>::from),
+        })
+    }
+
+    fn travel(&self) -> f64 {
+        self.facts.end_time * self.facts.cutting_speed()
+    }
+
+    /// The lowest point of the tool.
+    fn tip(&self) -> [f64; 2] {
+        self.tool.iter().copied().reduce(|a, b| if b[1] < a[1] { b } else { a }).unwrap_or_default()
+    }
+
+    fn caption(&self) -> String {
+        let millimetres = |length: f64| plain(length * 1e3);
+        let mut caption = format!(
+            "Workpiece of {} x {} mm; the tool moves {} mm to the right.",
+            millimetres(self.size[0]),
+            millimetres(self.size[1]),
+            millimetres(self.travel())
+        );
+        if let Some([ahead, behind]) = self.window {
+            let _ = write!(
+                caption,
+                " Green: the window, {} mm ahead of the edge and {} mm behind it, outside which nothing is followed.",
+                millimetres(ahead),
+                millimetres(behind)
+            );
+        }
+        if self.held.0 > 0.0 && self.held.1 != [false; 2] {
+            caption.push_str(" Grey: held particles.");
+        }
+        caption
+    }
+
+    /// Workpiece, supports, window, tool and its path.
+    fn whole(&self) -> String {
+        let [length, height] = self.size;
+        let tip = self.tip();
+        let [left, right] = [-0.2 * length, length.max(self.travel()) + 0.06 * length];
+        let top = (0.3 * (right - left)).max(3.0 * self.depth);
+        let mut drawing =
+            Drawing::new([left, right], [-1.25 * height, top], "The setup of the cut");
+        drawing.block([0.0, -height], [length, 0.0], &format!(r#"fill="{BLUE_LIGHT}""#));
+        let (layers, [bottom, back]) = self.held;
+        let hold = format!(r#"fill="{SLATE}""#);
+        if bottom {
+            drawing.block([0.0, -height], [length, layers - height], &hold);
+        }
+        if back {
+            drawing.block([length - layers, -height], [length, 0.0], &hold);
+        }
+        if let Some([ahead, behind]) = self.window {
+            let style = format!(
+                r#"fill="{GREEN}" fill-opacity="0.15" stroke="{GREEN}" stroke-width="1.5" stroke-dasharray="5 3""#
+            );
+            let [from, to] = [tip[0] - behind, tip[0] + ahead];
+            drawing.block([from, -1.1 * height], [to, 3.0 * self.depth], &style);
+        }
+        let end: Vec<[f64; 2]> = self.tool.iter().map(|p| [p[0] + self.travel(), p[1]]).collect();
+        drawing.polygon(&end, &format!(r#"fill="none" stroke="{GREY}" stroke-dasharray="4 3""#));
+        drawing.polygon(&self.tool, &format!(r##"fill="#c9ccd1" stroke="{INK}""##));
+        let path = 0.6 * top;
+        drawing.arrow([tip[0], path], [tip[0] + self.travel(), path], RED);
+        let speed = format!(
+            "v_c = {} m/min, {} mm",
+            plain(self.facts.cutting_speed() * 60.0),
+            plain(self.travel() * 1e3)
+        );
+        drawing.text([tip[0] + 0.5 * self.travel(), path], [0.0, -7.0], "middle", &speed);
+        drawing.finish()
+    }
+
+    /// The surroundings of the edge.
+    fn edge(&self) -> String {
+        let (depth, tip) = (self.depth, self.tip());
+        let radius = self.facts.edge_radius.unwrap_or(0.0);
+        let width = (4.6 * depth).max(7.0 * radius);
+        let x = [tip[0] - 0.36 * width, tip[0] + 0.64 * width];
+        let y = [-depth - 0.25 * width, -depth + 0.45 * width];
+        let mut drawing = Drawing::new(x, y, "The edge of the tool");
+        let spacing = self.facts.particle_spacing;
+        let distance = |p: &[f64; 2]| (p[0] - tip[0]).hypot(p[1] - tip[1]);
+        let seen = |p: &&[f64; 2]| (x[0]..x[1]).contains(&p[0]) && (y[0]..y[1]).contains(&p[1]);
+        let mut particles: Vec<[f64; 2]> = self.particles.iter().filter(seen).copied().collect();
+        particles.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        particles.truncate(MOST_PARTICLES);
+        for particle in &particles {
+            drawing.dot(*particle, 0.3 * spacing, BLUE);
+        }
+        drawing
+            .polygon(&self.tool, &format!(r##"fill="#c9ccd1" stroke="{INK}" stroke-width="1.5""##));
+        let right = x[0] + 0.86 * width;
+        drawing.line(
+            [x[0], -depth],
+            [x[1], -depth],
+            &format!(r#"stroke="{RED}" stroke-dasharray="6 4""#),
+        );
+        drawing.arrow([right, -0.5 * depth], [right, 0.0], RED);
+        drawing.arrow([right, -0.5 * depth], [right, -depth], RED);
+        let across =
+            |length: f64| format!("{} particles", plain((length / spacing * 10.0).round() / 10.0));
+        let um = |length: f64| format!("{} \u{b5}m", three_digits(length * UM));
+        let room = [x[0] + 0.985 * width, 0.0];
+        drawing.text(room, [0.0, -24.0], "end", &format!("h = {}", um(depth)));
+        drawing.text(room, [0.0, -8.0], "end", &format!("{} across", across(depth)));
+        let name = |place: f64, line: &str, drawing: &mut Drawing| {
+            drawing.text([x[0] + 0.02 * width, y[1]], [0.0, place], "start", line);
+        };
+        if radius > 0.0 {
+            name(20.0, &format!("edge radius r_n = {}", um(radius)), &mut drawing);
+            name(36.0, &format!("{} across", across(radius)), &mut drawing);
+            let centre = [tip[0], tip[1] + radius];
+            drawing.circle(
+                centre,
+                radius,
+                &format!(r#"fill="none" stroke="{RED}" stroke-width="1.5""#),
+            );
+        } else {
+            name(20.0, "sharp edge", &mut drawing);
+        }
+        name(52.0, &format!("spacing {}", um(spacing)), &mut drawing);
+        drawing.finish()
+    }
+}
+
+/// A part of the plane in one scale.
+struct Drawing {
+    left: f64,
+    top: f64,
+    /// Pixels per metre.
+    scale: f64,
+    svg: String,
+}
+
+impl Drawing {
+    fn new(x: [f64; 2], y: [f64; 2], description: &str) -> Self {
+        let scale = WIDTH / (x[1] - x[0]);
+        let height = (y[1] - y[0]) * scale;
+        let svg = format!(
+            r#"<svg class="chart" viewBox="0 0 {WIDTH} {height:.0}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
+            svg_description(description)
+        );
+        Self { left: x[0], top: y[1], scale, svg }
+    }
+
+    fn at(&self, point: [f64; 2]) -> [f64; 2] {
+        [(point[0] - self.left) * self.scale, (self.top - point[1]) * self.scale]
+    }
+
+    fn put(&mut self, text: std::fmt::Arguments<'_>) {
+        self.svg.write_fmt(text).expect("writing to a string cannot fail");
+    }
+
+    fn polygon(&mut self, points: &[[f64; 2]], style: &str) {
+        let points: Vec<String> = points
+            .iter()
+            .map(|point| self.at(*point))
+            .map(|[x, y]| format!("{x:.1},{y:.1}"))
+            .collect();
+        self.put(format_args!(r#"<polygon points="{}" {style}/>"#, points.join(" ")));
+    }
+
+    fn block(&mut self, [x0, y0]: [f64; 2], [x1, y1]: [f64; 2], style: &str) {
+        self.polygon(&[[x0, y0], [x1, y0], [x1, y1], [x0, y1]], style);
+    }
+
+    fn circle(&mut self, centre: [f64; 2], radius: f64, style: &str) {
+        let ([x, y], r) = (self.at(centre), radius * self.scale);
+        self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{r:.1}" {style}/>"#));
+    }
+
+    fn dot(&mut self, centre: [f64; 2], radius: f64, colour: &str) {
+        self.circle(centre, radius, &format!(r#"fill="{colour}""#));
+    }
+
+    fn line(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
+        let ([x1, y1], [x2, y2]) = (self.at(from), self.at(to));
+        self.put(format_args!(
+            r#"<path d="M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}" fill="none" {style}/>"#
+        ));
+    }
+
+    /// With its head at `to`.
+    fn arrow(&mut self, from: [f64; 2], to: [f64; 2], colour: &str) {
+        self.line(from, to, &format!(r#"stroke="{colour}" stroke-width="2""#));
+        let ([x1, y1], [x2, y2]) = (self.at(from), self.at(to));
+        let long = (x2 - x1).hypot(y2 - y1).max(1e-9);
+        let (u, v) = (8.0 * (x2 - x1) / long, 8.0 * (y2 - y1) / long);
+        let wing =
+            |side: f64| format!("{:.1} {:.1}", x2 - u - side * 0.5 * v, y2 - v + side * 0.5 * u);
+        self.put(format_args!(
+            r#"<path d="M{x2:.1} {y2:.1}L{}L{}Z" fill="{colour}"/>"#,
+            wing(1.0),
+            wing(-1.0)
+        ));
+    }
+
+    fn text(&mut self, at: [f64; 2], [right, down]: [f64; 2], anchor: &str, text: &str) {
+        let [x, y] = self.at(at);
+        self.put(format_args!(
+            r#"<text class="value" x="{:.1}" y="{:.1}" text-anchor="{anchor}">{}</text>"#,
+            x + right,
+            y + down,
+            svg_text(text)
+        ));
+    }
+
+    fn finish(mut self) -> String {
+        self.svg.push_str("</svg>");
+        self.svg
+    }
+}
