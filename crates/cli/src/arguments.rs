@@ -1,6 +1,7 @@
 //! The command line: every command declares its arguments beside what it does; parser, help and shell completions come
 //! from here.
 
+use crate::commands::calibrate::CutCalibrationArguments;
 use crate::commands::calibrate_friction::CalibrateArguments;
 use crate::commands::catalogue::CatalogueArguments;
 use crate::commands::check::CheckArguments;
@@ -69,6 +70,8 @@ pub enum Command {
     Verify(VerifyRunsArguments),
     /// Measure springback and residual stress of finished plane cuts, beside measurements if given.
     Springback(SpringbackArguments),
+    /// Fit constants of flow stress and friction to measured cuts, with intervals, in some tens of runs.
+    Calibrate(CutCalibrationArguments),
     /// Find the friction coefficient that fits measured forces best, and test it at other speeds.
     CalibrateFriction(CalibrateArguments),
     /// Run a scenario with many combinations of values, and keep every result.

@@ -47,6 +47,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Sweep(arguments) => commands::sweep::sweep(&arguments),
         Command::Store(arguments) => commands::store::store(&arguments),
         Command::Recordings(arguments) => commands::recordings::recordings(&arguments),
+        Command::Calibrate(arguments) => commands::calibrate::calibrate(&arguments),
         Command::CalibrateFriction(arguments) => {
             commands::calibrate_friction::calibrate(&arguments)
         }

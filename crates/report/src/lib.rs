@@ -2,7 +2,7 @@
 //!
 //! [`write_report`] writes one self-contained `report.html`; [`render_preview`] is the page of `sphcut check --preview`; [`render_snapshot`] draws a single
 //! picture; [`render_springback`] is the page of `sphcut springback`, [`render_calibration`] that of
-//! `sphcut calibrate-friction`, [`render_recordings`] that of `sphcut recordings`, [`render_greybox`] and
+//! `sphcut calibrate-friction`, [`render_cut_calibration`] that of `sphcut calibrate`, [`render_recordings`] that of `sphcut recordings`, [`render_greybox`] and
 //! [`render_comparison`] those of `sphcut greybox`, [`render_identification`] that of `sphcut identify`,
 //! [`render_diagnosis`] that of `sphcut diagnose`, [`render_wear`] that of `sphcut wear`, [`render_sweep`] that of `sphcut sweep`.
 
@@ -13,10 +13,11 @@ mod picture;
 
 pub use error::ReportError;
 pub use page::{
-    DiagnosisPage, IdentificationPage, PreviewPage, RecordingsPage, SeriesPage, SpringbackRun,
-    SweepPage, WearPage, calibration_words, diagnosis_words, greybox_words, identification_words,
-    recordings_words, render_calibration, render_comparison, render_diagnosis, render_greybox,
-    render_identification, render_preview, render_recordings, render_report, render_series,
-    render_springback, render_sweep, render_wear, series_summary, sweep_words, write_report,
+    CutCalibrationPage, DiagnosisPage, IdentificationPage, PreviewPage, RecordingsPage, SeriesPage,
+    SpringbackRun, SweepPage, WearPage, calibration_words, diagnosis_words, greybox_words,
+    identification_words, recordings_words, render_calibration, render_comparison,
+    render_cut_calibration, render_diagnosis, render_greybox, render_identification,
+    render_preview, render_recordings, render_report, render_series, render_springback,
+    render_sweep, render_wear, series_summary, sweep_words, write_report,
 };
 pub use picture::{ParticleField, PictureOptions, Style, View, render_layers, render_snapshot};

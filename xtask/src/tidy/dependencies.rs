@@ -23,7 +23,7 @@ const NOT_IN_THE_CORE: [&str; 12] = [
 const CORE: [&str; 4] = ["sphcut-physics", "sphcut-geometry", "sphcut-tool-heat", "sphcut-sph"];
 
 /// The arrows that exist: a crate and the crates of the workspace it may build on.
-const ARROWS: [(&str, &[&str]); 17] = [
+const ARROWS: [(&str, &[&str]); 18] = [
     ("physics", &[]),
     ("input", &["physics"]),
     ("geometry", &["physics"]),
@@ -50,9 +50,11 @@ const ARROWS: [(&str, &[&str]); 17] = [
             "physics",
         ],
     ),
+    ("calibrate", &["diagnose", "input", "scenario", "greybox", "postprocess", "physics"]),
     (
         "report",
         &[
+            "calibrate",
             "diagnose",
             "greybox",
             "recordings",
@@ -84,6 +86,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
     (
         "cli",
         &[
+            "calibrate",
             "verification",
             "report",
             "diagnose",

@@ -1,5 +1,6 @@
 //! What each command does.
 
+pub(crate) mod calibrate;
 pub(crate) mod calibrate_friction;
 pub(crate) mod catalogue;
 pub(crate) mod check;

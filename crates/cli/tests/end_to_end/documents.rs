@@ -79,6 +79,24 @@ const COMMANDS: &[(&str, Trial)] = &[
         Elsewhere("springback"),
     ),
     (
+        "sphcut calibrate scenarios/calibration/cut.toml --measured scenarios/calibration/cuts.csv --out twin --dry-run",
+        AsItStands,
+    ),
+    (
+        "sphcut calibrate scenarios/calibration/cut.toml --measured scenarios/calibration/cuts.csv --out first --model closed-form",
+        AsItStands,
+    ),
+    (
+        "sphcut check scenarios/calibration/cut.toml --patch first/scenario.patch.toml --no-measure",
+        AsItStands,
+    ),
+    (
+        "sphcut calibrate scenarios/calibration/cut.toml --measured scenarios/calibration/cuts.csv --out twin",
+        Elsewhere("calibrate"),
+    ),
+    ("sphcut calibrate cut.toml --measured cuts.csv --out twin", Elsewhere("calibrate")),
+    ("sphcut run cut.toml --patch twin/scenario.patch.toml", Elsewhere("calibrate")),
+    (
         "sphcut calibrate-friction cut.toml --measured forces.csv --out mu",
         Elsewhere("calibrate_friction"),
     ),

@@ -1,5 +1,6 @@
 //! `sphcut` from the outside: what a user types, what comes back.
 
+mod calibrate;
 mod calibrate_friction;
 mod cluster;
 mod commands;

@@ -49,7 +49,7 @@ pub struct ClosedForm {
 }
 
 impl ClosedForm {
-    /// `scatter` gives standard deviations of the Johnson-Cook parameters and of `friction_coefficient`, by their keys.
+    /// `scatter` gives standard deviations of the Johnson-Cook parameters and of those of friction, by their keys.
     #[must_use]
     pub fn new(cut: OrthogonalCut, scatter: &[(&'static str, f64)]) -> Self {
         let nuisances =
@@ -67,8 +67,10 @@ impl ClosedForm {
         let mut cut = self.cut.clone();
         for (nuisance, log) in self.nuisances.iter().zip(nuisances) {
             let factor = log.exp();
-            if nuisance.key == "friction_coefficient" {
-                cut.friction_coefficient *= factor;
+            match nuisance.key {
+                "friction_coefficient" => cut.friction_coefficient *= factor,
+                "shear_friction_factor" => cut.shear_friction_factor *= factor,
+                _ => {}
             }
             if let FlowStress::JohnsonCook(law) = &mut cut.workpiece.flow_stress {
                 match nuisance.key {

@@ -92,10 +92,7 @@ impl ScenarioKeys {
             ("workpiece.override", self.overridden(change)?),
             ("effects", self.effects(change)?),
         ];
-        if let Some(radius) = self.edge_radius {
-            let added = Self::effect(change, "edge_radius").map_or(0.0, |values| values[0]);
-            all.push(("tool.edge_radius", millimetres(radius + added).into()));
-        }
+        all.extend(self.edge(change, None).map(|radius| ("tool.edge_radius", radius)));
         if let Some(land) = change.wear_land {
             all.push(("tool.wear_land", millimetres(land).into()));
         }
@@ -107,6 +104,20 @@ impl ScenarioKeys {
             all.push(("tool.compliance.feed", self.giving_way(values[0])));
         }
         Ok(all)
+    }
+
+    /// The edge with `change`, of the scenario's tool or one with the radius `own`; `None` for an outline.
+    pub(crate) fn edge(&self, change: &Change, own: Option<f64>) -> Option<Value> {
+        let radius = own.or(self.edge_radius)? * Self::factor(change, "edge_radius");
+        let added = Self::effect(change, "edge_radius").map_or(0.0, |values| values[0]);
+        Some(millimetres(radius + added).into())
+    }
+
+    /// The rake of a tool, or that of the scenario as it is written.
+    pub(crate) fn rake(&self, own: Option<f64>) -> Value {
+        let written = self.table.get("tool").and_then(|tool| tool.as_table()?.get("rake_angle"));
+        let of = |rake: f64| format!("{} deg", digits(rake.to_degrees(), LENGTH_DIGITS)).into();
+        own.map(of).or(written.cloned()).unwrap_or_else(|| "0 deg".into())
     }
 
     /// What `change` sets otherwise than the scenario has it.
@@ -180,7 +191,7 @@ impl ScenarioKeys {
         own.push(("law", law.into()));
         own.push(("friction_coefficient", changed(self.friction_coefficient, factor).into()));
         if law != "coulomb" {
-            let share = cap.map_or(1.0, |values| values[0]);
+            let share = cap.map_or_else(|| Self::factor(change, "shear_friction_factor"), |v| v[0]);
             own.push(("shear_friction_factor", changed(self.shear_friction_factor, share).into()));
         }
         table_of(own)

@@ -1,6 +1,7 @@
 //! One folder or file per page: what is shown. How, says `kit`.
 
 mod calibration;
+mod cut_calibration;
 mod diagnosis;
 mod greybox;
 mod identification;
@@ -13,6 +14,7 @@ mod sweep;
 mod wear;
 
 pub use calibration::{calibration_words, render_calibration};
+pub use cut_calibration::{CutCalibrationPage, render_cut_calibration};
 pub use diagnosis::{
     DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
 };

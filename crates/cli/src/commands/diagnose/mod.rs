@@ -7,6 +7,7 @@ use crate::common_arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::{files, loading, terminal};
 use clap::Args;
+pub(crate) use runs::refused;
 use runs::{Ended, Paired};
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{

@@ -1,24 +1,20 @@
 //! The paired runs of a diagnosis, through a store like any sweep.
 
 use super::DiagnoseArguments;
-use crate::commands::sweep::{dry_run, local, tables};
+use crate::commands::sweep::listed::{self, RunPlace};
+use crate::commands::sweep::{dry_run, local};
 use crate::failure::{ExitCode, Failure};
-use crate::progress::OutputStyle;
-use crate::{files, interrupt, loading, terminal};
+use crate::{files, loading, terminal};
 use sphcut_diagnose::{
     Change, DiagnoseError, Diagnosis, DiagnosisCase, Fit, PairedRun, PairedRuns, PairedScenario,
     Predictor, STATES, changes, rerun_changes, rerun_conditions, scenario_patch, support,
     unseen_fits,
 };
-use sphcut_physics::{Channel, CuttingCondition};
-use sphcut_sweep::{Execution, Retry, State, Store, Sweep, SweepPlan, SweepRow, SweepTable};
+use sphcut_physics::CuttingCondition;
+use sphcut_sweep::Sweep;
 
 /// Folder of the runs in the output folder.
 const FOLDER: &str = "runs";
-/// Half width of a 95 % interval in standard deviations.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
-/// mm in m.
-const MM: f64 = 1e-3;
 
 /// Runs at conditions, each with its change.
 pub struct Paired {
@@ -138,53 +134,32 @@ impl Paired {
 
     /// Computes what the store does not have.
     pub fn run(&self, arguments: &DiagnoseArguments) -> Result<Ended, Failure> {
-        let threads = loading::threads(arguments.threads);
-        let plan = local::planned(&self.sweep, threads)?;
         let folder = arguments.folder().join(FOLDER).join(&self.sweep.name);
         files::create_folder(&folder)?;
         if !self.patch.is_empty() {
             files::save(&folder.join(super::PATCH), self.patch.as_bytes())?;
         }
-        let root = arguments
-            .store
-            .clone()
-            .unwrap_or_else(|| arguments.folder().join(FOLDER).join("store"));
-        let store = Store::create(&root)?;
-        local::note_needs(&store, &folder, &plan)?;
-        interrupt::install();
-        let left = missing(&plan, &store);
-        if left > 0 {
-            terminal::note(&format!(
-                "{}: {} runs of the particle solver, {left} of them to be computed (results in {})",
-                self.sweep.title,
-                plan.runs.len(),
-                root.display()
-            ));
-        }
-        let execution = Execution { threads, retry: Retry::Never };
-        let style = if left > 0 { OutputStyle::Human } else { OutputStyle::Quiet };
-        let states = local::run((&self.sweep, None), &plan, &store, execution, style)?;
-        tables::write(&folder, &self.sweep, &plan, &store, (&states, &[]))?;
-        if states.iter().any(|state| matches!(state, State::Stopped)) {
+        let place = RunPlace {
+            folder,
+            store: arguments
+                .store
+                .clone()
+                .unwrap_or_else(|| arguments.folder().join(FOLDER).join("store")),
+            threads: loading::threads(arguments.threads),
+        };
+        let Some(rows) = listed::compute(&self.sweep, &place)? else {
             return Ok(Ended::Interrupted);
-        }
-        let table = SweepTable::new(&self.sweep, &plan, &store, &states, &tables::summary);
-        let failed = states.iter().filter(|state| matches!(state, State::Failed(_))).count();
-        if failed > 0 {
-            terminal::note(&format!(
-                "{failed} of the runs failed; the diagnosis goes on without them"
-            ));
-        }
-        let results = table.rows.iter().filter(|row| row.has_result()).map(|row| {
+        };
+        let results = rows.iter().map(|row| {
             let (condition, change) = &self.runs[row.number - 1];
-            PairedRun { condition: *condition, change: change.clone(), means: means(row) }
+            PairedRun { condition: *condition, change: change.clone(), means: listed::means(row) }
         });
         Ok(Ended::Finished(results.collect()))
     }
 }
 
 /// Why a scenario has no paired runs, with advice.
-fn refused(error: DiagnoseError) -> Failure {
+pub fn refused(error: DiagnoseError) -> Failure {
     let failure = Failure::input(error.to_string());
     match error {
         DiagnoseError::NoPairedRuns { help, .. } if !help.is_empty() => failure.advise(help),
@@ -198,31 +173,5 @@ pub fn model(case: &DiagnosisCase, runs: &[PairedRun]) -> Result<PairedRuns, Fai
         Failure::input(
             "too few of the runs without an effect have a result: there is nothing to compare with",
         )
-    })
-}
-
-fn missing(plan: &SweepPlan, store: &Store) -> usize {
-    let is_there = |address| store.entry(address).ok().flatten().is_some();
-    plan.runs.iter().filter(|run| !is_there(&run.address)).count()
-}
-
-/// Means and their standard deviations, SI units. A run in the plane has no passive force.
-fn means(row: &SweepRow) -> [Option<(f64, Option<f64>)>; Channel::RECORDED.len()] {
-    let number = |name: &str| row.summary.get(name).copied();
-    let force = |place: usize| {
-        let [mean, half] = row.forces[place]?;
-        (mean != 0.0).then_some((mean, Some(half / NORMAL_95)))
-    };
-    Channel::RECORDED.map(|channel| match channel {
-        Channel::CuttingForce => force(0),
-        Channel::FeedForce => force(1),
-        Channel::PassiveForce => force(2),
-        Channel::InterfaceTemperature => {
-            let half = number("temperature.interface_ci95_k");
-            Some((number("temperature.interface_mean_k")?, half.map(|half| half / NORMAL_95)))
-        }
-        Channel::ChipThickness => Some((number("chip.thickness_mm")? * MM, None)),
-        Channel::ContactLength => Some((number("contact.length_mm")? * MM, None)),
-        _ => None,
     })
 }

@@ -3,6 +3,7 @@
 mod arguments;
 mod display;
 pub mod dry_run;
+pub mod listed;
 pub mod local;
 mod one;
 mod slurm;

@@ -30,6 +30,8 @@ const KEYS: [&str; 10] = [
 ];
 /// And only where a tool is worn.
 const WEAR_KEY: &str = "tool.wear_land";
+/// And only where cuts have tools of their own.
+const RAKE_KEY: &str = "tool.rake_angle";
 /// And only where the spacing of the particles is a length and not a preset, which follows the thickness by itself.
 const SPACING_KEY: &str = "resolution.particle_spacing";
 
@@ -43,6 +45,8 @@ pub struct PairedScenario {
     across: Option<f64>,
     base: ScenarioKeys,
     travel: f64,
+    /// Whether every cut has its own tool and all runs go as far.
+    alike: bool,
 }
 
 impl PairedScenario {
@@ -124,7 +128,14 @@ impl PairedScenario {
             across: spacing.then(|| thickness / setup.particle_spacing),
             base: ScenarioKeys::of(scenario)?,
             travel,
+            alike: false,
         })
+    }
+
+    /// The same with the tool of each cut, and runs that all go as far, changed or not.
+    #[must_use]
+    pub fn alike(self) -> Self {
+        Self { alike: true, ..self }
     }
 
     /// The keys that runs set, `worn` if any tool is worn.
@@ -133,6 +144,7 @@ impl PairedScenario {
         let mut keys = KEYS.to_vec();
         keys.extend(self.across.map(|_| SPACING_KEY));
         keys.extend(worn.then_some(WEAR_KEY));
+        keys.extend(self.alike.then_some(RAKE_KEY));
         keys
     }
 
@@ -152,9 +164,10 @@ impl PairedScenario {
             own.map(|(_, value)| value.to_string()).unwrap_or_default()
         };
         let h = condition.uncut_chip_thickness;
-        let far = if change.is_none() { BASE_LENGTH } else { 1.0 } * self.travel * h;
+        let longest = if self.alike { 1.0 } else { BASE_LENGTH };
+        let far = if change.is_none() { longest } else { 1.0 } * self.travel * h;
         // One length for all runs of a thickness, and that of the scenario where it is enough.
-        let length = self.length.max((BASE_LENGTH * self.travel + REST) * h + 2.0 * self.below);
+        let length = self.length.max((longest * self.travel + REST) * h + 2.0 * self.below);
         let stop = table_of([("travel", millimetres(far).into())]).to_string();
         let mut values = vec![
             format!("\"{} m/min\"", digits(condition.cutting_speed * 60.0, SPEED_DIGITS)),
@@ -167,10 +180,14 @@ impl PairedScenario {
             set("tool.friction"),
             set("workpiece.override"),
             set("effects"),
-            set("tool.edge_radius"),
+            match self.alike.then(|| self.base.edge(change, condition.tool.edge_radius)) {
+                Some(radius) => radius.map(|r| r.to_string()).unwrap_or_default(),
+                None => set("tool.edge_radius"),
+            },
         ];
         values.extend(self.across.map(|across| format!("{:?}", millimetres(h / across))));
         values.extend(worn.then(|| format!("{:?}", millimetres(change.wear_land.unwrap_or(0.0)))));
+        values.extend(self.alike.then(|| self.base.rake(condition.tool.rake_angle).to_string()));
         Ok(values)
     }
 }

@@ -1,0 +1,255 @@
+//! What runs say of all cuts at all values of the constants: a Gaussian process about a closed form.
+
+use crate::{Channels, CutValues, RunPoint};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use sphcut_physics::{Channel, CuttingCondition};
+
+/// A quick model of a cut, right in its trends: the mean that runs correct.
+pub trait PriorModel {
+    /// Logarithms of the channels in SI units at coordinates of the constants; not a number where it has no answer.
+    fn logs(&self, condition: &CuttingCondition, t: &[f64]) -> Channels<f64>;
+}
+
+/// Standard deviations of the logarithm by which the quick model may be wrong: at all cuts by the same, per unit of their place,
+/// at each cut by its own.
+const LEVEL: f64 = 0.7;
+const SLOPE: f64 = 0.25;
+const OWN: f64 = 0.08;
+/// By which share of it, and by which amount, the change with a constant may be wrong.
+const SHARE: f64 = 0.4;
+const LEAST_CHANGE: f64 = 0.015;
+/// How much of that differs with the place of the cut, and from cut to cut.
+const CHANGE_SLOPE: f64 = 0.5;
+const CHANGE_OWN: f64 = 0.2;
+/// The curvature that the quick model lacks.
+const CURVATURE: f64 = 0.01;
+/// Scatter of the logarithm of a run that its interval does not show, by [`Channel::RECORDED`].
+const SCATTER: Channels<f64> = [0.008, 0.02, 0.05, 0.008, 0.03, 0.06, 0.2];
+/// Factors on own errors and on the scatter that are compared by their evidence.
+const FACTORS: [f64; 3] = [0.5, 1.0, 2.0];
+/// Step of differences in coordinates.
+const STEP: f64 = 0.2;
+
+/// Places of cuts: logarithms of speed and thickness, rake, logarithm of the edge radius, each about the middle and over half the
+/// spread of the cuts; one that does not vary is left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Places {
+    middle: [f64; 4],
+    half: [f64; 4],
+}
+
+fn raw(condition: &CuttingCondition) -> [f64; 4] {
+    let [rake, radius] = condition.tool.parts();
+    [
+        condition.cutting_speed.ln(),
+        condition.uncut_chip_thickness.ln(),
+        rake.unwrap_or(0.0),
+        radius.map_or(0.0, |radius| radius.max(1e-6).ln()),
+    ]
+}
+
+impl Places {
+    /// Those of some cuts.
+    pub fn of<'c>(conditions: impl Iterator<Item = &'c CuttingCondition>) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+        for condition in conditions {
+            for (k, x) in raw(condition).into_iter().enumerate() {
+                (low[k], high[k]) = (low[k].min(x), high[k].max(x));
+            }
+        }
+        let middle = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
+        Self { middle, half: std::array::from_fn(|k| 0.5 * (high[k] - low[k])) }
+    }
+
+    /// Whether a quantity varies.
+    pub fn varies(&self, k: usize) -> bool {
+        self.half[k] > 1e-3
+    }
+
+    /// -1 to 1 within the cuts.
+    pub fn at(&self, condition: &CuttingCondition) -> [f64; 4] {
+        let own = raw(condition);
+        // A spread of less than a tenth says nothing of what is twice as far.
+        std::array::from_fn(|k| {
+            if self.varies(k) { (own[k] - self.middle[k]) / self.half[k].max(0.1) } else { 0.0 }
+        })
+    }
+}
+
+/// The emulator of one channel.
+#[derive(Debug, Clone)]
+struct ChannelEmulator {
+    runs: Vec<([f64; 4], CuttingCondition, Vec<f64>)>,
+    /// Standard deviation of the error of the change with each constant.
+    changes: Vec<f64>,
+    factor: f64,
+    known: Cholesky<f64, Dyn>,
+    weights: DVector<f64>,
+    evidence: f64,
+}
+
+fn kernel(
+    (changes, factor): (&[f64], f64),
+    (za, ca, ta): (&[f64; 4], &CuttingCondition, &[f64]),
+    (zb, cb, tb): (&[f64; 4], &CuttingCondition, &[f64]),
+) -> f64 {
+    let dot: f64 = za.iter().zip(zb).map(|(a, b)| a * b).sum();
+    let own = if ca == cb { 1.0 } else { 0.0 };
+    let level = LEVEL.powi(2) + SLOPE.powi(2) * dot + (factor * OWN).powi(2) * own;
+    let along: f64 = changes.iter().zip(ta.iter().zip(tb)).map(|(s, (a, b))| s * s * a * b).sum();
+    let shape = 1.0 + CHANGE_SLOPE.powi(2) * dot + CHANGE_OWN.powi(2) * own;
+    let product: f64 = ta.iter().zip(tb).map(|(a, b)| a * b).sum();
+    level + along * shape + (CURVATURE * product).powi(2)
+}
+
+/// Logarithms of all channels over cuts and constants, learnt from runs.
+///
+/// ```text
+/// ln y(c, t) = ln y_0(c, t) + d(c, t),   d ~ GP(0, K)
+/// K = s_0^2 + s_z^2 z.z' + s_c^2 [c = c'] + sum_k s_k^2 t_k t_k' (1 + s_1^2 z.z' + s_2^2 [c = c']) + s_q^2 (t.t')^2
+/// ```
+///
+/// y_0 is the quick model, t the constants in standard deviations of their priors, z the place of the cut. The change with a constant may be
+/// wrong by 40 % of what y_0 has on average over the cuts. A run has the variance of its own mean and a scatter beside it.
+pub struct Emulator<'m> {
+    model: &'m dyn PriorModel,
+    places: Places,
+    channels: Vec<Option<ChannelEmulator>>,
+    /// Where y_0 has no answer.
+    fallback: Channels<f64>,
+}
+
+impl<'m> Emulator<'m> {
+    /// Learns from `runs`.
+    #[must_use]
+    pub fn new(model: &'m dyn PriorModel, places: &Places, runs: &[(RunPoint, CutValues)]) -> Self {
+        let fallback = Channel::RECORDED.map(|channel| {
+            let known = runs.iter().filter_map(|(_, values)| values[channel.index()]);
+            let logs: Vec<f64> = known.map(|(log, _)| log).collect();
+            logs.iter().sum::<f64>() / logs.len().max(1) as f64
+        });
+        let mut found = Self { model, places: places.clone(), channels: Vec::new(), fallback };
+        found.channels = Channel::RECORDED.iter().map(|c| found.learn(c.index(), runs)).collect();
+        found
+    }
+
+    /// Whether runs have told anything of a channel.
+    #[must_use]
+    pub fn knows(&self, channel: Channel) -> bool {
+        self.channels[channel.index()].is_some()
+    }
+
+    fn quick(&self, channel: usize, condition: &CuttingCondition, t: &[f64]) -> f64 {
+        let log = self.model.logs(condition, t)[channel];
+        if log.is_finite() { log } else { self.fallback[channel] }
+    }
+
+    fn learn(&self, channel: usize, runs: &[(RunPoint, CutValues)]) -> Option<ChannelEmulator> {
+        let known: Vec<(&RunPoint, f64, f64)> = runs
+            .iter()
+            .filter_map(|(point, values)| {
+                values[channel].map(|(log, variance)| (point, log, variance))
+            })
+            .collect();
+        let first = known.first()?;
+        let constants = first.0.t.len();
+        let changes: Vec<f64> = (0..constants)
+            .map(|k| {
+                let slope = |point: &RunPoint| {
+                    let mut moved = point.t.clone();
+                    moved[k] += STEP;
+                    let high = self.quick(channel, &point.condition, &moved);
+                    (high - self.quick(channel, &point.condition, &point.t)) / STEP
+                };
+                let squares: f64 = known.iter().map(|(point, _, _)| slope(point).powi(2)).sum();
+                SHARE * (squares / known.len() as f64).sqrt() + LEAST_CHANGE
+            })
+            .collect();
+        let places: Vec<([f64; 4], CuttingCondition, Vec<f64>)> = known
+            .iter()
+            .map(|(point, _, _)| {
+                (self.places.at(&point.condition), point.condition, point.t.clone())
+            })
+            .collect();
+        let errors = DVector::from_iterator(
+            known.len(),
+            known.iter().map(|(p, log, _)| log - self.quick(channel, &p.condition, &p.t)),
+        );
+        let of = |factor: f64, scatter: f64| {
+            let covariance = DMatrix::from_fn(known.len(), known.len(), |i, j| {
+                let (a, b) = (&places[i], &places[j]);
+                let noise = known[i].2 + (scatter * SCATTER[channel]).powi(2);
+                kernel((&changes, factor), (&a.0, &a.1, &a.2), (&b.0, &b.1, &b.2))
+                    + if i == j { noise } else { 0.0 }
+            });
+            let known = covariance.cholesky()?;
+            let weights = known.solve(&errors);
+            let spread: f64 = known.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
+            let evidence = -0.5 * (errors.dot(&weights) + spread);
+            let (runs, changes) = (places.clone(), changes.clone());
+            Some(ChannelEmulator { runs, changes, factor, known, weights, evidence })
+        };
+        let pairs = FACTORS.iter().flat_map(|&a| FACTORS.iter().map(move |&b| (a, b)));
+        pairs.filter_map(|(a, b)| of(a, b)).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+    }
+
+    fn toward(
+        &self,
+        own: &ChannelEmulator,
+        condition: &CuttingCondition,
+        t: &[f64],
+    ) -> DVector<f64> {
+        let place = self.places.at(condition);
+        let all = own
+            .runs
+            .iter()
+            .map(|(z, c, s)| kernel((&own.changes, own.factor), (z, c, s), (&place, condition, t)));
+        DVector::from_iterator(own.runs.len(), all)
+    }
+
+    /// ln y of a channel.
+    #[must_use]
+    pub fn log(&self, channel: Channel, condition: &CuttingCondition, t: &[f64]) -> f64 {
+        let quick = self.quick(channel.index(), condition, t);
+        let Some(own) = &self.channels[channel.index()] else { return quick };
+        quick + self.toward(own, condition, t).dot(&own.weights)
+    }
+
+    /// Covariance of ln y of a channel at some cuts, all with the same constants: what the runs leave open.
+    #[must_use]
+    pub fn covariance(
+        &self,
+        channel: Channel,
+        cuts: &[&CuttingCondition],
+        t: &[f64],
+    ) -> DMatrix<f64> {
+        let Some(own) = &self.channels[channel.index()] else {
+            return DMatrix::zeros(cuts.len(), cuts.len());
+        };
+        let columns: Vec<DVector<f64>> = cuts.iter().map(|cut| self.toward(own, cut, t)).collect();
+        let toward = DMatrix::from_columns(&columns);
+        let told = toward.tr_mul(&own.known.solve(&toward));
+        let places: Vec<[f64; 4]> = cuts.iter().map(|cut| self.places.at(cut)).collect();
+        DMatrix::from_fn(cuts.len(), cuts.len(), |i, j| {
+            let (a, b) = ((&places[i], cuts[i], t), (&places[j], cuts[j], t));
+            kernel((&own.changes, own.factor), a, b) - told[(i, j)]
+        })
+    }
+
+    /// d ln y / d t.
+    #[must_use]
+    pub fn slopes(&self, channel: Channel, condition: &CuttingCondition, t: &[f64]) -> Vec<f64> {
+        let at = |k: usize, step: f64| {
+            let mut moved = t.to_vec();
+            moved[k] += step;
+            self.log(channel, condition, &moved)
+        };
+        (0..t.len()).map(|k| (at(k, STEP) - at(k, -STEP)) / (2.0 * STEP)).collect()
+    }
+
+    /// Where the cuts lie.
+    #[must_use]
+    pub fn places(&self) -> &Places {
+        &self.places
+    }
+}

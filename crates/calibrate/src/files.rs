@@ -1,0 +1,164 @@
+//! Files of a calibration.
+
+use crate::constants::PublishedSet;
+use crate::posterior::AMPLITUDES;
+use crate::session::{ComparedValue, CutCalibration};
+use crate::words::{NORMAL_95, standings};
+use serde_json::{Value, json};
+use sphcut_physics::{Channel, CuttingCondition};
+use sphcut_scenario::{KeyPath, Scenario, shipped_materials};
+use std::path::Path;
+use toml::Table;
+
+/// Where a calibration comes from.
+#[derive(Debug, Clone, Copy)]
+pub struct CalibrationSource<'a> {
+    /// Title of the scenario.
+    pub title: &'a str,
+    /// Version of the program.
+    pub version: &'a str,
+    /// Name of the measured table.
+    pub measured: &'a str,
+    /// What computed the cuts.
+    pub model: &'a str,
+    /// The published sets behind the priors.
+    pub sets: &'a [PublishedSet],
+}
+
+fn condition_json(condition: &CuttingCondition) -> Value {
+    json!({
+        "cutting_speed": condition.cutting_speed,
+        "uncut_chip_thickness": condition.uncut_chip_thickness,
+        "rake_angle": condition.tool.rake_angle,
+        "edge_radius": condition.tool.edge_radius,
+    })
+}
+
+fn value_json(found: &CutCalibration, compared: &ComparedValue) -> Value {
+    let cut = found.cut(&compared.value);
+    let half = NORMAL_95 * compared.after.1;
+    let after = compared.after.0;
+    json!({
+        "lines": cut.lines,
+        "condition": condition_json(&cut.condition),
+        "channel": compared.value.channel.symbol(),
+        "measured": compared.value.log.exp(),
+        "measured_deviation": compared.value.log.exp() * compared.value.variance.sqrt(),
+        "before": compared.before.exp(),
+        "after": after.exp(),
+        "after_interval": [(after - half).exp(), (after + half).exp()],
+        "wrong": compared.wrong,
+        "left_out": compared.left_out.map(|f| json!({
+            "predicted": f.log.exp(),
+            "interval": interval(f.log, f.deviation),
+        })),
+    })
+}
+
+fn interval(log: f64, deviation: f64) -> [f64; 2] {
+    [(log - NORMAL_95 * deviation).exp(), (log + NORMAL_95 * deviation).exp()]
+}
+
+/// `calibration.json`, in SI units.
+#[must_use]
+pub fn cut_calibration_json(source: &CalibrationSource<'_>, found: &CutCalibration) -> String {
+    let posterior = &found.posterior;
+    let standing = standings(found);
+    let constants = found.constants.iter().enumerate().map(|(k, constant)| {
+        let (t, half) = (posterior.mean[k], NORMAL_95 * posterior.deviation(k));
+        json!({
+            "key": constant.rule.key,
+            "symbol": constant.rule.symbol,
+            "stated": constant.stated,
+            "prior": { "median": constant.value(0.0), "interval": constant.interval(0.0, NORMAL_95), "sets": constant.sets },
+            "value": constant.value(t),
+            "interval": constant.interval(t, half),
+            "share_of_prior": posterior.deviation(k),
+            "standing": standing[k].word(),
+        })
+    });
+    let runs = found.runs.iter().map(|(point, values)| {
+        let constants = found.constants.iter().zip(&point.t);
+        json!({
+            "condition": condition_json(&point.condition),
+            "constants": constants.map(|(c, t)| (c.rule.symbol.to_owned(), json!(c.value(*t)))).collect::<serde_json::Map<_, _>>(),
+            "values": Channel::RECORDED.iter().zip(values)
+                .filter_map(|(c, v)| v.map(|(log, variance)| (c.symbol().to_owned(), json!([log.exp(), log.exp() * variance.sqrt()]))))
+                .collect::<serde_json::Map<_, _>>(),
+        })
+    });
+    let rows = (0..found.constants.len())
+        .map(|i| posterior.covariance.row(i).iter().copied().collect::<Vec<f64>>());
+    let page = json!({
+        "schema_version": "1.0",
+        "scenario": source.title,
+        "version": source.version,
+        "measured": source.measured,
+        "model": source.model,
+        "published_sets": source.sets.iter().map(|set| json!({
+            "name": set.name, "source": set.source, "values": set.values,
+        })).collect::<Vec<_>>(),
+        "constants": constants.collect::<Vec<_>>(),
+        "covariance_over_priors": rows.collect::<Vec<_>>(),
+        "discrepancy": AMPLITUDES.iter().zip(&posterior.weights)
+            .map(|(amplitude, probability)| json!({ "amplitude": amplitude, "probability": probability })).collect::<Vec<_>>(),
+        "cuts": found.values.iter().map(|v| value_json(found, v)).collect::<Vec<_>>(),
+        "left_out": found.errors.iter().map(|e| json!({
+            "by": e.by, "channel": e.channel.symbol(), "calibrated": e.calibrated, "regression": e.regression,
+            "corrected": e.corrected, "covered": e.covered,
+        })).collect::<Vec<_>>(),
+        "held_out": found.foreseen.iter().map(|(simulated, f)| json!({
+            "condition": condition_json(&found.cut(&f.value).condition),
+            "channel": f.value.channel.symbol(),
+            "measured": f.value.log.exp(),
+            "simulated": simulated.exp(),
+            "predicted": f.log.exp(),
+            "interval": interval(f.log, f.deviation),
+        })).collect::<Vec<_>>(),
+        "runs": runs.collect::<Vec<_>>(),
+    });
+    let mut text =
+        serde_json::to_string_pretty(&page).expect("plain numbers and texts have a JSON form");
+    text.push('\n');
+    text
+}
+
+/// The material of the scenario with the constants found, as a material file: `None` where the scenario writes its material out itself.
+#[must_use]
+pub fn material_file(
+    (scenario, path): (&Scenario, &Path),
+    source: &CalibrationSource<'_>,
+    found: &CutCalibration,
+) -> Option<String> {
+    let table: Table = scenario.text.parse().ok()?;
+    let name = table.get("workpiece")?.as_table()?.get("material")?.as_str()?;
+    let mut text = match shipped_materials().iter().find(|(own, _)| *own == name) {
+        Some((_, text)) => (*text).to_owned(),
+        None => std::fs::read_to_string(path.parent()?.join(name)).ok()?,
+    };
+    let mut write = |key: &str, literal: &str| {
+        text = KeyPath::parse(key).ok()?.written(&text, literal).ok()?;
+        Some(())
+    };
+    for (k, constant) in found.constants.iter().enumerate() {
+        let value = constant.value(found.posterior.mean[k]);
+        let literal = match constant.rule.key {
+            "initial_yield" | "hardening_modulus" => format!("\"{:.2} MPa\"", value * 1e-6),
+            "hardening_exponent" | "rate_coefficient" | "softening_exponent" => {
+                format!("{value:.5}")
+            }
+            _ => continue,
+        };
+        write(&format!("flow_stress.{}", constant.rule.key), &literal)?;
+    }
+    let origin = format!(
+        "sphcut {} calibrate, from `{}` by {}, begun with `{name}`",
+        source.version, source.measured, source.model
+    );
+    write(
+        "title",
+        &format!("{:?}", format!("{} calibrated to cuts", scenario.setup.materials[0].name)),
+    )?;
+    write("sources.flow_stress", &format!("{origin:?}"))?;
+    Some(text)
+}

@@ -1,0 +1,272 @@
+//! What a calibration says, in sentences.
+
+use crate::session::{CutCalibration, LeftOutErrors};
+use sphcut_physics::Channel;
+
+/// Standard deviation over that of the prior below which a constant is determined, and above which it keeps its prior.
+const DETERMINED: f64 = 0.5;
+const OPEN: f64 = 0.85;
+/// A share of a direction below which a constant is not named in it.
+const NAMED: f64 = 0.35;
+/// Correlation from which on two constants are known only together.
+const TOGETHER: f64 = 0.7;
+/// A probability that is said.
+const PROBABLE: f64 = 0.9;
+/// Discrepancies that are asked for.
+const MISSES: [f64; 3] = [0.16, 0.08, 0.04];
+/// Half width of a 95 % interval in standard deviations.
+pub(crate) const NORMAL_95: f64 = 1.96;
+
+/// What the cuts say of a constant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ConstantStanding {
+    /// Half of the prior's interval or less.
+    Determined,
+    /// Narrower than the prior.
+    Narrowed,
+    /// The prior's interval.
+    Prior,
+}
+
+impl ConstantStanding {
+    /// For people and files.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Determined => "determined",
+            Self::Narrowed => "narrowed",
+            Self::Prior => "keeps its prior",
+        }
+    }
+}
+
+/// That of every constant.
+#[must_use]
+pub fn standings(found: &CutCalibration) -> Vec<ConstantStanding> {
+    let of = |k: usize| match found.posterior.deviation(k) {
+        deviation if deviation < DETERMINED => ConstantStanding::Determined,
+        deviation if deviation < OPEN => ConstantStanding::Narrowed,
+        _ => ConstantStanding::Prior,
+    };
+    (0..found.constants.len()).map(of).collect()
+}
+
+/// A number to three digits.
+pub(crate) fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// What can be said, the answer first.
+#[must_use]
+pub fn cut_calibration_words(found: &CutCalibration) -> Vec<String> {
+    let mut words = vec![fit_words(found)];
+    words.extend(left_out_words(found));
+    words.extend(wrong_words(found));
+    words.extend(constant_words(found));
+    words.extend(together_words(found));
+    words.extend(discrepancy_words(found));
+    words
+}
+
+/// What is to be expected before anything is computed.
+#[must_use]
+pub fn expected_words(found: &CutCalibration) -> Vec<String> {
+    let mut words =
+        vec!["Intervals to be expected (95 %), if the solver follows the cuts:".to_owned()];
+    for (k, constant) in found.constants.iter().enumerate() {
+        let (scale, unit) = constant.rule.shown;
+        let range = |t: f64, half: f64| {
+            let [low, high] = constant.interval(t, half).map(|x| short(x * scale));
+            format!("{low} to {high}")
+        };
+        let half = NORMAL_95 * found.posterior.deviation(k);
+        words.push(format!(
+            "  {:<5} before {:<18} after {:<18} {unit}",
+            constant.rule.symbol,
+            range(0.0, NORMAL_95),
+            range(found.posterior.mean[k], half)
+        ));
+    }
+    words.extend(constant_words(found));
+    words
+}
+
+/// Root mean square of the relative errors of a channel before and after.
+#[must_use]
+pub(crate) fn deviations(found: &CutCalibration, channel: Channel) -> Option<[f64; 2]> {
+    let own = || found.values.iter().filter(|v| v.value.channel == channel && !v.wrong);
+    let count = own().count() as f64;
+    (count > 0.0).then(|| {
+        let of = |log: fn(&crate::ComparedValue) -> f64| {
+            (own().map(|v| (log(v) - v.value.log).exp_m1().powi(2)).sum::<f64>() / count).sqrt()
+        };
+        [of(|v| v.before), of(|v| v.after.0)]
+    })
+}
+
+fn fit_words(found: &CutCalibration) -> String {
+    let parts: Vec<String> = Channel::RECORDED
+        .into_iter()
+        .filter_map(|channel| {
+            let [before, after] = deviations(found, channel)?;
+            Some(format!("{} from {} to {}", channel.symbol(), percent(before), percent(after)))
+        })
+        .collect();
+    format!(
+        "Calibrated to {} cuts with {} runs; errors of the simulation (root mean square): {}.",
+        found.cuts.len(),
+        found.runs.len(),
+        parts.join(", ")
+    )
+}
+
+fn left_out_words(found: &CutCalibration) -> Vec<String> {
+    let said = |e: &LeftOutErrors| {
+        let rival =
+            e.regression.map_or_else(String::new, |r| format!(" (regression {})", percent(r)));
+        format!("{} {}{rival}", e.channel.symbol(), percent(e.calibrated))
+    };
+    let by = |by: &str| -> Vec<String> {
+        found.errors.iter().filter(|e| e.by == by).map(said).collect()
+    };
+    let mut words = Vec::new();
+    for (key, what) in [
+        ("cut", "Each cut predicted from the others"),
+        ("speed", "All cuts of a speed predicted from the other speeds"),
+        ("thickness", "All cuts of a thickness predicted from the other thicknesses"),
+        ("rake", "All cuts of a rake predicted from the other rakes"),
+    ] {
+        let parts = by(key);
+        if !parts.is_empty() {
+            words.push(format!("{what}, mean absolute error: {}.", parts.join(", ")));
+        }
+    }
+    for channel in Channel::RECORDED {
+        let own: Vec<_> =
+            found.foreseen.iter().filter(|(_, f)| f.value.channel == channel).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let count = own.len() as f64;
+        let mean = |error: &dyn Fn(&(f64, crate::Foreseen)) -> f64| {
+            own.iter().map(|one| error(one).abs()).sum::<f64>() / count
+        };
+        let inside = own.iter().filter(|(_, f)| f.score().abs() < NORMAL_95).count();
+        words.push(format!(
+            "{} cuts held out, {}: simulated to {}, predicted to {} (mean absolute), {inside} of {} within 95 % intervals.",
+            found.held_out.len(),
+            channel.symbol(),
+            percent(mean(&|(log, f)| (log - f.value.log).exp_m1())),
+            percent(mean(&|(_, f)| f.error())),
+            own.len()
+        ));
+    }
+    words
+}
+
+fn wrong_words(found: &CutCalibration) -> Vec<String> {
+    let all = found.values.iter().filter(|v| v.wrong);
+    all.map(|v| {
+        let cut = found.cut(&v.value);
+        let lines: Vec<String> = cut.lines.iter().map(ToString::to_string).collect();
+        format!(
+            "{} of line {} ({}) is {:+.0} % of what the other cuts lead to expect: left out of the fit. Check it.",
+            v.value.channel.symbol(),
+            lines.join(", "),
+            cut.name(),
+            100.0 * (v.value.log - v.after.0).exp_m1()
+        )
+    })
+    .collect()
+}
+
+fn constant_words(found: &CutCalibration) -> Vec<String> {
+    let standing = standings(found);
+    let named = |wanted: ConstantStanding| {
+        let all = found.constants.iter().zip(&standing).filter(|(_, s)| **s == wanted);
+        all.map(|(c, _)| c.rule.symbol).collect::<Vec<&str>>().join(", ")
+    };
+    let mut words = Vec::new();
+    let determined = named(ConstantStanding::Determined);
+    if determined.is_empty() {
+        words.push("No constant is determined alone: its interval is more than half of what it was before.".to_owned());
+    } else {
+        words.push(format!("These cuts determine {determined}."));
+    }
+    let open = named(ConstantStanding::Prior);
+    if !open.is_empty() {
+        words.push(format!(
+            "{open}: not identifiable from these cuts; prior and interval are those of the published sets."
+        ));
+    }
+    words
+}
+
+/// Constants that are known together and not alone, from the directions of the posterior: those whose variance fell most.
+fn together_words(found: &CutCalibration) -> Vec<String> {
+    let covariance = &found.posterior.covariance;
+    let count = found.constants.len();
+    let mut words = Vec::new();
+    for i in 0..count {
+        for j in 0..i {
+            let correlation = covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+            if correlation.abs() > TOGETHER {
+                let [a, b] = [j, i].map(|k| found.constants[k].rule.symbol);
+                let how = if correlation < 0.0 { "less" } else { "more" };
+                words.push(format!(
+                    "{a} and {b} only together: with more {a} the cuts want {how} {b}."
+                ));
+            }
+        }
+    }
+    let eigen = covariance.clone().symmetric_eigen();
+    let Some(best) =
+        (0..count).min_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]))
+    else {
+        return words;
+    };
+    let direction = eigen.eigenvectors.column(best);
+    let mut parts: Vec<(usize, f64)> =
+        (0..count).map(|k| (k, direction[k])).filter(|(_, x)| x.abs() > NAMED).collect();
+    parts.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    if parts.len() > 1 {
+        let lead = parts[0].1.signum();
+        let names: Vec<String> = parts
+            .iter()
+            .map(|(k, x)| {
+                let word = if x * lead > 0.0 { "more" } else { "less" };
+                format!("{word} {}", found.constants[*k].rule.symbol)
+            })
+            .collect();
+        words.push(format!(
+            "Known best is their combination {}: to {:.0} % of what its prior left.",
+            names.join(" with "),
+            100.0 * eigen.eigenvalues[best].max(0.0).sqrt()
+        ));
+    }
+    words
+}
+
+fn discrepancy_words(found: &CutCalibration) -> Vec<String> {
+    let posterior = &found.posterior;
+    if let Some(amplitude) = MISSES.into_iter().find(|a| posterior.misses(*a) > PROBABLE) {
+        return vec![format!(
+            "No constants follow these cuts: the model misses F_c by about {:.0} % beside all noise (probability {:.0} %). The intervals hold that; \
+             `sphcut diagnose` looks for the missing physics.",
+            100.0 * posterior.amplitude().max(amplitude),
+            100.0 * posterior.misses(amplitude)
+        )];
+    }
+    vec![format!(
+        "A discrepancy of the model of {} of F_c is in the intervals (root mean square over its probabilities).",
+        percent(posterior.amplitude())
+    )]
+}

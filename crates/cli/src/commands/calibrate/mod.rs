@@ -1,0 +1,244 @@
+//! `sphcut calibrate`: constants of flow stress and friction from measured cuts.
+
+mod runs;
+
+use crate::common_arguments::PatchableArguments;
+use crate::failure::{ExitCode, Failure};
+use crate::{files, loading, terminal};
+use clap::{Args, ValueEnum};
+use runs::{ParticleRuns, Stopped};
+use sphcut_calibrate::{
+    CalibrationRequest, CalibrationSource, ClosedCut, CutCalibration, FreeConstant, MeasuredCut,
+    PublishedSet, QuickEvaluator, calibrate as fit, cut_calibration_json, cut_calibration_words,
+    expected, expected_words, free_constants, material_file, measured_cuts, mistakes,
+    published_sets,
+};
+use sphcut_diagnose::{Change, DiagnoseError, closed_form_cut, scenario_patch};
+use sphcut_input::{CutTableRow, read_cut_table};
+use sphcut_report::{CutCalibrationPage, render_cut_calibration};
+use sphcut_scenario::Scenario;
+use std::convert::Infallible;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+const HELP: &str = "\
+Examples:
+  sphcut calibrate cut.toml --measured cuts.csv --out twin --dry-run     runs, minutes, intervals to be expected
+  sphcut calibrate cut.toml --measured cuts.csv --out twin
+  sphcut calibrate cut.toml --measured cuts.csv --out twin --fit A,C,m,mu --held-out others.csv
+  sphcut calibrate cut.toml --measured cuts.csv --out first --model closed-form   a first answer in seconds
+  sphcut run cut.toml --patch twin/scenario.patch.toml
+
+The table has v_c [m/min], h [mm] and any of F_c, F_f [N], chip_thickness, contact_length [mm], T_interface [degC]; F_c_sd
+and so on with n, b [mm], rake [deg] and edge_radius [um] where they are known.
+
+What appears in the output folder:
+  calibration.html      one page: before and after of every cut, constants with intervals, errors of cuts left out
+  calibration.json      the same as numbers, with every run
+  scenario.patch.toml   for `sphcut run SCENARIO --patch`
+  material.toml         the material with the constants found
+  runs/                 the runs of the particle solver: a store, and a sweep with table and page for each round
+
+Ctrl-C writes checkpoints; the same command goes on. Runs that are in the store already are not computed again.
+
+See docs/howto/calibrate.md.";
+
+/// What computes the cuts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CutModel {
+    /// The particle solver.
+    Particles,
+    /// The closed form: seconds, and right in trends only.
+    ClosedForm,
+}
+
+/// Arguments of `calibrate`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub struct CutCalibrationArguments {
+    /// The scenario: one cut with the material, tool and friction to begin with.
+    #[command(flatten)]
+    scene: PatchableArguments,
+    /// Table of measured cuts.
+    #[arg(long, value_name = "FILE")]
+    measured: PathBuf,
+    /// Output folder [default: out/NAME_calibrate, NAME being that of the scenario].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Constants to be fitted: of A, B, n, C, m, mu, m_s, r_n [default: A,B,n,C,m,mu].
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    fit: Vec<String>,
+    /// Table of measured cuts that are predicted and not fitted.
+    #[arg(long, value_name = "FILE")]
+    held_out: Option<PathBuf>,
+    /// What computes the cuts.
+    #[arg(long, value_enum, default_value = "particles")]
+    model: CutModel,
+    /// Noise of a value without a standard deviation of its own, in % [default: 3 of forces, 5 of the chip thickness, 10 of the contact length].
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    noise: Option<f64>,
+    /// Published sets whose names begin so give the priors [default: those of the scenario's material].
+    #[arg(long, value_name = "NAME")]
+    published: Option<String>,
+    /// How far each run goes, in uncut chip thicknesses.
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = travel)]
+    travel: f64,
+    /// Most rounds of runs at the optimum.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    refreshes: usize,
+    /// Folder that keeps the runs, also for other calibrations [default: DIR/runs/store].
+    #[arg(long, value_name = "DIR", conflicts_with = "model")]
+    store: Option<PathBuf>,
+    /// Say how many runs it takes, how long, and which intervals to expect; compute nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Threads [default: all].
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Replace an existing result.
+    #[arg(long)]
+    force: bool,
+}
+
+impl CutCalibrationArguments {
+    /// Output folder.
+    fn folder(&self) -> PathBuf {
+        files::out(self.out.as_deref(), &self.scene.file.scenario, "_calibrate")
+    }
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|x: &f64| *x > 0.0 && *x < 100.0);
+    value.map(|x| x / 100.0).ok_or_else(|| "a number of per cent above 0 is needed".to_owned())
+}
+
+fn travel(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|x: &f64| (5.0..=1e4).contains(x));
+    value.ok_or_else(|| "a number of thicknesses from 5 on is needed".to_owned())
+}
+
+const FILES: [&str; 4] =
+    ["calibration.html", "calibration.json", "scenario.patch.toml", "material.toml"];
+
+/// All that is read before anything is computed.
+struct CalibrationInput {
+    scenario: Scenario,
+    sets: Vec<PublishedSet>,
+    constants: Vec<FreeConstant>,
+    cuts: Vec<MeasuredCut>,
+    held_out: Vec<MeasuredCut>,
+    quick: ClosedCut,
+}
+
+/// Calibrates and writes page, numbers, patch and material.
+pub fn calibrate(arguments: &CutCalibrationArguments) -> Result<ExitCode, Failure> {
+    let out = &arguments.folder();
+    if !arguments.dry_run {
+        files::unless_there(FILES.map(|name| out.join(name)), arguments.force)?;
+    }
+    let input = read(arguments)?;
+    let request = CalibrationRequest {
+        constants: &input.constants,
+        cuts: &input.cuts,
+        held_out: &input.held_out,
+        model: &input.quick,
+        refreshes: arguments.refreshes,
+    };
+    let runs = ParticleRuns::new(arguments, &input.scenario, &input.constants);
+    if arguments.dry_run {
+        let foreseen = expected(&request)
+            .ok_or_else(|| Failure::input("the closed form has no answer at these cuts"))?;
+        let mut page = expected_words(&foreseen).join("\n");
+        if arguments.model == CutModel::Particles {
+            let points: Vec<_> = foreseen.runs.iter().map(|(point, _)| point.clone()).collect();
+            page = format!("{}\n{page}", runs?.cost(&points)?);
+        }
+        return terminal::answer(&format!(
+            "{page}\nnext               the same command without --dry-run\n"
+        ));
+    }
+    let (found, model) = match arguments.model {
+        CutModel::Particles => match fit(&request, &mut runs?) {
+            Ok(found) => (found, "the particle solver"),
+            Err(Stopped::Interrupted) => {
+                terminal::note("interrupted: checkpoints are written; the same command goes on");
+                return Ok(ExitCode::Interrupted);
+            }
+            Err(Stopped::Failed(failure)) => return Err(*failure),
+        },
+        CutModel::ClosedForm => {
+            let Ok(found): Result<_, Infallible> = fit(&request, &mut QuickEvaluator(&input.quick));
+            (found, "the closed form")
+        }
+    };
+    let nothing = || Failure::input("nothing that was measured was simulated: see the runs");
+    write(arguments, &input, &found.ok_or_else(nothing)?, model)
+}
+
+fn read(arguments: &CutCalibrationArguments) -> Result<CalibrationInput, Failure> {
+    let scenario = loading::scenario(&arguments.scene)?;
+    let path = &arguments.scene.file.scenario;
+    let options = loading::options(&arguments.scene.file);
+    let sets = published_sets((&scenario, path), arguments.published.as_deref(), &options);
+    if let (Some(family), true) = (&arguments.published, sets.is_empty()) {
+        let message = format!(
+            "no material of the library with the law of the scenario begins with `{family}`"
+        );
+        return Err(Failure::input(message).advise("`sphcut catalogue materials` lists them"));
+    }
+    let constants = free_constants(&scenario, &arguments.fit, &sets)
+        .map_err(|error| Failure::input(error.to_string()))?;
+    let refused = |error: DiagnoseError| Failure::input(error.to_string());
+    let width = closed_form_cut(&scenario).map_err(refused)?.width_of_cut;
+    let of = |path: &Path| -> Result<Vec<MeasuredCut>, Failure> {
+        Ok(measured_cuts(&table(path)?, width, arguments.noise))
+    };
+    let cuts = of(&arguments.measured)?;
+    let held_out = arguments.held_out.as_deref().map(of).transpose()?.unwrap_or_default();
+    let quick = ClosedCut::new(&scenario, &constants).map_err(refused)?;
+    let stated: Vec<f64> = constants.iter().map(|c| c.coordinate(c.stated)).collect();
+    let wrong = mistakes(&cuts, &quick, &stated);
+    if !wrong.is_empty() {
+        let message = format!("`{}`: {}", arguments.measured.display(), wrong.join("; "));
+        return Err(Failure::input(message).advise("correct it, or leave the cell empty"));
+    }
+    Ok(CalibrationInput { scenario, sets, constants, cuts, held_out, quick })
+}
+
+fn table(path: &Path) -> Result<Vec<CutTableRow>, Failure> {
+    read_cut_table(&files::read(path)?)
+        .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))
+}
+
+fn write(
+    arguments: &CutCalibrationArguments,
+    input: &CalibrationInput,
+    found: &CutCalibration,
+    model: &str,
+) -> Result<ExitCode, Failure> {
+    let source = CalibrationSource {
+        title: &input.scenario.title,
+        version: env!("CARGO_PKG_VERSION"),
+        measured: &arguments.measured.display().to_string(),
+        model,
+        sets: &input.sets,
+    };
+    let change = Change { nuisances: found.changes(), ..Change::default() };
+    let patch = scenario_patch(&input.scenario, &change)
+        .map_err(|error| Failure::input(error.to_string()))?;
+    let patch = format!(
+        "# Constants calibrated to `{}` by {model}: see calibration.html beside this file.\n\
+         # `sphcut run SCENARIO --patch FILE` (also check, sweep) sets the keys under [scenario].\n{patch}",
+        source.measured
+    );
+    let page = render_cut_calibration(&CutCalibrationPage { source, found });
+    let mut texts = vec![page, cut_calibration_json(&source, found), patch];
+    texts.extend(material_file((&input.scenario, &arguments.scene.file.scenario), &source, found));
+    let out = &arguments.folder();
+    files::save_all(out, &FILES[..texts.len()], &texts)?;
+    cut_calibration_words(found).iter().for_each(|words| terminal::line(words));
+    let (base, patch) = (arguments.scene.file.scenario.display(), out.join(FILES[2]));
+    let next = format!("`sphcut run {base} --patch {}` cuts with the constants", patch.display());
+    terminal::report(&out.join(FILES[0]), &next);
+    Ok(ExitCode::Done)
+}

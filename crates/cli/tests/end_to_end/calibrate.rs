@@ -1,0 +1,125 @@
+//! `sphcut calibrate` from the outside.
+
+use crate::common::{TINY, Workshop};
+use serde_json::Value;
+
+const CUTS: &str = "\
+v_c [m/min],h [mm],F_c [N],F_f [N]
+100,0.08,700,380
+100,0.12,930,450
+150,0.1,800,400
+200,0.08,670,360
+200,0.12,900,420
+";
+
+fn windowed() -> String {
+    TINY.replace("[resolution]", "[window]\n\n[resolution]").replace("0.8 mm", "2.5 mm")
+}
+
+fn numbers(shop: &Workshop, folder: &str) -> Value {
+    serde_json::from_str(&shop.read(&format!("{folder}/calibration.json"))).unwrap()
+}
+
+#[test]
+fn the_closed_form_answers_at_once_and_its_patch_and_material_run() {
+    let shop = Workshop::new("calibrate_closed_form");
+    shop.write("cut.toml", &windowed());
+    shop.write("cuts.csv", CUTS);
+    let command = [
+        "calibrate",
+        "cut.toml",
+        "--measured",
+        "cuts.csv",
+        "--out",
+        "twin",
+        "--model",
+        "closed-form",
+    ];
+    let ended = shop.sphcut(&command).expect_code(0);
+    assert!(ended.out.contains("Calibrated to 5 cuts"), "{}", ended.out);
+    let found = numbers(&shop, "twin");
+    assert_eq!(found["constants"].as_array().unwrap().len(), 6);
+    // The two published sets of the steel: Jaspers' and that of the scenario, each once.
+    assert_eq!(found["published_sets"].as_array().unwrap().len(), 2);
+    for constant in found["constants"].as_array().unwrap() {
+        let [low, high] = [0, 1].map(|k| constant["interval"][k].as_f64().unwrap());
+        let value = constant["value"].as_f64().unwrap();
+        assert!(low < value && value < high, "{constant}");
+    }
+    let page = shop.read("twin/calibration.html");
+    for text in ["What these figures say", "Published sets", "Cuts left out", "Before and after"] {
+        assert!(page.contains(text), "{text}");
+    }
+    let patched = ["check", "cut.toml", "--patch", "twin/scenario.patch.toml", "--no-measure"];
+    shop.sphcut(&patched).expect_code(0);
+    shop.write("material.toml", &shop.read("twin/material.toml"));
+    shop.write("other.toml", &TINY.replace("\"aisi1045_table5\"", "\"material.toml\""));
+    shop.sphcut(&["check", "other.toml", "--no-measure"]).expect_code(0);
+    shop.sphcut(&command).expect_code(2).expect_err("--force");
+    let last = ended.out.lines().last().unwrap_or_default();
+    assert!(last.starts_with("next  ") && last.contains("--patch twin/scenario"), "{last}");
+    let dry = [&command[..], &["--dry-run"]].concat();
+    let said = shop.sphcut(&dry).expect_code(0).out;
+    assert!(said.contains("Intervals to be expected"), "{said}");
+}
+
+#[test]
+fn mistakes_of_single_cuts_are_told_before_anything_runs() {
+    let shop = Workshop::new("calibrate_wrong");
+    shop.write("cut.toml", &windowed());
+    let run = |table: &str, more: &[&str]| {
+        shop.write("cuts.csv", table);
+        let command = ["calibrate", "cut.toml", "--measured", "cuts.csv", "--out", "twin"];
+        shop.sphcut(&[&command[..], more].concat())
+    };
+    run(&CUTS.replace("800,400", "0.8,400"), &[]).expect_code(2).expect_err(
+        "line 3 of the table (150 m/min, 0.1 mm): F_c is about a thousand times too small",
+    );
+    run(CUTS, &["--fit", "A,x"]).expect_code(2).expect_err("`x` is no constant");
+    run(CUTS, &["--published", "steel"]).expect_code(2).expect_err("begins with `steel`");
+    run(&CUTS.replace("F_c [N]", "F_c"), &[]).expect_code(2).expect_err("the unit is missing");
+}
+
+/// Three runs, four that move mu, two at the optimum; a second time none of them is computed.
+#[test]
+fn a_friction_coefficient_is_found_with_particle_runs() {
+    let shop = Workshop::new("calibrate_particles");
+    shop.write("cut.toml", &windowed());
+    let truth = windowed().replace("friction_coefficient = 0.25", "friction_coefficient = 0.5");
+    shop.write("truth.toml", &truth);
+    // Cuts of the solver itself, with more friction than the scenario has.
+    shop.write("cuts.csv", "v_c [m/min],h [mm],F_c [N],F_f [N]\n150,0.1,1,1\n");
+    let sweep = "title = \"t\"\nbase = \"truth.toml\"\n[design]\nkind = \"list\"\n\
+                 [[vary]]\nkey = \"process.cutting_speed\"\nvalues = [\"100 m/min\", \"150 m/min\", \"200 m/min\"]\n\
+                 [[vary]]\nkey = \"stop.travel\"\nvalues = [\"0.8 mm\", \"0.8 mm\", \"0.8 mm\"]\n";
+    shop.write("truth_sweep.toml", sweep);
+    shop.sphcut(&["sweep", "truth_sweep.toml", "--out", "truth", "--quiet", "--threads", "1"])
+        .expect_code(0);
+    shop.write("cuts.csv", &shop.read("truth/simulated.csv"));
+    let command = [
+        "calibrate",
+        "cut.toml",
+        "--measured",
+        "cuts.csv",
+        "--out",
+        "twin",
+        "--fit",
+        "mu",
+        "--travel",
+        "8",
+        "--refreshes",
+        "1",
+        "--threads",
+        "1",
+    ];
+    let dry = shop.sphcut(&[&command[..], &["--dry-run"]].concat()).expect_code(0).out;
+    assert!(dry.contains("9 runs") && dry.contains("processor time"), "{dry}");
+    shop.sphcut(&command).expect_code(0);
+    let found = numbers(&shop, "twin");
+    let mu = &found["constants"][0];
+    let [low, high] = [0, 1].map(|k| mu["interval"][k].as_f64().unwrap());
+    assert!(low < 0.5 && 0.5 < high && low > 0.25, "{mu}");
+    let again = shop.sphcut(&[&command[..], &["--force"]].concat()).expect_code(0);
+    assert!(!again.err.contains("to be computed"), "{}", again.err);
+    assert_eq!(numbers(&shop, "twin"), found);
+}
