@@ -20,7 +20,7 @@ const SHARE: f64 = 0.4;
 const LEAST_CHANGE: f64 = 0.015;
 /// How much of that differs with the place of the cut, and from cut to cut.
 const CHANGE_SLOPE: f64 = 0.5;
-const CHANGE_OWN: f64 = 0.2;
+const CHANGE_OWN: f64 = 0.3;
 /// The curvature that the quick model lacks.
 const CURVATURE: f64 = 0.01;
 /// Scatter of the logarithm of a run that its interval does not show, by [`Channel::RECORDED`].

@@ -83,7 +83,8 @@ pub fn foresee(
     let mut values = crate::posterior::values(cuts, emulator);
     values.sort_by_key(|v| v.cut >= fitted);
     let known = values.iter().filter(|v| v.cut < fitted).count();
-    let law = LinearLaw::about(posterior.mean.as_slice(), cuts, &values, emulator);
+    let around = posterior.around();
+    let law = LinearLaw::about((posterior.mean.as_slice(), &around), cuts, &values, emulator);
     let groups = [(known..values.len()).collect::<Vec<usize>>()];
     if groups[0].is_empty() {
         return Some(Vec::new());

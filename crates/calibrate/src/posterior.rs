@@ -12,9 +12,11 @@ pub const AMPLITUDES: [f64; 7] = [0.0, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
 pub(crate) const PRIOR: [f64; 7] = [0.3, 0.2, 0.15, 0.15, 0.1, 0.06, 0.04];
 /// The discrepancy of each channel over that of F_c, by [`Channel::RECORDED`]: what models of cutting miss of them.
 const TIMES: Channels<f64> = [1.0, 2.0, 2.0, 1.0, 1.5, 3.0, 3.0];
-/// Shares of its variance: the same at all cuts, smooth over them, of each cut its own.
+/// Shares of its variance at the middle and the ends of the cuts: the same at all, straight over their places, smooth, of each cut its own.
 const CONSTANT: f64 = 0.25;
-const SMOOTH: f64 = 0.5;
+const STRAIGHT: f64 = 0.25;
+const SMOOTH: f64 = 0.25;
+const OWN: f64 = 0.25;
 /// Correlation length in half spreads of the cuts.
 const LENGTH: f64 = 1.0;
 /// Steps of the search, and the change of all coordinates that ends it.
@@ -66,10 +68,10 @@ pub struct LinearLaw {
 }
 
 impl LinearLaw {
-    /// About `t`.
+    /// About `t`; what the runs leave open is the mean over `around`, where the constants may be.
     #[must_use]
     pub fn about(
-        t: &[f64],
+        (t, around): (&[f64], &[DVector<f64>]),
         cuts: &[MeasuredCut],
         values: &[MeasuredValue],
         emulator: &Emulator<'_>,
@@ -89,17 +91,22 @@ impl LinearLaw {
                 continue;
             }
             let conditions: Vec<_> = own.iter().map(|&k| of(&values[k])).collect();
-            let open = emulator.covariance(channel, &conditions, t);
+            let mut open = DMatrix::zeros(own.len(), own.len());
+            for place in around {
+                let there = emulator.covariance(channel, &conditions, place.as_slice());
+                open += there / around.len() as f64;
+            }
             let places: Vec<[f64; 4]> =
                 conditions.iter().map(|c| emulator.places().at(c)).collect();
             for (a, &i) in own.iter().enumerate() {
                 for (b, &j) in own.iter().enumerate() {
                     known[(i, j)] += open[(a, b)];
                     let apart: f64 = (0..4).map(|k| (places[a][k] - places[b][k]).powi(2)).sum();
+                    let along: f64 = (0..4).map(|k| places[a][k] * places[b][k]).sum();
                     let same = if values[i].cut == values[j].cut { 1.0 } else { 0.0 };
                     let smooth = (-0.5 * apart / (LENGTH * LENGTH)).exp();
                     unit[(i, j)] = TIMES[channel.index()].powi(2)
-                        * (CONSTANT + SMOOTH * smooth + (1.0 - CONSTANT - SMOOTH) * same);
+                        * (CONSTANT + STRAIGHT * along + SMOOTH * smooth + OWN * same);
                 }
             }
         }
@@ -135,6 +142,14 @@ struct Component {
     covariance: DMatrix<f64>,
 }
 
+/// Places whose mean and covariance are these: the mean, more and less by the root of their number along each column of the covariance's factor.
+fn around(mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Vec<DVector<f64>> {
+    let Some(factor) = covariance.clone().cholesky() else { return vec![mean.clone()] };
+    let far = (mean.len() as f64).sqrt();
+    let columns = (0..mean.len()).map(|k| far * factor.l_dirty().lower_triangle().column(k));
+    columns.flat_map(|step| [mean + &step, mean - &step]).collect()
+}
+
 /// What is known of the constants, in standard deviations of their priors.
 #[derive(Debug, Clone)]
 pub struct Posterior {
@@ -158,6 +173,12 @@ impl Posterior {
     pub fn misses(&self, amplitude: f64) -> f64 {
         let all = self.weights.iter().zip(AMPLITUDES);
         all.filter(|(_, a)| *a >= amplitude).map(|(w, _)| w).sum()
+    }
+
+    /// Places with its mean and covariance.
+    #[must_use]
+    pub fn around(&self) -> Vec<DVector<f64>> {
+        around(&self.mean, &self.covariance)
     }
 
     /// Standard deviation of a coordinate.
@@ -212,7 +233,8 @@ fn component(
 ) -> Option<Component> {
     let mut t = DVector::from_column_slice(start);
     let prior = DMatrix::identity(start.len(), start.len());
-    let mut law = LinearLaw::about(t.as_slice(), cuts, values, emulator);
+    let mut places = vec![t.clone()];
+    let mut law = LinearLaw::about((t.as_slice(), &places), cuts, values, emulator);
     let mut known: Cholesky<f64, Dyn> = law.covariance(amplitude).cholesky()?;
     let cost = |t: &DVector<f64>, known: &Cholesky<f64, Dyn>| {
         let of = |v: &MeasuredValue| emulator.log(v.channel, &cuts[v.cut].condition, t.as_slice());
@@ -224,7 +246,7 @@ fn component(
         let weighed = known.solve(&law.slopes);
         let normal = law.slopes.transpose() * &weighed + &prior;
         let gradient = weighed.transpose() * &rest - &t;
-        let step = normal.cholesky()?.solve(&gradient);
+        let step = normal.clone().cholesky()?.solve(&gradient);
         let before = cost(&t, &known);
         let mut share = 1.0;
         let next = loop {
@@ -236,7 +258,9 @@ fn component(
         };
         let moved = (&next - &t).amax();
         t = next;
-        law = LinearLaw::about(t.as_slice(), cuts, values, emulator);
+        // Where the runs are, the emulator knows the cuts, but not how they change: that is open where the constants may be as well.
+        places = around(&t, &normal.try_inverse()?);
+        law = LinearLaw::about((t.as_slice(), &places), cuts, values, emulator);
         known = law.covariance(amplitude).cholesky()?;
         if moved < MOVED {
             break;

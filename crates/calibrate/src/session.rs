@@ -250,7 +250,9 @@ fn fitted(
     let most = if cuts.len() < FEWEST { 0 } else { values.len() / 4 };
     loop {
         let posterior = (!values.is_empty()).then(|| infer(start, cuts, &values, &emulator))??;
-        let law = LinearLaw::about(posterior.mean.as_slice(), cuts, &values, &emulator);
+        let around = posterior.around();
+        let about = (posterior.mean.as_slice(), around.as_slice());
+        let law = LinearLaw::about(about, cuts, &values, &emulator);
         let plain = evidence(&law, &values, None)?;
         let gain = |k: usize| evidence(&law, &values, Some(k)).map(|e| (k, e - plain));
         let best = (0..values.len()).filter_map(gain).max_by(|a, b| a.1.total_cmp(&b.1));
@@ -291,7 +293,7 @@ fn finished(
     let emulator = Emulator::new(model, places, &runs);
     let Fitted { posterior, values, wrong } = found;
     let t = posterior.mean.as_slice();
-    let law = LinearLaw::about(t, cuts, &values, &emulator);
+    let law = LinearLaw::about((t, &posterior.around()), cuts, &values, &emulator);
     let groups: Vec<Vec<usize>> = (0..cuts.len())
         .map(|cut| (0..values.len()).filter(|&k| values[k].cut == cut).collect())
         .filter(|group: &Vec<usize>| !group.is_empty())

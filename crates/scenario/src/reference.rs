@@ -12,7 +12,7 @@ const HEAD: &str = "<!-- Generated from the tables of the program by `cargo xtas
 # Scenario files
 
 A scenario is a TOML file. It is either a **cut** (`[workpiece]`, `[tool]`, `[process]`) or a set of **bodies**
-(`[[body]]`, `[[support]]`, `[[heat_source]]`, `[wall]`). `sphcut check FILE` shows what was understood, in your units and in SI, and
+(`[[body]]`, `[[support]]`, `[[heat_source]]`, `[wall]`). `sphcut check FILE --all` shows what was understood, in your units and in SI, and
 tells all mistakes of a file at once. For completion in an editor: `sphcut schema > scenario.schema.json`, and
 `#:schema scenario.schema.json` as the first line of the scenario. Start from `scenarios/quickstart.toml` for a cut, and
 from `crates/scenario/tests/good/` for bodies.
@@ -117,7 +117,7 @@ fn materials(page: &mut String) {
          values: `override = { density = \"7900 kg/m^3\", flow_stress = { initial_yield = \"350 MPa\" } }`. \
          In files, `[sources]` has an entry for every value.\n\n\
          A property that depends on temperature is a list of pairs, `young_modulus = [[\"20 degC\", \"205 GPa\"], \
-         [\"300 degC\", \"185 GPa\"]]`: linear between them, constant outside. `sphcut check` and the files of a run \
+         [\"300 degC\", \"185 GPa\"]]`: linear between them, constant outside. `sphcut check --all` and the files of a run \
          name its value at 20 degC.\n\n",
     );
     rows(page, sections::material("material").fields.iter());
