@@ -5,8 +5,8 @@
 //!
 //! **Thickness** h_ch: at each particle of the chip's surface a straight line is drawn inwards,
 //! against the surface normal, to where the material ends. The local thickness is the area of
-//! the particles about the line per length along the chip: sum of (1 - d / w) dx^2 / w over the
-//! particles at a distance d < w = 2 dx of it. Counting area and not the distance between the
+//! the particles about the line per length along the chip: sum of (1 - d / w) dx_i^2 / w over the
+//! particles at a distance d < w = 2 dx of it (dx: the largest spacing in the chip). Counting area and not the distance between the
 //! outermost particles needs no assumption on how the flow has rearranged their rows, and leaves
 //! holes out. The chip thickness is the median over the lines: the few that run along the chip
 //! from its free end do not matter, nor does the curl. Lines that leave the chip downwards are
@@ -32,7 +32,7 @@ const ALONG_FLOW: f64 = 0.8;
 /// Distance of a point of a line from every particle beyond which it lies outside the material,
 /// in spacings.
 const REACH: f64 = 1.3;
-/// Half width w of the strip about a line, in spacings.
+/// Half width w of the strip about a line, in the coarsest spacings of the chip.
 const STRIP: f64 = 2.0;
 
 /// The chip in one snapshot.
@@ -75,13 +75,16 @@ pub(crate) fn measure(
     let chip: Vec<usize> =
         (0..cloud.points.len()).filter(|&i| cloud.points[i][1] > floor).collect();
     let flow = |i: usize| relative_velocity(snapshot, cloud.source[i], context);
-    let lines: Vec<f64> =
-        chip.iter().filter_map(|&i| local_thickness(cloud, i, context.surface, flow(i))).collect();
+    let width = STRIP * chip.iter().map(|&i| cloud.spacings[i]).fold(0.0, f64::max);
+    let lines: Vec<f64> = chip
+        .iter()
+        .filter_map(|&i| local_thickness(cloud, (i, width), context.surface, flow(i)))
+        .collect();
     if lines.len() < FEWEST_LINES {
         return None;
     }
     let thickness = median(&lines);
-    let area = chip.len() as f64 * cloud.spacing * cloud.spacing;
+    let area: f64 = chip.iter().map(|&i| cloud.spacings[i].powi(2)).sum();
     if area < LEAST_SLENDERNESS * thickness * thickness {
         return None;
     }
@@ -105,7 +108,7 @@ fn relative_velocity(snapshot: &Snapshot, particle: usize, context: &ChipContext
 /// crosses, and where the line goes below the uncut surface.
 fn local_thickness(
     cloud: &CutParticles,
-    particle: usize,
+    (particle, width): (usize, f64),
     surface: f64,
     flow: PlanePoint,
 ) -> Option<f64> {
@@ -119,11 +122,11 @@ fn local_thickness(
     let at = |length: f64| -> PlanePoint {
         [start[0] - normal[0] * length, start[1] - normal[1] * length]
     };
-    let (mut length, width) = (0.0, STRIP * cloud.spacing);
+    let mut length = 0.0;
     let mut strip: Vec<usize> = Vec::new();
     loop {
         strip.extend(cloud.near(at(length), 1.1 * width));
-        if cloud.near(at(length + step), REACH * cloud.spacing).is_empty() {
+        if !cloud.is_material(at(length + step), REACH) {
             break;
         }
         length += step;
@@ -136,10 +139,9 @@ fn local_thickness(
     let weight = |&i: &usize| {
         let offset = difference(cloud.points[i], start);
         let aside = (offset[0] * normal[1] - offset[1] * normal[0]).abs();
-        (1.0 - aside / width).max(0.0)
+        (1.0 - aside / width).max(0.0) * cloud.spacings[i].powi(2)
     };
-    let area = cloud.spacing * cloud.spacing;
-    Some(strip.iter().map(weight).sum::<f64>() * area / width)
+    Some(strip.iter().map(weight).sum::<f64>() / width)
 }
 
 #[cfg(test)]

@@ -41,7 +41,11 @@ pub(crate) fn difference(a: PlanePoint, b: PlanePoint) -> PlanePoint {
 
 /// The particles that hang together with others, in the frame of the cut.
 pub(crate) struct CutParticles {
+    /// Where it is smallest.
     pub spacing: f64,
+    /// That of each.
+    pub spacings: Vec<f64>,
+    coarsest: f64,
     /// Positions of the particles kept.
     pub points: Vec<PlanePoint>,
     /// How far the material of each reaches towards the tool in m; half a spacing where a record does not tell.
@@ -61,18 +65,24 @@ impl CutParticles {
         let finite: Vec<usize> =
             (0..all.len()).filter(|&i| all[i].iter().all(|x| x.is_finite())).collect();
         let points: Vec<PlanePoint> = finite.iter().map(|&i| all[i]).collect();
-        let sizes = cluster_sizes(&points, spacing);
+        let spacings: Vec<f64> = finite.iter().map(|&i| snapshot.spacing_at(i)).collect();
+        let sizes = cluster_sizes(&points, &spacings);
         let kept: Vec<usize> =
             (0..points.len()).filter(|&i| sizes[i] >= SMALLEST_CLUSTER).collect();
         let source: Vec<usize> = kept.iter().map(|&i| finite[i]).collect();
         let points: Vec<PlanePoint> = kept.iter().map(|&i| points[i]).collect();
+        let spacings: Vec<f64> = kept.iter().map(|&i| spacings[i]).collect();
         let tree = PointTree::new(&points, LINK * spacing);
         let half_thickness = source
             .iter()
-            .map(|&i| snapshot.half_thickness.get(i).copied().unwrap_or(f64::NAN))
-            .map(|half| if half.is_nan() { 0.5 * spacing } else { half })
+            .map(|&i| {
+                let half = snapshot.half_thickness.get(i).copied().filter(|half| !half.is_nan());
+                half.unwrap_or(0.5 * snapshot.spacing_at(i))
+            })
             .collect();
-        Self { spacing, loose: all.len() - points.len(), points, half_thickness, source, tree }
+        let loose = all.len() - points.len();
+        let coarsest = spacings.iter().copied().fold(0.0, f64::max);
+        Self { spacing, spacings, coarsest, loose, points, half_thickness, source, tree }
     }
 
     /// The particles within `radius` of `centre`.
@@ -80,19 +90,30 @@ impl CutParticles {
         self.tree.within(&self.points, centre, radius)
     }
 
+    /// Whether material is at `place`: within `spacings` of a particle, by its own spacing.
+    pub fn is_material(&self, place: PlanePoint, spacings: f64) -> bool {
+        self.near(place, spacings * self.coarsest)
+            .iter()
+            .any(|&i| distance(self.points[i], place) <= spacings * self.spacings[i])
+    }
+
     /// Direction from the material outwards at a particle of the surface; `None` inside.
-    /// The sum of the unit vectors from the neighbours vanishes inside and points outwards at a
+    /// The sum of the unit vectors from the neighbours, each with its area, vanishes inside and points outwards at a
     /// surface; a particle is at the surface where it is at least 0.25 of their number (a
     /// straight edge gives 2 / pi of a half disc of neighbours).
     pub fn outward_normal(&self, particle: usize) -> Option<PlanePoint> {
         let here = self.points[particle];
         let (mut sum, mut count) = ([0.0, 0.0], 0.0);
-        for i in self.near(here, LINK * self.spacing) {
+        let own = self.spacings[particle];
+        for i in self.near(here, 0.5 * LINK * (own + self.coarsest)) {
             let length = distance(self.points[i], here);
-            if i != particle && length > 0.0 {
+            let reach = 0.5 * LINK * (own + self.spacings[i]);
+            if i != particle && length > 0.0 && length <= reach {
                 let offset = difference(here, self.points[i]);
-                sum = [sum[0] + offset[0] / length, sum[1] + offset[1] / length];
-                count += 1.0;
+                let area = (self.spacings[i] / own).powi(2);
+                let share = area / length;
+                sum = [sum[0] + offset[0] * share, sum[1] + offset[1] * share];
+                count += area;
             }
         }
         let length = sum[0].hypot(sum[1]);
@@ -105,8 +126,9 @@ pub(crate) fn distance(a: PlanePoint, b: PlanePoint) -> f64 {
 }
 
 /// For each point the number of points in its cluster.
-fn cluster_sizes(points: &[PlanePoint], spacing: f64) -> Vec<usize> {
-    let tree = PointTree::new(points, LINK * spacing);
+fn cluster_sizes(points: &[PlanePoint], spacings: &[f64]) -> Vec<usize> {
+    let coarsest = LINK * spacings.iter().copied().fold(0.0, f64::max);
+    let tree = PointTree::new(points, coarsest);
     let mut cluster = vec![usize::MAX; points.len()];
     let mut sizes = Vec::new();
     let mut queue = Vec::new();
@@ -119,8 +141,9 @@ fn cluster_sizes(points: &[PlanePoint], spacing: f64) -> Vec<usize> {
         queue.push(start);
         while let Some(member) = queue.pop() {
             size += 1;
-            for i in tree.within(points, points[member], LINK * spacing) {
-                if cluster[i] == usize::MAX {
+            for i in tree.within(points, points[member], coarsest) {
+                let reach = 0.5 * LINK * (spacings[i] + spacings[member]);
+                if cluster[i] == usize::MAX && distance(points[i], points[member]) <= reach {
                     cluster[i] = sizes.len();
                     queue.push(i);
                 }

@@ -70,6 +70,7 @@ pub fn reference() -> String {
     page.push_str("# What both have\n\n");
     for one in [
         sections::resolution(),
+        sections::grading(),
         sections::heat(),
         sections::numerics(),
         sections::contact(),

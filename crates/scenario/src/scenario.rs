@@ -1,6 +1,6 @@
 //! A scenario from its text.
 
-use crate::cut::{self, CutEnd, CutScenario, inertia, passes, window};
+use crate::cut::{self, CutEnd, CutScenario, grading, inertia, passes, window};
 use crate::ending::{Output, ScenarioKind, Stop, read_output, read_stop};
 use crate::material::{Shelf, effects, equation_of_state};
 use crate::sections;
@@ -221,7 +221,9 @@ fn read_cut(
     let (process, resolution, stop, output) = (process?, resolution?, stop?, output?);
     let end = CutEnd { travel: stop.extent, sampling_travel: output.sampling };
     let (passes, plan) = (passes?, plan?);
-    let cut = CutScenario::new(process, workpiece?, tool?, resolution, end, passes, boundaries?);
+    let mut cut =
+        CutScenario::new(process, workpiece?, tool?, resolution, end, passes, boundaries?);
+    cut.resolution.discretisation.grading = grading::grading(findings, root, &cut)?;
     cut.check(findings, root);
     if !findings.problems.is_empty() {
         return None;
@@ -230,7 +232,7 @@ fn read_cut(
     let time = passes.motion(&plan).end_time;
     findings.derived("stop", "time", Quantity::Time, time);
     let dimension = if dimension == 3 { Dimension::Three } else { Dimension::Two };
-    let mut setup = common.setup(dimension, resolution, time)?;
+    let mut setup = common.setup(dimension, cut.resolution, time)?;
     cut.fill(&mut setup);
     setup.window = window?;
     let speed = Some((process.cutting_speed, process.depth));

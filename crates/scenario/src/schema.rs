@@ -63,7 +63,9 @@ fn root_child(field: &Field) -> Option<Value> {
             "velocity_change" => Some(list(leaf(&sections::velocity_change()))),
             _ => tool_child(field),
         }),
-        "resolution" => leaf(&sections::resolution()),
+        "resolution" => whole(&sections::resolution(), |field| {
+            (field.key == "grading").then(|| leaf(&sections::grading()))
+        }),
         "heat" => leaf(&sections::heat()),
         "effects" => whole(&sections::effects(), |field| {
             let effect = effects::find(field.key)?;

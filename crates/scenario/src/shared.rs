@@ -132,6 +132,14 @@ pub(crate) fn resolution(
 ) -> Option<Resolution> {
     let table = root.table("resolution")?;
     let record = reader::read(findings, &root.source, table, &sections::resolution(), 2);
+    if record.is_written("grading") && !has_process {
+        let mistake = Mistake::Contradiction {
+            message: "`grading` follows the tool of a cut, and this scenario has no [process]"
+                .to_owned(),
+            help: "remove it: bodies have one spacing".to_owned(),
+        };
+        findings.problem(&record.source, record.span("grading"), mistake);
+    }
     let particle_spacing =
         spacing::spacing(findings, root, &record, uncut_chip_thickness, has_process);
     let named = |key: &str| record.text(key);
@@ -157,7 +165,13 @@ pub(crate) fn resolution(
     };
     Some(Resolution {
         particle_spacing: particle_spacing?,
-        discretisation: Discretisation { kernel, lattice, lattice_aspect, parting_height: None },
+        discretisation: Discretisation {
+            kernel,
+            lattice,
+            lattice_aspect,
+            parting_height: None,
+            grading: None,
+        },
         seed: record.count("seed")?.unsigned_abs(),
     })
 }

@@ -43,19 +43,22 @@ pub(crate) fn spacing(
         contradiction(findings, record, key, message, "give `particle_spacing`");
         return None;
     }
-    let mut spacing = f64::INFINITY;
-    for key in written {
-        spacing = spacing.min(match key {
-            "preset" => {
-                let preset = record.text(key)?;
-                uncut_chip_thickness? / sections::PRESETS.iter().find(|known| known.0 == preset)?.1
-            }
-            "particles_across_chip" => uncut_chip_thickness? / record.number(key)?,
-            _ => edge_radius(findings, root, record, key)? / record.number(key)?,
-        });
-    }
+    let chip = if key == EDGE { None } else { Some(across_chip(record, uncut_chip_thickness?)?) };
+    let edge = if written.contains(&EDGE) {
+        Some(edge_radius(findings, root, record, EDGE)? / record.number(EDGE)?)
+    } else {
+        None
+    };
+    let spacing = chip.into_iter().chain(edge).fold(f64::INFINITY, f64::min);
     findings.derived("resolution", "particle_spacing", Quantity::Length, spacing);
     Some(spacing)
+}
+
+/// The spacing that a preset or the count across the chip asks for.
+pub(crate) fn across_chip(record: &Record<'_>, uncut_chip_thickness: f64) -> Option<f64> {
+    let preset = |name: &str| Some(sections::PRESETS.iter().find(|known| known.0 == name)?.1);
+    let count = record.number("particles_across_chip");
+    Some(uncut_chip_thickness / record.text("preset").and_then(preset).or(count)?)
 }
 
 fn tell_missing(findings: &mut Findings, record: &Record<'_>, has_process: bool) {

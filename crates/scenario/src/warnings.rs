@@ -184,7 +184,11 @@ fn edge_warning(figures: &CutFigures) -> Option<String> {
         } else {
             format!("below {RESOLVED} the ploughing force is not resolved")
         };
-        format!("particles across the edge radius: {}; {means}", significant(across))
+        format!(
+            "particles across the edge radius: {}; {means}: `particles_across_edge` with `grading = {{}}` in \
+             [resolution] makes them small where the edge is",
+            significant(across)
+        )
     })
 }
 

@@ -104,6 +104,31 @@ fn the_spacing_follows_from_particles_across_the_chip_or_the_edge() {
     }
 }
 
+#[test]
+fn a_grading_follows_from_the_edge_the_chip_and_what_is_written() {
+    let grading = |key: &str| {
+        let text = QUICK.replace("preset = \"draft\"", key);
+        let setup = parse(&text, "cut.toml", None, &LoadOptions::default()).unwrap().setup;
+        let grading = setup.discretisation.grading.unwrap();
+        (grading.band, [grading.below, grading.above])
+    };
+    let around = |low: f64, high: f64, found: [f64; 2]| {
+        assert_relative_eq!(found[0], low, max_relative = 1e-12);
+        assert_relative_eq!(found[1], high, max_relative = 1e-12);
+    };
+    // h is 0.1 mm, the edge radius 20 um: 40 um above and below the parting plane; a chip at h/7 from 5 um.
+    let (band, doublings) = grading("preset = \"draft\"\nparticles_across_edge = 4\ngrading = {}");
+    around(-0.14e-3, -0.06e-3, band);
+    assert_eq!(doublings, [2, 1]);
+    let (band, doublings) = grading("preset = \"fine\"\ngrading = { fine_below = \"0.1 mm\" }");
+    around(-0.2e-3, -0.06e-3, band);
+    assert_eq!(doublings, [1, 0]);
+    let (_, doublings) = grading(
+        "particle_spacing = \"4 um\"\ngrading = { doublings_above = 2, doublings_below = 0 }",
+    );
+    assert_eq!(doublings, [0, 2]);
+}
+
 /// What `sphcut check` shows: the text of the user and the SI value, defaults marked as such.
 /// s = I sigma_y(1, v_c / h, T_0) / (rho v_c^2), with sigma_y = (A + B) (1 + C ln rate) by hand.
 #[test]

@@ -14,8 +14,10 @@ pub(crate) struct Numerics {
     pub(crate) residual_density_diffusion: f64,
     pub(crate) support_stretch: f64,
     pub(crate) smoothing: Smoothing,
-    /// Initial distance of particles in m.
+    /// Initial distance of particles in m, where it is smallest.
     pub(crate) spacing: f64,
+    /// The largest one over it.
+    pub(crate) coarsest: f64,
     /// kappa of the contact.
     pub(crate) contact_stiffness: f64,
     /// Largest p-wave modulus of the materials in Pa.
@@ -45,6 +47,7 @@ impl Numerics {
                 length: option("smoothing_ratio") * setup.particle_spacing,
             },
             spacing: setup.particle_spacing,
+            coarsest: setup.discretisation.grading.map_or(1.0, |grading| grading.coarsest()),
             contact_stiffness: setup.contact.get("stiffness"),
             stiffest: moduli.fold(0.0, f64::max),
             mechanics: setup.mechanics.is_on(),

@@ -432,6 +432,8 @@ pub struct Discretisation {
     pub lattice_aspect: f64,
     /// Height in m (y before rotation) at which two rows of the cells of a box meet, if one is given.
     pub parting_height: Option<f64>,
+    /// Where the spacing is larger, if it is anywhere.
+    pub grading: Option<Grading>,
 }
 
 impl Default for Discretisation {
@@ -441,7 +443,39 @@ impl Default for Discretisation {
             lattice: Lattice::Square,
             lattice_aspect: 1.0,
             parting_height: None,
+            grading: None,
         }
+    }
+}
+
+/// Spacing of a box that grows away from a band of height: the particle spacing holds in the band, and doubles after every
+/// [`Grading::ROWS`] rows beyond it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grading {
+    /// Heights in m (y before rotation) between which the spacing is the particle spacing.
+    pub band: [f64; 2],
+    /// How often it doubles below the band.
+    pub below: u8,
+    /// How often it doubles above the band.
+    pub above: u8,
+}
+
+impl Grading {
+    /// Rows of one spacing before the next larger one: the support of a particle reaches over one change at most.
+    pub const ROWS: usize = 5;
+
+    /// Largest spacing over the particle spacing.
+    #[must_use]
+    pub fn coarsest(&self) -> f64 {
+        f64::from(1_u32 << self.below.max(self.above))
+    }
+}
+
+impl Discretisation {
+    /// Spacings that bodies may have: the particle spacing, and each doubling of it.
+    #[must_use]
+    pub fn levels(&self) -> u8 {
+        self.grading.map_or(1, |grading| 1 + grading.below.max(grading.above))
     }
 }
 

@@ -268,6 +268,7 @@ impl Field<'_> {
         snapshot.friction_use.push(state.friction_use);
         snapshot.shear_friction_factor.push(state.shear_friction_factor);
         snapshot.contact_area.push(state.contact_area);
+        snapshot.relative_spacing.push(1.0);
         snapshot.half_thickness.push(0.5 * self.cut.particle_spacing);
         snapshot.neighbours.push(28);
     }
@@ -295,6 +296,7 @@ fn sort(snapshot: &mut Snapshot) {
         &mut snapshot.friction_use,
         &mut snapshot.shear_friction_factor,
         &mut snapshot.contact_area,
+        &mut snapshot.relative_spacing,
         &mut snapshot.half_thickness,
     ] {
         ordered(values, &order);

@@ -126,13 +126,19 @@ pub(crate) const PARTICLE_FIELDS: &[SnapshotField] = fields! {
     Real friction_use "" "friction over the most that the friction law allows: 1 slides, less sticks, 0 without contact";
     Real shear_friction_factor "" "shear stress over the shear strength sigma_y / sqrt(3) of the particle, 0 without contact";
     Real contact_area "m^2" "share of the tool's surface (m, per metre of width, in a plane run), 0 without contact";
+    Real relative_spacing "" "spacing of the lattice where the particle is, over the particle spacing of the run: above 1 where a graded lattice is coarser";
     Real half_thickness "m" "from the particle to the point of its material that the tool touches; where the tool has not been near, half its cell of the lattice across the machined surface";
     Short neighbours "" "number of neighbours";
 };
 
 /// Quantities that records made before they existed do not hold: not a number there.
-pub(crate) const LATER: &[&str] =
-    &["friction_use", "shear_friction_factor", "contact_area", "half_thickness"];
+pub(crate) const LATER: &[&str] = &[
+    "friction_use",
+    "shear_friction_factor",
+    "contact_area",
+    "relative_spacing",
+    "half_thickness",
+];
 
 /// Outline and heat of the tool: fields with their own numbers of entries.
 pub(crate) const TOOL_FIELDS: &[SnapshotField] = fields! {

@@ -149,6 +149,7 @@ mod tests {
             friction_use: filled(0.0),
             shear_friction_factor: filled(0.0),
             contact_area: filled(0.0),
+            relative_spacing: filled(1.0),
             half_thickness: filled(0.5),
             neighbours: (0..particles).collect(),
             ..Snapshot::default()

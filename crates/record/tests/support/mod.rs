@@ -187,6 +187,7 @@ pub fn snapshot_of(state: &[f64], time: f64, step: u64) -> Snapshot {
         friction_use: column(0.25),
         shear_friction_factor: column(0.125),
         contact_area: column(0.5),
+        relative_spacing: column(1.0),
         half_thickness: column(0.75),
         neighbours: (0..state.len() as u32).map(|i| 20 + i).collect(),
         tool: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]],

@@ -7,6 +7,8 @@ use sphcut_sph::Snapshot;
 
 /// Radius of a particle's disc in spacings. Discs of 0.71 just cover a square lattice.
 const DISC_RADIUS: f64 = 0.72;
+/// The same where a graded lattice is coarse: its cells, twice as long as high, do not move much.
+const COARSE_DISC: f64 = 0.8;
 /// Radius within which material is taken to reach from particle to particle, in spacings: flow
 /// that stretches the rows of a lattice apart to twice their spacing leaves no hole.
 const CLOSING_RADIUS: f64 = 1.3;
@@ -55,43 +57,49 @@ pub(super) fn draw_particles(
     particles: &Coloured<'_>,
     style: Style,
 ) {
-    let spacing = particles.snapshot.particle_spacing * mapping.scale;
+    let sizes = |i: usize| particles.snapshot.spacing_at(i) * mapping.scale;
     match style {
         Style::Material if particles.snapshot.dimension == 2 => {
-            let radius = CLOSING_RADIUS * spacing;
-            let distances = colour_nearest(canvas, mapping, particles, radius);
-            erode(canvas, &distances, radius - SURFACE * spacing);
+            let nearest = colour_nearest(canvas, mapping, particles, |i| CLOSING_RADIUS * sizes(i));
+            erode(canvas, &nearest, |i| (CLOSING_RADIUS - SURFACE) * sizes(i));
         }
         Style::Material | Style::Particles => {
-            colour_nearest(canvas, mapping, particles, (DISC_RADIUS * spacing).max(0.6));
+            let spacing = particles.snapshot.particle_spacing * mapping.scale;
+            let radius = |i: usize| {
+                let disc = if sizes(i) > spacing { COARSE_DISC } else { DISC_RADIUS };
+                (disc * sizes(i)).max(0.6)
+            };
+            colour_nearest(canvas, mapping, particles, radius);
         }
     }
 }
 
-/// Empties the pixels that lie within `depth` of an empty one.
-fn erode(canvas: &mut Canvas, distances: &[f64], depth: f64) {
-    let empty: Vec<bool> = distances.iter().map(|distance| distance.is_infinite()).collect();
+/// Empties the pixels that lie within the `depth` of their particle of an empty one.
+fn erode(canvas: &mut Canvas, nearest: &[Option<usize>], depth: impl Fn(usize) -> f64) {
+    let empty: Vec<bool> = nearest.iter().map(Option::is_none).collect();
     let inside = squared_distances(&empty, canvas.width);
-    for (pixel, squared) in canvas.pixels.iter_mut().zip(inside) {
-        if squared <= depth * depth {
+    for ((pixel, squared), nearest) in canvas.pixels.iter_mut().zip(inside).zip(nearest) {
+        if nearest.is_none_or(|particle| squared <= depth(particle).powi(2)) {
             *pixel = WHITE;
         }
     }
 }
 
-/// Colours every pixel within `radius` of a particle like the nearest one and returns the squared
-/// distances, infinite where there is none. In three dimensions the particles nearer to the eye
+/// Colours every pixel within its `radius` of a particle like the nearest one and returns the
+/// particle of each, if there is one. In three dimensions the particles nearer to the eye
 /// (larger z) hide those behind.
 fn colour_nearest(
     canvas: &mut Canvas,
     mapping: &Mapping,
     particles: &Coloured<'_>,
-    radius: f64,
-) -> Vec<f64> {
+    radius: impl Fn(usize) -> f64,
+) -> Vec<Option<usize>> {
     let Coloured { snapshot, colours } = *particles;
-    let depth_per_pixel = if snapshot.dimension == 3 { radius } else { 0.0 };
     let mut nearest = vec![f64::INFINITY; canvas.width * canvas.height];
-    for (position, &colour) in snapshot.position.iter().zip(colours) {
+    let mut shown = vec![None; nearest.len()];
+    for (i, (position, &colour)) in snapshot.position.iter().zip(colours).enumerate() {
+        let radius = radius(i);
+        let depth_per_pixel = if snapshot.dimension == 3 { radius } else { 0.0 };
         let [x, y] = mapping.pixel(position[0], position[1]);
         if !(x.is_finite() && y.is_finite()) {
             continue;
@@ -105,12 +113,13 @@ fn colour_nearest(
                 let index = row * canvas.width + column;
                 if squared <= radius * radius && squared + depth < nearest[index] {
                     nearest[index] = squared + depth;
+                    shown[index] = Some(i);
                     canvas.pixels[index] = colour;
                 }
             }
         }
     }
-    nearest
+    shown
 }
 
 /// Pixels of a row of `size` whose centres lie within `radius` of `centre`.

@@ -1,5 +1,6 @@
 //! The cut, orthogonal or turning: [workpiece], [tool], [process], [passes], [boundaries].
 
+pub(crate) mod grading;
 pub(crate) mod inertia;
 pub(crate) mod passes;
 pub(crate) mod window;
@@ -19,7 +20,7 @@ use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::{
-    Body, Material, Setup, Support, Tool, Vector, VelocityChange, VelocityField,
+    Body, Grading, Material, Setup, Support, Tool, Vector, VelocityChange, VelocityField,
 };
 use sphcut_tool_heat::ToolHeat;
 
@@ -241,7 +242,7 @@ impl CutScenario {
     }
 
     /// Depth of the last pass below the uncut surface.
-    fn deepest(&self) -> f64 {
+    pub(crate) fn deepest(&self) -> f64 {
         let further = f64::from(self.passes.count - 1);
         self.process.depth - further * self.process.plan(self.end.travel).step[1]
     }
@@ -261,12 +262,15 @@ impl CutScenario {
     /// What cannot be built, however well each value looks alone.
     pub(crate) fn check(&self, findings: &mut Findings, root: &Record<'_>) {
         let spacing = self.resolution.particle_spacing;
+        let grading = self.resolution.discretisation.grading;
+        let coarsest = grading.map_or(1.0, |grading| grading.coarsest());
         let turning = matches!(self.process.kind, ProcessKind::Turning { .. });
         let layers = if turning { self.workpiece.width / spacing } else { 1.0 };
-        let particles = self.workpiece.length / spacing * (self.workpiece.height / spacing);
+        let height = self.graded_height(2 + i32::from(turning));
+        let particles = self.workpiece.length / spacing * (height / spacing);
         shared::check_particle_count(findings, root, particles * layers);
         let thickness = self.section.uncut_chip_thickness;
-        let held = self.layers * spacing;
+        let held = self.layers * spacing * coarsest;
         let mut room = vec![
             (
                 "height",
@@ -305,6 +309,20 @@ impl CutScenario {
             let span = root.table("resolution").map_or(root.heading.clone(), |table| table.1);
             findings.problem(&root.source, span, mistake);
         }
+    }
+
+    /// Height of the workpiece that would have as many particles at the finest spacing, where a grading has coarser ones.
+    fn graded_height(&self, axes: i32) -> f64 {
+        let height = self.workpiece.height;
+        let Some(Grading { band, below, above }) = self.resolution.discretisation.grading else {
+            return height;
+        };
+        // The levels between count as their coarsest does: an estimate.
+        let part =
+            |thickness: f64, level: u8| thickness.max(0.0) / f64::from(1_u32 << level).powi(axes);
+        let [low, high] = band;
+        let fine = high.min(0.0) - low.max(-height);
+        fine + part(low + height, below) + part(-high, above)
     }
 
     fn no_room(
@@ -392,7 +410,9 @@ impl CutScenario {
 
     /// Where all of `sides` are, with everything that they prescribe.
     fn support(&self, sides: &[HeldSide]) -> Support {
-        let depth = self.layers * self.resolution.particle_spacing;
+        let grading = self.resolution.discretisation.grading;
+        let coarsest = grading.map_or(1.0, |grading| grading.coarsest());
+        let depth = self.layers * self.resolution.particle_spacing * coarsest;
         let (mut min, mut max) = self.corners();
         let mut velocity = [None; 3];
         for side in sides {

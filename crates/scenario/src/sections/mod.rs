@@ -145,6 +145,31 @@ pub(crate) fn resolution() -> Section {
             Field::derived("lattice_aspect", Kind::Quantity(Quantity::Dimensionless, Range::closed(0.25, 4.0)), "2 for a cut, 1 otherwise", "distance of particles along the first axis of a box (the cutting direction) over that \
                  across it, at the same volume"),
             Field::with_default("seed", Kind::Count { min: 0, max: i64::MAX }, "0", "seed of the disordered lattice"),
+            Field::optional("grading", Kind::Table, "a cut: the spacing is that above around the plane in which the chip parts, and larger elsewhere"),
+        ],
+    )
+}
+
+/// `[resolution.grading]`.
+pub(crate) fn grading() -> Section {
+    let length = |key, meaning| {
+        Field::derived(
+            key,
+            positive(Quantity::Length, LONGEST),
+            "2 r_n; h/2 for a sharp edge",
+            meaning,
+        )
+    };
+    let doublings =
+        |key, rule, meaning| Field::derived(key, Kind::Count { min: 0, max: 4 }, rule, meaning);
+    Section::new(
+        "resolution.grading",
+        "Between `fine_above` over and `fine_below` under the plane in which the chip parts the spacing is that of [resolution]; beyond, it doubles every five rows.",
+        vec![
+            length("fine_above", "fine material that enters the chip: its underside").example("\"40 um\""),
+            length("fine_below", "fine material under the machined surface").example("\"0.1 mm\""),
+            doublings("doublings_above", "up to the spacing of `preset` or `particles_across_chip` beside `particles_across_edge`, else 0", "how often the spacing doubles towards the free side of the chip").example("1"),
+            doublings("doublings_below", "one more than `doublings_above`", "how often the spacing doubles towards the bottom").example("2"),
         ],
     )
 }
@@ -313,6 +338,7 @@ mod tests {
             output(),
             stop(),
             steady(),
+            grading(),
             body(),
             support(),
             wall(),

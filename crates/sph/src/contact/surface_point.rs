@@ -111,6 +111,7 @@ impl<const D: usize> Neighbourhood<'_, D> {
         // L n from the way of a lever of length 1.
         let moved = self.velocity(i, normal, inverse_moment);
         let apart = minus(self.particles.motion[i].velocity(), &moved);
+        let spacing = spacing * self.particles.size(i);
         let limits = (THINNEST * spacing, THICKEST * spacing);
         (before * (1.0 + time_step * dot(normal, &apart))).clamp(limits.0, limits.1)
     }

@@ -166,7 +166,7 @@ impl<const D: usize> ToolContact<D> {
         let mut count = 0;
         for (i, position) in particles.position.iter().enumerate() {
             let x = in_space(position);
-            if !self.surface.is_near(x, self.contact_surface.depth()) {
+            if !self.surface.is_near(x, self.contact_surface.depth() * particles.size(i)) {
                 continue;
             }
             let NearestPoint { distance, normal } = self.surface.nearest(x);
@@ -191,17 +191,17 @@ impl<const D: usize> ToolContact<D> {
     /// `margin` relative to the tool.
     pub(crate) fn update_reference(
         &mut self,
-        positions: &[Vector<D>],
+        particles: &Particles<D>,
         list: &NeighbourList,
         time: f64,
         margin: f64,
     ) {
-        let reach = self.contact_surface.depth() + margin;
         self.holder.update_reference();
         let displacement = self.displacement(time);
         self.candidates.clear();
         self.candidate_facets.clear();
-        for (particle, position) in positions.iter().enumerate() {
+        for (particle, position) in particles.position.iter().enumerate() {
+            let reach = self.contact_surface.depth() * particles.size(particle) + margin;
             let x = in_space(position) - displacement;
             if !self.surface.is_near(x, reach) {
                 continue;
@@ -224,7 +224,7 @@ impl<const D: usize> ToolContact<D> {
         let neighbours = self.candidates.iter().map(|c| list.count(c.particle as usize) as usize);
         let neighbours = neighbours.max().unwrap_or(0);
         self.points.make_room(most, neighbours);
-        self.friction.make_room(positions.len(), most, neighbours);
+        self.friction.make_room(particles.count(), most, neighbours);
     }
 
     /// Computes the contact forces at `time` on the particles for the coming step.
@@ -242,10 +242,11 @@ impl<const D: usize> ToolContact<D> {
             let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
             let Some(foot) = self.surface.foot_of(centre, facets) else { continue };
             let NearestPoint { distance, normal } = foot.nearest;
-            if distance >= depth {
+            let size = particles.size(i);
+            if distance >= depth * size {
                 continue;
             }
-            let moment = (distance < 2.0 * self.radius).then(|| around.inverse_moment(i));
+            let moment = (distance < 2.0 * self.radius * size).then(|| around.inverse_moment(i));
             let half_thickness = match &moment {
                 Some(moment) => around.followed_half_thickness(
                     i,
@@ -341,12 +342,14 @@ impl<const D: usize> ToolContact<D> {
 
     /// Particles that lie on the tool, or overlap it by no more than rounding: those that exchange heat
     /// with it where nothing moves.
-    pub(crate) fn resting(&self, positions: &[Vector<D>], time: f64) -> Vec<u32> {
+    pub(crate) fn resting(&self, particles: &Particles<D>, time: f64) -> Vec<u32> {
         let displacement = self.displacement(time);
         let reach = (1.0 + OVERLAP_TOLERANCE) * self.radius;
         let facets = |c: &Candidate| &self.candidate_facets[c.first as usize..c.last as usize];
         let lies = |c: &&Candidate| {
-            let x = in_space(&positions[c.particle as usize]) - displacement;
+            let i = c.particle as usize;
+            let x = in_space(&particles.position[i]) - displacement;
+            let reach = reach * particles.size(i);
             self.surface.nearest_of(x, facets(c)).is_some_and(|near| near.distance <= reach)
         };
         self.candidates.iter().filter(lies).map(|candidate| candidate.particle).collect()

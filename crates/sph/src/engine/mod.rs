@@ -15,6 +15,8 @@
 //! least-squares fit with the same weights, its force needs no second sweep and
 //! keeps both momenta. `docs/theory.md` derives all of it.
 
+#[cfg(test)]
+mod graded;
 mod time_step;
 mod tool;
 
@@ -244,8 +246,8 @@ impl<const D: usize> Engine<D> {
     /// approach too far, and of the tool.
     fn add_contact(&mut self, touches: Touches) {
         let Self { self_contact, pairing, particles, reference, clock, tool, .. } = self;
-        self_contact.push_apart(&particles.position, &mut particles.force);
-        pairing.push_apart(&particles.position, &mut particles.force);
+        self_contact.push_apart(&particles.position, &reference.sizes, &mut particles.force);
+        pairing.push_apart(&particles.position, &reference.sizes, &mut particles.force);
         let Some(tool) = tool else { return };
         let around = Neighbourhood { particles: &*particles, reference: &*reference };
         match touches {
@@ -292,7 +294,7 @@ impl<const D: usize> Engine<D> {
     pub(crate) fn update_reference(&mut self) {
         let Self { particles, reference, numerics, tool, tool_heat, .. } = self;
         reference.reach = support_shape::carry_shapes(particles, numerics);
-        reference.take(particles, self.clock.time);
+        reference.take(particles, numerics, self.clock.time);
         if let Some(tool) = tool {
             let order = &reference.cells.order;
             self.new_place.resize(order.len(), 0);
@@ -312,12 +314,12 @@ impl<const D: usize> Engine<D> {
         let Self { particles, reference, numerics, self_contact, pairing, .. } = self;
         let watched = (&mut self_contact.pairs, self_contact::watched_reach(numerics));
         reference.rebuild(particles, numerics, watched);
-        pairing::find_pairs(pairing, &reference.list, &particles.motion, numerics.spacing);
+        pairing::find_pairs(pairing, reference, &particles.motion, numerics.spacing);
         self.set_time_step();
         let Self { particles, reference, numerics, tool, .. } = self;
         if let Some(tool) = tool {
             let margin = CONTACT_MARGIN * numerics.spacing;
-            tool.update_reference(&particles.position, &reference.list, reference.time, margin);
+            tool.update_reference(particles, &reference.list, reference.time, margin);
         }
         self.conduction.tensor.clear();
     }

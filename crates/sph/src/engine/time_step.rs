@@ -40,8 +40,9 @@ impl<const D: usize> Engine<D> {
             mechanical = mechanical.min(wave);
             if data.hourglass > 0.0 {
                 let density = data.density * numerics.mass_scaling;
-                mechanical = mechanical
-                    .min(DAMPING_SAFETY * density / (2.0 * limits.weight * data.hourglass));
+                mechanical = mechanical.min(
+                    DAMPING_SAFETY * density / (2.0 * limits.damping * data.hourglass / data.size),
+                );
             }
             if touches {
                 let contact =
@@ -88,6 +89,6 @@ fn compression_shortening<const D: usize>(particles: &Particles<D>, data: &Mater
 /// Moran, Nonlinear Finite Elements, 2000, section 6.2: central differences with damping).
 fn viscous_shortening(data: &MaterialData, smoothing_length: f64, gradient: f64) -> f64 {
     let impedance = data.inertial_density() * data.wave_speed * smoothing_length;
-    let ratio = 0.5 * data.linear_viscosity / impedance * smoothing_length * gradient;
+    let ratio = 0.5 * data.linear_viscosity / data.size / impedance * smoothing_length * gradient;
     ratio.hypot(1.0) - ratio
 }

@@ -43,7 +43,7 @@ impl<const D: usize> Engine<D> {
     /// Particles at rest on the tool, for a run without mechanics.
     pub(super) fn rest_on_tool(&mut self, duration: f64) {
         let (Some(tool), Some(heat)) = (&self.tool, &mut self.tool_heat) else { return };
-        for particle in tool.resting(&self.particles.position, self.clock.time) {
+        for particle in tool.resting(&self.particles, self.clock.time) {
             let position = &self.particles.position[particle as usize];
             let place = in_tool(position, tool.displacement(self.clock.time));
             heat.touch(particle, place, duration, 0.0);

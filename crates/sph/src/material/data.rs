@@ -4,14 +4,17 @@ use crate::material::equation_of_state::{Elasticity, varying};
 use crate::material::history::Memory;
 use crate::material::point::MaterialPoint;
 use crate::material::thermoelasticity;
+use crate::particles::lattice::{self, RowClasses};
 use crate::setup::Setup;
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::effects::{HeatShare, heat_share, with_effects};
 use sphcut_physics::flow_stress::FlowStressModel;
 
-/// Constants of one material.
+/// Constants of one material at one spacing.
 #[derive(Debug)]
 pub(crate) struct MaterialData {
+    /// Spacing of its particles over the particle spacing.
+    pub(crate) size: f64,
     pub(crate) density: f64,
     pub(crate) elasticity: Elasticity,
     pub(crate) specific_heat: f64,
@@ -119,14 +122,19 @@ impl MaterialData {
         state.map_or(0.0, |state| state.isentrope_heat(volume_ratio))
     }
 
-    /// Constants of all materials of a setup for a smoothing length.
+    /// Those of all materials of a setup, material by material for each class of rows, of which the finest has
+    /// `smoothing_length`.
     pub(crate) fn all(setup: &Setup, smoothing_length: f64) -> Vec<Self> {
         let option = |key| setup.numerics.get(key);
         let taylor_quinney = setup.heat.values.get("taylor_quinney");
+        let classes = RowClasses::of(setup).list;
         setup
             .materials
             .iter()
-            .map(|material| {
+            .flat_map(|material| classes.iter().map(move |class| (material, class)))
+            .map(|(material, class)| {
+                let size = lattice::size_of_level(class.level);
+                let smoothing_length = size * smoothing_length;
                 let elasticity = Elasticity::of(material);
                 let (specific_heat, heat_table) = elasticity.heat_capacity(material);
                 let stiffness_table = thermoelasticity::stiffness_table(material);
@@ -141,6 +149,7 @@ impl MaterialData {
                 let constant_heating =
                     if heats { taylor_quinney / (material.density * specific_heat) } else { 0.0 };
                 Self {
+                    size,
                     density: material.density,
                     elasticity,
                     specific_heat,

@@ -118,6 +118,8 @@ fn diffuse<const D: usize>(
             let separation = minus(motion[j].reference(), motion[i].reference());
             sum = plus_scaled(&sum, w * change, &separation);
         }
+        let size = materials[material[i] as usize].size;
+        let (flowing, left) = (flowing * size * size, left * size);
         let flowed = (point[i].plastic_strain / FLOWED).min(1.0);
         Smooth {
             volume_ratio: point[i].volume_ratio,

@@ -154,6 +154,7 @@ mod tests {
     use crate::kernel::KernelChoice;
     use crate::operators::neighbours::{Cells, Cloud, Kinship, Smoothing, build_list};
     use approx::assert_relative_eq;
+    use nalgebra::DMatrix;
 
     /// Particles with unit volume and their neighbours, h_s = 1.5.
     fn neighbours<const D: usize>(mut points: Vec<Vector<D>>) -> (NeighbourList, Vec<Vector<D>>) {
@@ -163,10 +164,17 @@ mod tests {
         points = cells.order.iter().map(|&old| points[old as usize]).collect();
         let count = points.len();
         let (body, volume) = (vec![0; count], vec![1.0; count]);
-        let kinship =
-            Kinship { body: &body, origin: &points, bonded: true, reach_square: f64::INFINITY };
+        let kinship = Kinship {
+            body: &body,
+            origin: &points,
+            bonded: true,
+            reach: f64::INFINITY,
+            sizes: &[],
+        };
         let mut list = NeighbourList::default();
-        let cloud = Cloud { positions: &points, volumes: &volume, kinship, metrics: &[] };
+        let factors = DMatrix::from_element(1, 1, 1.0);
+        let rows = ([].as_slice(), &factors);
+        let cloud = Cloud { positions: &points, volumes: &volume, kinship, metrics: &[], rows };
         build_list(&mut list, &cells, &cloud, smoothing, (&mut Vec::new(), 0.0));
         (list, points)
     }

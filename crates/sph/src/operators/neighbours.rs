@@ -7,6 +7,7 @@
 use crate::kernel::KernelChoice;
 use crate::parallel::{CHUNK, TURN};
 use crate::tensor::{Matrix, Vector, apply, dot, minus, sum_scaled};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Neighbours of all particles in compressed rows.
@@ -62,6 +63,10 @@ pub(crate) struct Cells<const D: usize> {
     next: Vec<u32>,
     /// The particles in the order in which they are to be stored.
     pub(crate) order: Vec<u32>,
+    /// Largest size of the particles of each cell; empty where all are 1.
+    largest: Vec<f64>,
+    /// Support of a particle of size 1 over the cells' size.
+    support: f64,
 }
 
 impl<const D: usize> Default for Cells<D> {
@@ -74,6 +79,8 @@ impl<const D: usize> Default for Cells<D> {
             cell_of: Vec::new(),
             next: Vec::new(),
             order: Vec::new(),
+            largest: Vec::new(),
+            support: 1.0,
         }
     }
 }
@@ -93,6 +100,7 @@ impl<const D: usize> Cells<D> {
                 high[k] = high[k].max(position[k]);
             }
         }
+        let support = size;
         let mut size = size;
         let limit = MAX_CELLS_PER_PARTICLE * positions.len().max(64);
         loop {
@@ -108,15 +116,29 @@ impl<const D: usize> Cells<D> {
                 self.start.clear();
                 self.start.resize(counts[0] * counts[1] * counts[2] + 1, 0);
                 (self.origin, self.inverse_size, self.counts) = (low, 1.0 / size, counts);
+                self.support = support / size;
                 return self.sort(positions);
             }
             size *= 1.5;
         }
     }
 
+    /// Notes how large the particles are, which are in their order now; `sizes` is empty where all are 1.
+    pub(crate) fn note_sizes(&mut self, sizes: &[f64]) {
+        self.largest.clear();
+        if !sizes.is_empty() {
+            let largest = |cell: &[u32]| {
+                let own = &sizes[cell[0] as usize..cell[1] as usize];
+                own.iter().copied().fold(0.0, f64::max)
+            };
+            self.largest.extend(self.start.windows(2).map(largest));
+        }
+    }
+
     /// Memory in bytes.
     pub(crate) fn memory(&self) -> usize {
         4 * (self.start.capacity()
+            + 2 * self.largest.capacity()
             + self.cell_of.capacity()
             + self.next.capacity()
             + self.order.capacity())
@@ -157,20 +179,37 @@ impl<const D: usize> Cells<D> {
         self.cell_of = cell_of;
     }
 
-    /// Calls `visit` with each range of particles in the cells around `position`.
+    /// Calls `visit` with each range of particles in the cells around `position` that may lie within its support, where a
+    /// particle of `size` is; the support of two is that of their mean size.
     pub(crate) fn around(
         &self,
         position: &Vector<D>,
+        size: f64,
         mut visit: impl FnMut(std::ops::Range<usize>),
     ) {
         let cell = self.coordinates(position);
-        let low = |k: usize| cell[k].saturating_sub(1);
-        let high = |k: usize| (cell[k] + 1).min(self.counts[k] - 1);
+        let reach = |largest: f64| 0.5 * (size + largest) * self.support;
+        let most = self.largest.iter().copied().fold(1.0, f64::max);
+        let cells = if self.largest.is_empty() { 1 } else { reach(most).ceil() as usize };
+        let low = |k: usize| cell[k].saturating_sub(cells);
+        let high = |k: usize| (cell[k] + cells).min(self.counts[k] - 1);
         for plane in low(2)..=high(2) {
             for row in low(1)..=high(1) {
                 let first = self.flat([low(0), row, plane]);
                 let last = self.flat([high(0), row, plane]);
-                visit(self.start[first] as usize..self.start[last + 1] as usize);
+                if self.largest.is_empty() {
+                    visit(self.start[first] as usize..self.start[last + 1] as usize);
+                    continue;
+                }
+                for (column, place) in (low(0)..=high(0)).zip(first..) {
+                    let between = |k: usize, there: usize| there.abs_diff(cell[k]).max(1) - 1;
+                    let apart = [between(0, column), between(1, row), between(2, plane)];
+                    let square = apart.iter().map(|cells| cells * cells).sum::<usize>() as f64;
+                    let largest = self.largest[place];
+                    if largest > 0.0 && square < reach(largest).powi(2) {
+                        visit(self.start[place] as usize..self.start[place + 1] as usize);
+                    }
+                }
             }
         }
     }
@@ -197,8 +236,10 @@ pub(crate) struct Kinship<'a, const D: usize> {
     pub(crate) origin: &'a [Vector<D>],
     /// Whether different bodies are one continuum.
     pub(crate) bonded: bool,
-    /// Largest undeformed distance of kin, squared, in m^2.
-    pub(crate) reach_square: f64,
+    /// Largest undeformed distance of kin of size 1, in m.
+    pub(crate) reach: f64,
+    /// Spacing of each particle over the particle spacing; empty where all are the same.
+    pub(crate) sizes: &'a [f64],
 }
 
 impl<const D: usize> Kinship<'_, D> {
@@ -206,8 +247,21 @@ impl<const D: usize> Kinship<'_, D> {
     #[inline]
     pub(crate) fn joins(&self, i: usize, j: usize) -> bool {
         let apart = minus(&self.origin[j], &self.origin[i]);
-        dot(&apart, &apart) < self.reach_square && (self.bonded || self.body[i] == self.body[j])
+        let reach = self.reach * self.size(i, j);
+        dot(&apart, &apart) < reach * reach && (self.bonded || self.body[i] == self.body[j])
     }
+
+    /// The size of a pair.
+    #[inline]
+    fn size(&self, i: usize, j: usize) -> f64 {
+        pair_mean(self.sizes, i, j)
+    }
+}
+
+/// The mean of two particles' values, which are 1 where there are none.
+#[inline]
+pub(crate) fn pair_mean(values: &[f64], i: usize, j: usize) -> f64 {
+    if values.is_empty() { 1.0 } else { 0.5 * (values[i] + values[j]) }
 }
 
 /// Where the particles are, what they weigh and who belongs together.
@@ -219,6 +273,8 @@ pub(crate) struct Cloud<'a, const D: usize> {
     pub(crate) kinship: Kinship<'a, D>,
     /// The inverse shapes of the supports, or none for round ones.
     pub(crate) metrics: &'a [Matrix<D>],
+    /// Class of each particle's row, and the factors of their pairs; no classes where all are the same.
+    pub(crate) rows: (&'a [u8], &'a DMatrix<f64>),
 }
 
 /// Tasks per thread whose rows wait to be joined to the list.
@@ -298,11 +354,11 @@ fn find_rows<const D: usize>(
     reach: f64,
 ) {
     rows.clear();
-    let Cloud { positions, volumes, kinship, metrics } = *cloud;
+    let Cloud { positions, volumes, kinship, metrics, rows: (classes, factors) } = *cloud;
     let support = smoothing.support();
     for i in own {
         let before = rows.index.len();
-        cells.around(&positions[i], |range| {
+        cells.around(&positions[i], kinship.size(i, i), |range| {
             for j in range {
                 let separation = minus(&positions[j], &positions[i]);
                 let distance_square = dot(&separation, &separation);
@@ -312,6 +368,8 @@ fn find_rows<const D: usize>(
                     let both = sum_scaled(&metrics[i], 1.0, &metrics[j]);
                     0.5 * dot(&separation, &apply(&both, &separation))
                 };
+                let size = kinship.size(i, j);
+                let (support, reach) = (support * size, reach * size);
                 let (in_support, near) =
                     (square < support * support, distance_square < reach * reach);
                 if !(in_support || near) || j == i {
@@ -322,9 +380,14 @@ fn find_rows<const D: usize>(
                         rows.self_contact.push((i as u32, j as u32));
                     }
                 } else if in_support {
-                    let weight = smoothing.kernel.weight(square.sqrt(), smoothing.length, D);
+                    let weight = smoothing.kernel.weight(square.sqrt(), smoothing.length * size, D);
                     rows.index.push(j as u32);
-                    rows.weight.push(volumes[j] * weight);
+                    let factor = if classes.is_empty() {
+                        1.0
+                    } else {
+                        factors[(classes[i] as usize, classes[j] as usize)]
+                    };
+                    rows.weight.push(volumes[j] * weight * factor);
                 }
             }
         });

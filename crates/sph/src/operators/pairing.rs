@@ -18,7 +18,8 @@
 
 use crate::contact::repulsion::RepellingPairs;
 use crate::numerics::Numerics;
-use crate::operators::neighbours::NeighbourList;
+use crate::operators::neighbours::pair_mean;
+use crate::operators::reference::ReferenceConfiguration;
 use crate::particles::motion::Motion;
 use crate::setup::Setup;
 use crate::tensor::{dot, minus};
@@ -44,7 +45,7 @@ pub(crate) fn between_neighbours<const D: usize>(
 /// Lists the neighbours that may come too close before the next reference update, in the order of the first.
 pub(crate) fn find_pairs<const D: usize>(
     repulsion: &mut RepellingPairs,
-    list: &NeighbourList,
+    reference: &ReferenceConfiguration<D>,
     motion: &[Motion<D>],
     spacing: f64,
 ) {
@@ -54,8 +55,9 @@ pub(crate) fn find_pairs<const D: usize>(
     }
     let reach = repulsion.distance + MARGIN * spacing;
     for (i, own) in motion.iter().enumerate() {
-        let (index, _) = list.row(i);
+        let (index, _) = reference.list.row(i);
         for &j in index {
+            let reach = reach * pair_mean(&reference.sizes, i, j as usize);
             let apart = minus(motion[j as usize].reference(), own.reference());
             if dot(&apart, &apart) < reach * reach {
                 repulsion.pairs.push((i as u32, j));
@@ -138,15 +140,15 @@ mod tests {
         assert!(distance(&engine, i, j) < 0.11);
         assert_eq!(engine.pairing.pairs.len(), 2, "the one pair, from both sides");
         engine.find_internal_forces();
-        engine.pairing.push_apart(&engine.particles.position, &mut engine.particles.force);
-        let stored = engine.pairing.energy(&engine.particles.position);
+        engine.pairing.push_apart(&engine.particles.position, &[], &mut engine.particles.force);
+        let stored = engine.pairing.energy(&engine.particles.position, &[]);
         // k (r_c - r)^2 / 2 of the one pair.
         let expected = 0.5 * engine.pairing.stiffness * ((0.35 - 0.102) * SPACING).powi(2);
         assert!((stored - expected).abs() < 0.01 * expected, "{stored} {expected}");
         let total = |engine: &Engine<2>| {
             engine.particles.kinetic_energy()
                 + engine.particles.elastic_energy()
-                + engine.pairing.energy(&engine.particles.position)
+                + engine.pairing.energy(&engine.particles.position, &[])
                 + engine.ledger.hourglass
                 + engine.ledger.residue
         };
@@ -171,7 +173,7 @@ mod tests {
     fn without_repulsion_the_pair_stays() {
         let (mut engine, i, j) = with_a_pair(0.0);
         assert!(engine.pairing.pairs.is_empty());
-        assert!(engine.pairing.energy(&engine.particles.position) == 0.0);
+        assert!(engine.pairing.energy(&engine.particles.position, &[]) == 0.0);
         let (a, b) = (engine.particles.id[i], engine.particles.id[j]);
         for _ in 0..200 {
             engine.advance(&mut |_| ()).unwrap();

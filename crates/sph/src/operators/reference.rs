@@ -3,9 +3,10 @@
 
 use crate::ledger::Tally;
 use crate::numerics::Numerics;
-use crate::operators::neighbours::{Cells, Cloud, Kinship, NeighbourList, build_list};
+use crate::operators::neighbours::{Cells, Cloud, Kinship, NeighbourList, build_list, pair_mean};
 use crate::parallel::{CHUNK, TURN};
 use crate::particles::Particles;
+use crate::particles::lattice::RowClasses;
 use crate::particles::motion::Motion;
 use crate::setup::{CuttingFrame, Setup};
 use crate::tensor::{
@@ -13,6 +14,7 @@ use crate::tensor::{
     minus, plus_scaled, reduced, trace, zero,
 };
 use glam::DVec3;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// A moment matrix flatter than this (determinant over that of the isotropic one of the same
@@ -54,6 +56,12 @@ pub(crate) struct ReferenceConfiguration<const D: usize> {
     pub(crate) frame: Vec<Frame<D>>,
     /// Volume of each particle in m^3 (m^2).
     pub(crate) volume: Vec<f64>,
+    /// Spacing of each particle over the particle spacing; empty where all are the same.
+    pub(crate) sizes: Vec<f64>,
+    /// Class of each particle's row; empty where all are the same.
+    row_classes: Vec<u8>,
+    /// psi of pairs of classes ([`crate::particles::row_pairs`]).
+    factors: DMatrix<f64>,
     pub(crate) list: NeighbourList,
     /// Kept from one update to the next for its room.
     pub(crate) cells: Cells<D>,
@@ -79,11 +87,14 @@ impl<const D: usize> ReferenceConfiguration<D> {
         Self {
             frame: Vec::new(),
             volume: Vec::new(),
+            sizes: Vec::new(),
+            row_classes: Vec::new(),
+            factors: RowClasses::of(setup).factors,
             list: NeighbourList::default(),
             cells: Cells::default(),
             time: 0.0,
             since: Tally::default(),
-            reach: 2.0 * numerics.smoothing.length,
+            reach: numerics.coarsest * numerics.smoothing.support(),
             limits: OperatorLimits::default(),
             lattice_gradient: 0.0,
             tilted_axes: tilted_axes(&setup.frame),
@@ -114,9 +125,11 @@ impl<const D: usize> ReferenceConfiguration<D> {
     }
 
     /// Takes the present configuration as the reference: the particles change to the order of storage.
-    pub(crate) fn take(&mut self, particles: &mut Particles<D>, time: f64) {
-        self.cells.lay(&particles.position, self.reach);
+    pub(crate) fn take(&mut self, particles: &mut Particles<D>, numerics: &Numerics, time: f64) {
+        self.cells.lay(&particles.position, self.reach / numerics.coarsest);
         particles.reorder(&self.cells.order);
+        (self.sizes, self.row_classes) = particles.sizes_and_classes();
+        self.cells.note_sizes(&self.sizes);
         for (motion, position) in particles.motion.iter_mut().zip(&particles.position) {
             motion.set_reference(*position);
         }
@@ -142,7 +155,8 @@ impl<const D: usize> ReferenceConfiguration<D> {
             body: &particles.body,
             origin: &particles.origin,
             bonded: numerics.bonded,
-            reach_square: self.bonding_distance.powi(2),
+            reach: self.bonding_distance,
+            sizes: &self.sizes,
         };
         let metrics: Vec<Matrix<D>> = particles.shape.iter().map(inverse_nonsingular).collect();
         let cloud = Cloud {
@@ -150,6 +164,7 @@ impl<const D: usize> ReferenceConfiguration<D> {
             volumes: &self.volume,
             kinship,
             metrics: &metrics,
+            rows: (&self.row_classes, &self.factors),
         };
         build_list(&mut self.list, &self.cells, &cloud, numerics.smoothing, self_contact);
         self.limits = self.correct_operators(&particles.motion);
@@ -161,7 +176,7 @@ impl<const D: usize> ReferenceConfiguration<D> {
 
     /// Corrections B and moments; returns what limits the time step.
     fn correct_operators(&mut self, motion: &[Motion<D>]) -> OperatorLimits {
-        let list = &self.list;
+        let (list, sizes) = (&self.list, self.sizes.as_slice());
         self.frame
             .par_chunks_mut(CHUNK)
             .enumerate()
@@ -169,7 +184,7 @@ impl<const D: usize> ReferenceConfiguration<D> {
             .map(|(chunk, frames)| {
                 let mut limits = OperatorLimits::default();
                 for (offset, frame) in frames.iter_mut().enumerate() {
-                    correct(frame, list, motion, chunk * CHUNK + offset, &mut limits);
+                    correct(frame, (list, sizes), motion, chunk * CHUNK + offset, &mut limits);
                 }
                 limits
             })
@@ -177,6 +192,7 @@ impl<const D: usize> ReferenceConfiguration<D> {
             .reduce(OperatorLimits::default, |a, b| OperatorLimits {
                 gradient: a.gradient.max(b.gradient),
                 weight: a.weight.max(b.weight),
+                damping: a.damping.max(b.damping),
             })
     }
 }
@@ -196,6 +212,8 @@ pub(crate) struct OperatorLimits {
     pub(crate) gradient: f64,
     /// Largest sum_j w in 1/m^2.
     pub(crate) weight: f64,
+    /// Largest sum_j w times the mean size of the two, in 1/m^2.
+    pub(crate) damping: f64,
 }
 
 /// The moment with its eigenvalues raised to [`THINNEST_MOMENT`] of their mean. Where a particle
@@ -218,7 +236,7 @@ fn filled<const D: usize>(moment: Matrix<D>, mean: f64) -> Matrix<D> {
 
 fn correct<const D: usize>(
     frame: &mut Frame<D>,
-    list: &NeighbourList,
+    (list, sizes): (&NeighbourList, &[f64]),
     motion: &[Motion<D>],
     i: usize,
     limits: &mut OperatorLimits,
@@ -226,10 +244,11 @@ fn correct<const D: usize>(
     let (index, weight) = list.row(i);
     let mut second = zero();
     let mut first = [0.0; D];
-    let mut total = 0.0;
+    let (mut total, mut damped) = (0.0, 0.0);
     for (&j, &w) in index.iter().zip(weight) {
         let separation = minus(motion[j as usize].reference(), motion[i].reference());
         total += w;
+        damped += w * pair_mean(sizes, i, j as usize);
         first = plus_scaled(&first, w, &separation);
         for row in 0..D {
             for column in 0..D {
@@ -255,6 +274,7 @@ fn correct<const D: usize>(
         .sum();
     limits.gradient = limits.gradient.max(gradient);
     limits.weight = limits.weight.max(total);
+    limits.damping = limits.damping.max(damped);
 }
 
 #[cfg(test)]

@@ -37,5 +37,5 @@ pub(crate) fn carry_shapes<const D: usize>(
         *shape = limited;
         largest = largest.max(widest);
     }
-    numerics.smoothing.support() * largest.sqrt()
+    numerics.coarsest * numerics.smoothing.support() * largest.sqrt()
 }

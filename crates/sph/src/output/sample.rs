@@ -60,8 +60,9 @@ impl<const D: usize> Engine<D> {
     fn sample_energies(&self, set: &mut impl FnMut(ChannelId, f64)) {
         let ledger = &self.ledger;
         let (kinetic, elastic) = (self.particles.kinetic_energy(), self.particles.elastic_energy());
-        let contact = ledger.contact + self.self_contact.energy(&self.particles.position);
-        let pairing = self.pairing.energy(&self.particles.position);
+        let sizes = self.reference.sizes.as_slice();
+        let contact = ledger.contact + self.self_contact.energy(&self.particles.position, sizes);
+        let pairing = self.pairing.energy(&self.particles.position, sizes);
         let numerical = ledger.hourglass
             + ledger.viscosity
             + ledger.density_diffusion

@@ -73,6 +73,7 @@ impl<const D: usize> Engine<D> {
             snapshot.friction_use.push(friction_use[i]);
             snapshot.shear_friction_factor.push(shear_friction[i]);
             snapshot.contact_area.push(area[i]);
+            snapshot.relative_spacing.push(data.size);
             snapshot.half_thickness.push(self.particles.half_thickness(i, &feed));
             snapshot.neighbours.push(self.reference.list.count(i));
         }
@@ -98,7 +99,9 @@ impl<const D: usize> Engine<D> {
         snapshot.friction_use.push(0.0);
         snapshot.shear_friction_factor.push(0.0);
         snapshot.contact_area.push(0.0);
-        snapshot.half_thickness.push(self.particles.cell(rest.body).half_thickness(feed));
+        let undisturbed = self.particles.undisturbed(rest.body, rest.material, feed);
+        snapshot.relative_spacing.push(data.size);
+        snapshot.half_thickness.push(undisturbed);
         snapshot.neighbours.push(0);
     }
 

@@ -1,7 +1,11 @@
 //! Fills the bodies of a setup with particles.
 
 use crate::error::SetupError;
-use crate::setup::{Body, Dimension, Discretisation, Lattice, Setup, Shape, Vector, VelocityField};
+use crate::particles::row_pairs;
+use crate::setup::{
+    Body, Dimension, Discretisation, Grading, Lattice, Setup, Shape, Vector, VelocityField,
+};
+use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
 /// A particle at the start.
@@ -12,30 +16,83 @@ pub(crate) struct Seed {
     pub(crate) velocity: Vector,
     pub(crate) volume: f64,
     pub(crate) temperature: f64,
+    /// Number of its class in [`classes`].
+    pub(crate) class: usize,
+}
+
+/// What particles of one material may differ in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct RowClass {
+    /// How often the particle spacing is doubled.
+    pub(crate) level: u8,
+    /// Body and row, where the row has factors of its own.
+    row: Option<(usize, usize)>,
+}
+
+/// The classes of a setup, with the factors psi of their pairs ([`crate::particles::row_pairs`]).
+#[derive(Debug, Clone)]
+pub(crate) struct RowClasses {
+    /// The first is that of a lattice of one spacing.
+    pub(crate) list: Vec<RowClass>,
+    pub(crate) factors: DMatrix<f64>,
+}
+
+impl RowClasses {
+    pub(crate) fn of(setup: &Setup) -> Self {
+        let levels = 0..setup.discretisation.levels();
+        let mut list: Vec<RowClass> = levels.map(|level| RowClass { level, row: None }).collect();
+        let mut known = Vec::new();
+        if setup.discretisation.grading.is_some() {
+            for (number, body) in setup.bodies.iter().enumerate() {
+                let (rows, points) = graded(setup, body);
+                let (factors, own) = row_pairs::find(setup, &rows, &points);
+                list.extend(
+                    own.iter()
+                        .map(|&row| RowClass { level: rows[row].level, row: Some((number, row)) }),
+                );
+                known.push(factors);
+            }
+        }
+        let factor = |a: usize, b: usize| match (list[a].row, list[b].row) {
+            (Some((body, r)), Some((other, s))) if body == other => known[body][(r, s)],
+            _ => 1.0,
+        };
+        let factors = DMatrix::from_fn(list.len(), list.len(), factor);
+        Self { list, factors }
+    }
+
+    /// The class of a particle in a row of a body.
+    fn find(&self, body: usize, row: usize, level: u8) -> usize {
+        let own = self.list.iter().position(|class| class.row == Some((body, row)));
+        own.unwrap_or(usize::from(level))
+    }
 }
 
 /// All particles of all bodies, in a fixed order.
 pub(crate) fn fill(setup: &Setup) -> Result<Vec<Seed>, SetupError> {
     let mut seeds = Vec::new();
+    let classes = RowClasses::of(setup);
     for (index, body) in setup.bodies.iter().enumerate() {
         let points = body_points(setup, body);
         if points.is_empty() {
             return Err(SetupError::EmptyBody { body: body.name.clone() });
         }
+        let number = index;
         let index = u32::try_from(index).expect("a setup has far fewer bodies than 2^32");
-        seeds.extend(points.into_iter().map(|(position, volume)| Seed {
+        seeds.extend(points.into_iter().map(|(row, point)| Seed {
             body: index,
-            position,
-            velocity: velocity_at(&body.velocity, &position),
-            volume,
+            position: point.centre,
+            velocity: velocity_at(&body.velocity, &point.centre),
+            volume: point.volume,
             temperature: body.temperature,
+            class: classes.find(number, row, point.level),
         }));
     }
     if seeds.is_empty() {
         return Err(SetupError::NoParticles);
     }
     if setup.discretisation.lattice == Lattice::Disordered {
-        disorder(&mut seeds, setup);
+        disorder(&mut seeds, setup, &classes);
         // The field is that of the place where a particle is, not of the lattice point it left.
         for seed in &mut seeds {
             seed.velocity = velocity_at(&setup.bodies[seed.body as usize].velocity, &seed.position);
@@ -44,14 +101,25 @@ pub(crate) fn fill(setup: &Setup) -> Result<Vec<Seed>, SetupError> {
     Ok(seeds)
 }
 
-/// Positions and volumes of the particles of one body.
-fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
+/// A cell of a lattice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Point {
+    pub(crate) centre: Vector,
+    pub(crate) volume: f64,
+    level: u8,
+}
+
+/// The particles of one body, each with the number of its row.
+fn body_points(setup: &Setup, body: &Body) -> Vec<(usize, Point)> {
     let spacing = setup.particle_spacing;
     match &body.shape {
         Shape::Box { min, max, .. } => {
             let Discretisation { lattice_aspect, parting_height, .. } = setup.discretisation;
             let points = box_points(setup, min, max, lattice_aspect, parting_height);
-            points.into_iter().map(|(p, v)| (placed(&body.shape, &p), v)).collect()
+            let placed = |(row, p): (usize, Point)| {
+                (row, Point { centre: placed(&body.shape, &p.centre), ..p })
+            };
+            points.into_iter().map(placed).collect()
         }
         Shape::Cylinder { centre, radius, inner_radius, length } => {
             let length = if setup.dimension == Dimension::Two { 0.0 } else { *length };
@@ -60,15 +128,15 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
             let min = [centre[0] - half, centre[1] - half, centre[2]];
             let max = [centre[0] + half, centre[1] + half, centre[2] + length];
             let mut points = box_points(setup, &min, &max, 1.0, None);
-            points.retain(|(p, _)| {
+            points.retain(|(_, Point { centre: p, .. })| {
                 let distance = (p[0] - centre[0]).hypot(p[1] - centre[1]);
                 distance <= *radius && distance >= *inner_radius
             });
             let depth = if setup.dimension == Dimension::Two { 1.0 } else { length };
             let exact = PI * (radius * radius - inner_radius * inner_radius) * depth;
-            let filled: f64 = points.iter().map(|(_, volume)| volume).sum();
-            for (_, volume) in &mut points {
-                *volume *= exact / filled;
+            let filled: f64 = points.iter().map(|(_, point)| point.volume).sum();
+            for (_, point) in &mut points {
+                point.volume *= exact / filled;
             }
             points
         }
@@ -77,65 +145,171 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(Vector, f64)> {
 
 /// Centres of the cells of a box; the spacing is adjusted so that whole cells fill it. Cells are
 /// `aspect` times as long along the first axis as along the others, at the same volume. Two rows meet
-/// at `parting`, if it is given: below and above it the pitch is adjusted separately.
+/// at `parting`, if it is given: below and above it the pitch is adjusted separately. Cells of another level are twice as
+/// large in every direction.
 fn box_points(
     setup: &Setup,
     min: &Vector,
     max: &Vector,
     aspect: f64,
     parting: Option<f64>,
-) -> Vec<(Vector, f64)> {
+) -> Vec<(usize, Point)> {
     let planar = setup.dimension == Dimension::Two;
     let spacing = setup.particle_spacing * narrowing(setup.dimension, aspect);
     let hexagonal = setup.discretisation.lattice == Lattice::Hexagonal;
-    // Equal area per particle: rows 3^(1/2)/2 a apart with a = (2/3^(1/2))^(1/2) dx.
-    let along = if hexagonal { spacing * (2.0 / 3.0_f64.sqrt()).sqrt() } else { spacing };
-    let across = if hexagonal { along * 3.0_f64.sqrt() / 2.0 } else { spacing };
+    let (along, across) = pitches(setup, aspect);
     let cells = |k: usize, pitch: f64| ((max[k] - min[k]) / pitch).round() as usize;
-    let columns = cells(0, along * aspect);
-    let rows = rows(min[1], max[1], across, parting);
-    let layers = if planar { 1 } else { cells(2, spacing) };
+    let pitch = |k: usize, count: usize| (max[k] - min[k]) / count as f64;
+    // Of a level: what a row of it has along and across.
+    let ways: Vec<[(usize, f64); 2]> = (0..setup.discretisation.levels())
+        .map(|level| {
+            let size = size_of_level(level);
+            let columns = cells(0, along * aspect * size);
+            let layers = if planar { 1 } else { cells(2, spacing * size) };
+            let width = if planar { 1.0 } else { pitch(2, layers) };
+            [(columns, pitch(0, columns)), (layers, width)]
+        })
+        .collect();
+    let [(columns, _), (layers, _)] = ways[0];
     if columns == 0 || layers == 0 {
         return Vec::new();
     }
-    let pitch = |k: usize, count: usize| (max[k] - min[k]) / count as f64;
-    let (length, width) = (pitch(0, columns), if planar { 1.0 } else { pitch(2, layers) });
+    let rows = rows((min[1], max[1]), across, parting, setup.discretisation.grading.as_ref());
     let mut points = Vec::with_capacity(columns * rows.len() * layers);
     for layer in 0..layers {
-        for (row, &(centre, height)) in rows.iter().enumerate() {
+        for (row, &Row { centre, height, level }) in rows.iter().enumerate() {
+            let [(columns, length), (layers, width)] = ways[level as usize];
+            if layer >= layers {
+                continue;
+            }
             let shift = match (hexagonal, row % 2) {
                 (false, _) => 0.5,
                 (true, 0) => 0.25,
                 (true, _) => 0.75,
             };
             for column in 0..columns {
-                points.push((
-                    [
-                        min[0] + (column as f64 + shift) * length,
-                        centre,
-                        if planar { 0.0 } else { min[2] + (layer as f64 + 0.5) * width },
-                    ],
-                    length * height * width,
-                ));
+                let x = min[0] + (column as f64 + shift) * length;
+                let z = if planar { 0.0 } else { min[2] + (layer as f64 + 0.5) * width };
+                let volume = length * height * width;
+                points.push((row, Point { centre: [x, centre, z], volume, level }));
             }
         }
     }
     points
 }
 
-/// Centre and height of the rows between `low` and `high`, about `pitch` high.
-fn rows(low: f64, high: f64, pitch: f64, parting: Option<f64>) -> Vec<(f64, f64)> {
-    let fill = |low: f64, high: f64| {
-        let count = ((high - low) / pitch).round() as usize;
-        let height = (high - low) / count as f64;
-        (0..count).map(move |row| (low + (row as f64 + 0.5) * height, height))
-    };
-    // A part that is less than half a row joins the other.
-    let splits = |level: &f64| level - low >= 0.5 * pitch && high - level >= 0.5 * pitch;
-    match parting.filter(splits) {
-        Some(level) => fill(low, level).chain(fill(level, high)).collect(),
-        None => fill(low, high).collect(),
+/// Distance of the particles of a row over the aspect, and of rows.
+fn pitches(setup: &Setup, aspect: f64) -> (f64, f64) {
+    let spacing = setup.particle_spacing * narrowing(setup.dimension, aspect);
+    if setup.discretisation.lattice != Lattice::Hexagonal {
+        return (spacing, spacing);
     }
+    // Equal area per particle: rows 3^(1/2)/2 a apart with a = (2/3^(1/2))^(1/2) dx.
+    let along = spacing * (2.0 / 3.0_f64.sqrt()).sqrt();
+    (along, along * 3.0_f64.sqrt() / 2.0)
+}
+
+/// Coarsest cells along and across the cut of a piece of a graded body that stands for all of it.
+const PIECE: f64 = 10.0;
+
+/// Sides of the cells at the particle spacing in m.
+pub(crate) fn finest_cell(setup: &Setup) -> Vector {
+    let aspect = setup.discretisation.lattice_aspect;
+    let (along, across) = pitches(setup, aspect);
+    [along * aspect, across, along]
+}
+
+/// The rows of a body and the particles of a piece of it, before any rotation; none of a cylinder, whose spacing is the same
+/// everywhere.
+fn graded(setup: &Setup, body: &Body) -> (Vec<Row>, Vec<(usize, Point)>) {
+    let Shape::Box { min, max, .. } = &body.shape else { return (Vec::new(), Vec::new()) };
+    let Discretisation { lattice_aspect, parting_height, grading, .. } = setup.discretisation;
+    let [length, across, width] = finest_cell(setup);
+    let rows = rows((min[1], max[1]), across, parting_height, grading.as_ref());
+    let coarsest = PIECE * size_of_level(setup.discretisation.levels() - 1);
+    let low = [0.0, min[1], 0.0];
+    let high = [coarsest * length, max[1], coarsest * width];
+    (rows, box_points(setup, &low, &high, lattice_aspect, parting_height))
+}
+
+/// Spacing of a level over the particle spacing.
+pub(crate) fn size_of_level(level: u8) -> f64 {
+    f64::from(1_u32 << level)
+}
+
+/// A row of cells.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Row {
+    pub(crate) centre: f64,
+    pub(crate) height: f64,
+    pub(crate) level: u8,
+}
+
+/// The rows between `low` and `high`, where they are smallest about `pitch` high.
+fn rows(
+    (low, high): (f64, f64),
+    pitch: f64,
+    parting: Option<f64>,
+    grading: Option<&Grading>,
+) -> Vec<Row> {
+    let parts = parts((low, high), pitch, grading).into_iter().flat_map(|(low, high, level)| {
+        // A part that is less than half a row joins the other.
+        let splits = |height: &f64| {
+            level == 0 && height - low >= 0.5 * pitch && high - height >= 0.5 * pitch
+        };
+        let middle = parting.filter(splits);
+        let (first, second) = middle.map_or(((low, high), None), |m| ((low, m), Some((m, high))));
+        std::iter::once(first).chain(second).map(move |ends| (ends, level))
+    });
+    let fill = |((low, high), level): ((f64, f64), u8)| {
+        let count = ((high - low) / (pitch * size_of_level(level))).round() as usize;
+        let height = (high - low) / count as f64;
+        (0..count).map(move |row| {
+            let centre = low + (row as f64 + 0.5) * height;
+            Row { centre, height, level }
+        })
+    };
+    parts.flat_map(fill).collect()
+}
+
+/// The heights from `low` to `high` by level, upwards.
+fn parts((low, high): (f64, f64), pitch: f64, grading: Option<&Grading>) -> Vec<(f64, f64, u8)> {
+    let Some(Grading { band, below, above }) = grading else { return vec![(low, high, 0)] };
+    // Thicknesses of the levels away from the band, the last one up to the end; what is less than two rows joins the one before.
+    let thicknesses = |room: f64, levels: u8| {
+        let (mut found, mut left) = (vec![0.0], room.max(0.0));
+        for level in 1..=levels {
+            let row = pitch * size_of_level(level);
+            if left < 2.0 * row {
+                break;
+            }
+            let whole = Grading::ROWS as f64 * row;
+            let part = if level == levels || left - whole < 4.0 * row { left } else { whole };
+            found.push(part);
+            left -= part;
+        }
+        found[0] += left;
+        found
+    };
+    let [bottom, top] = band.map(|height| height.clamp(low, high));
+    let down = thicknesses(bottom - low, *below);
+    let up = thicknesses(high - top, *above);
+    let mut parts = Vec::new();
+    let mut from = low;
+    for (level, thickness) in down.iter().enumerate().skip(1).rev() {
+        parts.push((from, from + thickness, level as u8));
+        from += thickness;
+    }
+    parts.push((from, top + up[0], 0));
+    from = top + up[0];
+    for (level, thickness) in up.iter().enumerate().skip(1) {
+        parts.push((from, from + thickness, level as u8));
+        from += thickness;
+    }
+    if let Some(last) = parts.last_mut() {
+        last.1 = high;
+    }
+    parts
 }
 
 /// Distance of particles across the first axis over that of a cubic lattice of the same volume.
@@ -206,14 +380,15 @@ fn cantilever_shape(s: f64) -> f64 {
     if s <= 0.0 { 0.0 } else { mode(s) / mode(1.0) }
 }
 
-/// Moves every particle by up to a fifth of the smallest spacing in each direction.
-fn disorder(seeds: &mut [Seed], setup: &Setup) {
+/// Moves every particle by up to a fifth of its smallest spacing in each direction.
+fn disorder(seeds: &mut [Seed], setup: &Setup, classes: &RowClasses) {
     let axes = if setup.dimension == Dimension::Two { 2 } else { 3 };
     let aspect = setup.discretisation.lattice_aspect;
     let across = narrowing(setup.dimension, aspect);
     let reach = 0.2 * setup.particle_spacing * across.min(across * aspect);
     let mut state = setup.seed;
     for seed in seeds {
+        let reach = reach * size_of_level(classes.list[seed.class].level);
         for k in 0..axes {
             seed.position[k] += reach * (2.0 * uniform(&mut state) - 1.0);
         }
@@ -256,10 +431,10 @@ mod tests {
             setup.discretisation.lattice_aspect = 4.0;
             let points = box_points(&setup, &[0.0; 3], &[side; 3], 4.0, None);
             assert_eq!(points.len(), counts.iter().product::<usize>());
-            let total: f64 = points.iter().map(|(_, volume)| volume).sum();
+            let total: f64 = points.iter().map(|(_, point)| point.volume).sum();
             let axes = if dimension == Dimension::Two { 2 } else { 3 };
             assert!((total - f64::powi(side, axes)).abs() < 1e-12);
-            let first = points[0].0;
+            let first = points[0].1.centre;
             assert!((first[0] - 0.5 * side / counts[0] as f64).abs() < 1e-15);
             assert!((first[1] - 0.5 * side / counts[1] as f64).abs() < 1e-15);
         }
@@ -271,14 +446,55 @@ mod tests {
         let setup = Setup::empty(Dimension::Two, 0.1, 1.0);
         let points = box_points(&setup, &[0.0, -1.0, 0.0], &[0.5, 0.0, 0.0], 1.0, Some(-0.23));
         assert_eq!(points.len(), 5 * 10);
-        let total: f64 = points.iter().map(|(_, volume)| volume).sum();
+        let total: f64 = points.iter().map(|(_, point)| point.volume).sum();
         assert!((total - 0.5).abs() < 1e-14);
-        let mut heights: Vec<f64> = points.iter().map(|(point, _)| point[1] + 0.23).collect();
+        let mut heights: Vec<f64> =
+            points.iter().map(|(_, point)| point.centre[1] + 0.23).collect();
         heights.sort_by(f64::total_cmp);
         assert!((heights[5 * 8 - 1] + 0.5 * 0.09625).abs() < 1e-14, "{heights:?}");
         assert!((heights[5 * 8] - 0.5 * 0.115).abs() < 1e-14);
-        assert!((points[0].1 - 0.1 * 0.09625).abs() < 1e-15);
-        assert!((points[49].1 - 0.1 * 0.115).abs() < 1e-15);
+        assert!((points[0].1.volume - 0.1 * 0.09625).abs() < 1e-15);
+        assert!((points[49].1.volume - 0.1 * 0.115).abs() < 1e-15);
+    }
+
+    #[test]
+    fn rows_double_away_from_the_band_and_fill_the_box() {
+        for dimension in [Dimension::Two, Dimension::Three] {
+            let mut setup = Setup::empty(dimension, 0.1, 1.0);
+            let band = [-1.0, -0.5];
+            setup.discretisation.grading = Some(Grading { band, below: 2, above: 1 });
+            let (low, high) = ([0.0, -6.0, 0.0], [1.2, 0.0, 0.8]);
+            let points = box_points(&setup, &low, &high, 1.0, Some(-0.7));
+            let total: f64 = points.iter().map(|(_, point)| point.volume).sum();
+            let depth = if dimension == Dimension::Two { 1.0 } else { 0.8 };
+            assert!((total - 1.2 * 6.0 * depth).abs() < 1e-12);
+            // From the bottom: 4 m of level 2 at 0.4, 1 m of level 1 at 0.2, the band at 0.1 and 0.5 m of level 1.
+            let rows =
+                rows((low[1], high[1]), 0.1, Some(-0.7), setup.discretisation.grading.as_ref());
+            let levels: Vec<u8> = rows.iter().map(|row| row.level).collect();
+            assert_eq!(levels, [[2; 10].as_slice(), &[1; 5], &[0; 5], &[1; 3]].concat());
+            let meets = |height: f64| {
+                rows.iter().any(|row| (row.centre - 0.5 * row.height - height).abs() < 1e-12)
+            };
+            assert!(meets(-0.7) && meets(band[0]) && meets(band[1]));
+            let in_row =
+                |level: u8| points.iter().filter(|(_, point)| point.level == level).count();
+            let layers = |level: u32| if dimension == Dimension::Two { 1 } else { 8 >> level };
+            assert_eq!(in_row(0), 5 * 12 * layers(0));
+            assert_eq!(in_row(1), 8 * 6 * layers(1));
+            assert_eq!(in_row(2), 10 * 3 * layers(2));
+        }
+    }
+
+    #[test]
+    fn what_has_no_room_for_two_rows_joins_the_level_before() {
+        let parts = |low, high, below, above| {
+            parts((low, high), 0.1, Some(&Grading { band: [-0.5, -0.2], below, above }))
+        };
+        assert_eq!(parts(-0.8, 0.0, 2, 1), [(-0.8, 0.0, 0)]);
+        assert_eq!(parts(-0.8, 0.3, 0, 1), [(-0.8, -0.2, 0), (-0.2, 0.3, 1)]);
+        // 1.3 below the band: less than five rows of 0.2 and four of 0.4.
+        assert_eq!(parts(-1.8, -0.2, 2, 0), [(-1.8, -0.5, 1), (-0.5, -0.2, 0)]);
     }
 
     #[test]

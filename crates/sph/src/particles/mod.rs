@@ -3,6 +3,7 @@
 pub(crate) mod lattice;
 pub(crate) mod lattice_cell;
 pub(crate) mod motion;
+pub(crate) mod row_pairs;
 pub(crate) mod supports;
 pub(crate) mod window;
 
@@ -29,7 +30,7 @@ const STILL: f64 = 1e-100;
 pub(crate) struct Particles<const D: usize> {
     pub(crate) id: Vec<u64>,
     pub(crate) body: Vec<u32>,
-    /// Index into `materials`.
+    /// Index into `materials`: of what and how large.
     pub(crate) material: Vec<u8>,
     /// Index into `holds`, or [`FREE`].
     pub(crate) hold: Vec<u8>,
@@ -47,6 +48,8 @@ pub(crate) struct Particles<const D: usize> {
     /// Total force except the reaction of supports.
     pub(crate) force: Vec<Vector<D>>,
     pub(crate) materials: Vec<MaterialData>,
+    /// Of how many classes of rows each material is there, one after the other.
+    row_classes: u8,
     pub(crate) holds: Vec<Hold<D>>,
     /// Cells of the lattice, by body.
     cells_of_bodies: Vec<LatticeCell<D>>,
@@ -72,6 +75,7 @@ pub(crate) struct Rest<const D: usize> {
 impl<const D: usize> Particles<D> {
     /// None yet, of the materials and supports of a setup.
     pub(crate) fn none(setup: &Setup, numerics: &Numerics) -> Self {
+        let materials = MaterialData::all(setup, numerics.smoothing.length);
         Self {
             id: Vec::new(),
             body: Vec::new(),
@@ -85,7 +89,9 @@ impl<const D: usize> Particles<D> {
             point: Vec::new(),
             history: Vec::new(),
             force: Vec::new(),
-            materials: MaterialData::all(setup, numerics.smoothing.length),
+            row_classes: u8::try_from(materials.len() / setup.materials.len().max(1))
+                .expect("fewer than 256 materials"),
+            materials,
             holds: Hold::all(setup),
             cells_of_bodies: LatticeCell::all(setup),
             mass_scaling: numerics.mass_scaling,
@@ -101,6 +107,18 @@ impl<const D: usize> Particles<D> {
     #[inline]
     pub(crate) fn data(&self, i: usize) -> &MaterialData {
         &self.materials[self.material[i] as usize]
+    }
+
+    /// Spacing of particle `i` over the particle spacing.
+    #[inline]
+    pub(crate) fn size(&self, i: usize) -> f64 {
+        self.data(i).size
+    }
+
+    /// The sizes of all particles and the classes of their rows, or none where all are the same.
+    pub(crate) fn sizes_and_classes(&self) -> (Vec<f64>, Vec<u8>) {
+        let count = if self.row_classes > 1 { self.count() } else { 0 };
+        (0..count).map(|i| (self.size(i), self.material[i] % self.row_classes)).unzip()
     }
 
     /// Mass of a particle in kg (kg/m).
@@ -130,7 +148,8 @@ impl<const D: usize> Particles<D> {
             velocity = support.constrained(&velocity);
             temperature = support.temperature.unwrap_or(temperature);
         }
-        let material = setup.bodies[seed.body as usize].material;
+        let classes = usize::from(self.row_classes);
+        let material = setup.bodies[seed.body as usize].material * classes + seed.class;
         Rest {
             id: id as u64,
             body: seed.body,
@@ -316,12 +335,14 @@ impl<const D: usize> Particles<D> {
     /// `normal`.
     pub(crate) fn half_thickness(&self, i: usize, normal: &Vector<D>) -> f64 {
         let followed = self.point[i].half_thickness;
-        if followed > 0.0 { followed } else { self.cell(self.body[i]).half_thickness(normal) }
+        let lattice = |i: usize| self.undisturbed(self.body[i], self.material[i], normal);
+        if followed > 0.0 { followed } else { lattice(i) }
     }
 
-    /// The lattice of a body.
-    pub(crate) fn cell(&self, body: u32) -> &LatticeCell<D> {
-        &self.cells_of_bodies[body as usize]
+    /// The half thickness along `normal` of the cell that a particle of a body and a material has in its lattice.
+    pub(crate) fn undisturbed(&self, body: u32, material: u8, normal: &Vector<D>) -> f64 {
+        let size = self.materials[material as usize].size;
+        size * self.cells_of_bodies[body as usize].half_thickness(normal)
     }
 
     /// Memory of the arrays in bytes.

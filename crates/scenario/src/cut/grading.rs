@@ -1,0 +1,60 @@
+//! `[resolution.grading]`: where the particles of a cut are small.
+
+use crate::cut::CutScenario;
+use crate::{sections, spacing};
+use sphcut_input::findings::Findings;
+use sphcut_input::reader;
+use sphcut_input::record::Record;
+use sphcut_physics::Quantity;
+use sphcut_sph::setup::Grading;
+
+/// Thickness of the fine band above and below the plane in which the chip parts, in edge radii: what is ploughed, the sheared
+/// layer on the rake face and the strained one of the machined surface.
+const EDGE_RADII: f64 = 2.0;
+/// The same in uncut chip thicknesses, where the edge is sharp or unknown.
+const SHARP: f64 = 0.5;
+/// Most doublings of the spacing.
+const MOST: u8 = 4;
+
+/// The grading that `[resolution.grading]` asks for; `None` after a mistake.
+pub(crate) fn grading(
+    findings: &mut Findings,
+    root: &Record<'_>,
+    cut: &CutScenario,
+) -> Option<Option<Grading>> {
+    let outer = reader::read(
+        &mut Findings::default(),
+        &root.source,
+        root.table("resolution")?,
+        &sections::resolution(),
+        2,
+    );
+    let Some(table) = outer.table("grading") else { return Some(None) };
+    let record = reader::read(findings, &root.source, table, &sections::grading(), 2);
+    let finest = cut.resolution.particle_spacing;
+    let thickness = cut.process.depth;
+    let usual = cut.tool.edge_radius.filter(|radius| *radius > 0.0);
+    let usual = usual.map_or(SHARP * thickness, |radius| EDGE_RADII * radius);
+    let mut length = |key: &'static str| {
+        if record.is_written(key) {
+            return record.number(key);
+        }
+        findings.derived("resolution.grading", key, Quantity::Length, usual);
+        Some(usual)
+    };
+    let (above, below) = (length("fine_above"), length("fine_below"));
+    let mut doublings = |key: &'static str, usual: u8| {
+        if record.is_written(key) {
+            return Some(u8::try_from(record.count(key)?).expect("bounded by the section"));
+        }
+        findings.derived("resolution.grading", key, Quantity::Dimensionless, f64::from(usual));
+        Some(usual)
+    };
+    // As coarse as the preset or the count across the chip, beside that across the edge, would have it.
+    let asked = spacing::across_chip(&outer, thickness).unwrap_or(finest);
+    let usual = ((asked / finest).log2() + 1e-9).floor().clamp(0.0, f64::from(MOST)) as u8;
+    let doublings_above = doublings("doublings_above", usual)?;
+    let doublings_below = doublings("doublings_below", (doublings_above + 1).min(MOST))?;
+    let band = [-cut.deepest() - below?, -thickness + above?];
+    Some(Some(Grading { band, below: doublings_below, above: doublings_above }))
+}
