@@ -3,13 +3,18 @@
 //! disk is full, is remembered, and the command ends with an error.
 
 use crate::failure::{ExitCode, Failure};
+use crate::text;
+use std::borrow::Cow;
 use std::io::{Error, ErrorKind, Write};
 use std::path::Path;
 use std::sync::OnceLock;
+use terminal_size::{Height, Width, terminal_size_of};
 
 /// Says something on standard error.
 pub fn note(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let mut stream = std::io::stderr();
+    let text = folded(text, terminal_size_of(&stream));
+    let _ = writeln!(stream, "{text}");
 }
 
 /// Writes the answer of a command to standard output.
@@ -26,10 +31,22 @@ pub fn answer(text: &str) -> Result<ExitCode, Failure> {
 /// Writes a line to standard output at once.
 pub fn line(text: &str) {
     let mut out = std::io::stdout().lock();
+    let text = folded(text, terminal_size_of(&out));
     if let Err(error) = writeln!(out, "{text}").and_then(|()| out.flush())
         && error.kind() != ErrorKind::BrokenPipe
     {
         let _ = LOST.set(error);
+    }
+}
+
+/// Text for a terminal of some width: numbers keep their units. Elsewhere, and JSON, as it is.
+fn folded(text: &str, size: Option<(Width, Height)>) -> Cow<'_, str> {
+    match size {
+        Some((Width(width), _)) if !text.starts_with('{') => {
+            let lines = text.lines().map(|line| text::fold(line, usize::from(width)));
+            Cow::Owned(lines.collect::<Vec<_>>().join("\n"))
+        }
+        _ => Cow::Borrowed(text),
     }
 }
 

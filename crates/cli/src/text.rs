@@ -76,6 +76,36 @@ pub fn wrap(paragraph: &str, width: usize, indent: &str) -> String {
     lines.iter().map(|line| format!("{indent}{line}")).collect::<Vec<_>>().join("\n")
 }
 
+/// Breaks a line that is longer than `width` characters, never between a number and its unit or within a word; what follows is
+/// indented like the line.
+pub fn fold(line: &str, width: usize) -> String {
+    let indent: String = line.chars().take_while(|c| *c == ' ').collect();
+    let ends_a_number = |head: &str| {
+        let word = head.rsplit(' ').next().unwrap_or_default();
+        word.ends_with(|c: char| c.is_ascii_digit()) || ["\u{b1}", "to"].contains(&word)
+    };
+    let (mut folded, mut rest) = (String::new(), line.to_owned());
+    while rest.chars().count() > width {
+        let place = |at: usize| rest[..at].chars().count();
+        let breaks = rest.match_indices(' ').map(|(at, _)| at).filter(|&at| {
+            let (head, tail) = (&rest[..at], rest[at..].trim_start());
+            at > indent.len()
+                && !head.ends_with(' ')
+                && !ends_a_number(head)
+                && !tail.starts_with(['\u{b1}', '%'])
+        });
+        let breaks: Vec<usize> = breaks.collect();
+        let Some(&at) = breaks.iter().rev().find(|&&at| place(at) <= width).or(breaks.first())
+        else {
+            break;
+        };
+        folded.push_str(&rest[..at]);
+        folded.push('\n');
+        rest = format!("{indent}{}", rest[at..].trim_start());
+    }
+    folded + &rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,6 +142,25 @@ mod tests {
         assert_eq!(bytes(12), "12 B");
         assert_eq!(bytes(3_400_000), "3.4 MB");
         assert_eq!(bytes(1_200_000_000), "1.20 GB");
+    }
+
+    #[test]
+    fn no_folded_line_ends_in_a_bare_number() {
+        let line = "  F_f is 80.6 \u{b1} 5.76 N/mm (95 %) from 0.24 to 0.60 mm of travel; a drift of up to 19.8 N/mm (25 %) \
+                    over it cannot be excluded (95 %) at 150 m/min";
+        for width in 20..100 {
+            let folded = fold(line, width);
+            assert_eq!(
+                folded.split_whitespace().collect::<Vec<_>>(),
+                line.split_whitespace().collect::<Vec<_>>()
+            );
+            for part in folded.lines() {
+                assert!(!part.ends_with(|c: char| c.is_ascii_digit()), "{width}: {part}");
+                assert!(part.starts_with("  ") && part.chars().count() <= width.max(29), "{part}");
+            }
+        }
+        assert_eq!(fold("short", 80), "short");
+        assert_eq!(fold("/a/path/that/is/long", 10), "/a/path/that/is/long");
     }
 
     #[test]

@@ -106,8 +106,9 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     if let Some(path) = &arguments.preview {
         let _ = writeln!(page, "preview            {}", path.display());
     }
-    let _ = writeln!(page, "next               {command}");
-    terminal::answer(&page)
+    terminal::line(page.trim_end());
+    terminal::next(&command);
+    Ok(ExitCode::Done)
 }
 
 /// The same for programs; SI units.

@@ -1,9 +1,9 @@
 //! `sphcut validate`: the cases under `validation/`, run and judged.
 
 use crate::failure::{ExitCode, Failure};
+use crate::progress::ShareDisplay;
 use crate::{loading, terminal, text};
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use sphcut_verification::{
     Case, CaseOptions, CaseOutcome, CaseProgress, CaseVerdict, Judgement, Tier, cases,
 };
@@ -101,17 +101,14 @@ fn list(cases: &[Case]) -> String {
     page
 }
 
-/// Runs one case behind a bar that only a terminal sees.
+/// Runs one case behind a bar, or with lines of its progress.
 fn timed(case: &Case) -> (CaseVerdict, Duration) {
-    let bar = ProgressBar::new(1000);
-    let style = ProgressStyle::with_template("{bar:24} {percent:>3} %  {msg}");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+    let display = ShareDisplay::new(false);
     let start = Instant::now();
     let verdict = case.run(&CaseOptions::default(), &|progress: &CaseProgress| {
-        bar.set_position((1000.0 * progress.fraction) as u64);
-        bar.set_message(format!("{} {}", progress.case, progress.run));
+        display.update(progress.fraction, &format!("{} {}", progress.case, progress.run));
     });
-    bar.finish_and_clear();
+    display.finish();
     (verdict, start.elapsed())
 }
 

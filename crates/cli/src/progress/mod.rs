@@ -3,9 +3,11 @@
 mod bar;
 mod json;
 mod lines;
+mod share;
 
 use crate::text;
 pub use json::emit;
+pub use share::ShareDisplay;
 use std::io::IsTerminal;
 
 /// Where a run is, in the units shown to the user.

@@ -3,14 +3,13 @@
 use super::arguments::FitArguments;
 use super::tables::{MODEL, method, refused, table};
 use crate::failure::{ExitCode, Failure};
+use crate::progress::ShareDisplay;
 use crate::{files, loading, terminal, text};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sphcut_greybox::regressor::Method;
 use sphcut_greybox::{FitOptions, ForceFit, GreyBox, GreyBoxFit, fit_json, points_csv};
 use sphcut_report::render_greybox;
 
 const FILES: [&str; 4] = ["greybox.html", "greybox.json", "points.csv", MODEL];
-const TICKS: u64 = 1000;
 
 /// Fits and writes page, numbers, points and models.
 pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
@@ -20,14 +19,13 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
         FitOptions { seed: arguments.seed, methods: methods(arguments)?, ..FitOptions::default() };
     let (simulated, measured) = (table(&arguments.simulated)?, table(&arguments.measured)?);
     let pool = loading::pool(loading::threads(arguments.threads))?;
-    let bar = bar(arguments.quiet);
+    let display = ShareDisplay::new(arguments.quiet);
     let found = pool.install(|| {
         sphcut_greybox::fit(&simulated, &measured, &options, &|share, what| {
-            bar.set_position((share * TICKS as f64) as u64);
-            bar.set_message(what.to_owned());
+            display.update(share, what);
         })
     });
-    bar.finish_and_clear();
+    display.finish();
     let found = found.map_err(|error| refused(&arguments.measured, &error))?;
     let texts = [
         render_greybox(&found),
@@ -57,16 +55,6 @@ fn methods(arguments: &FitArguments) -> Result<Vec<Method>, Failure> {
         asked.extend(method(Some(key.trim()))?);
     }
     Ok(Method::ALL.into_iter().filter(|method| asked.contains(method)).collect())
-}
-
-/// A bar that only a terminal sees.
-fn bar(quiet: bool) -> ProgressBar {
-    let target =
-        if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(5) };
-    let bar = ProgressBar::with_draw_target(Some(TICKS), target);
-    let style =
-        ProgressStyle::with_template("{bar:24} {percent:>3} %  {elapsed} (left {eta})  {wide_msg}");
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "))
 }
 
 fn say(found: &GreyBoxFit) {

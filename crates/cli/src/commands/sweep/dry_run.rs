@@ -26,9 +26,13 @@ pub fn dry_run(
     if let (true, Some(speed)) = (on_cluster, speed) {
         page.push_str(&slurm::announced(arguments, plan, speed)?);
     }
-    page.push_str(&warnings(plan));
-    let _ = writeln!(page, "next               the same command without --dry-run");
-    terminal::answer(&page)
+    terminal::answer(&page)?;
+    let warnings = warnings(plan);
+    if !warnings.is_empty() {
+        terminal::line(warnings.trim_end());
+    }
+    terminal::next("the same command without --dry-run");
+    Ok(ExitCode::Done)
 }
 
 /// One line per run.
