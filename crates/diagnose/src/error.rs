@@ -95,7 +95,7 @@ pub enum DiagnoseError {
     #[error("tool {tool} has {found} segments; {needed} are needed")]
     TooFewSegments {
         /// The tool.
-        tool: f64,
+        tool: String,
         /// Those found.
         found: usize,
         /// Those needed.

@@ -259,6 +259,9 @@ fn row(
             continue;
         }
         let Some(quantity) = rule.quantity else {
+            if cell.is_empty() {
+                return Err(wrong("a name is needed".to_owned()));
+            }
             found.texts.push((column.rule, meant(cell).to_owned()));
             continue;
         };

@@ -80,7 +80,7 @@ fn tables(bytes: &[u8], _: &Path) {
     if let Ok(rows) = read_series_table(&text) {
         let segments: Vec<WearSegment> = rows
             .iter()
-            .map(|row| WearSegment { tool: row.tool, time: row.time, forces: row.forces })
+            .map(|row| WearSegment { tool: row.tool.clone(), time: row.time, forces: row.forces })
             .collect();
         let _ = grows(&segments, 1);
     }

@@ -13,8 +13,8 @@ const HELP: &str = "\
 Example:
   sphcut wear validation/diagnosis_wear/reference.csv --out wear
 
-The table: tool,time [s],F_c [N],F_f [N],F_p [N]; a segment per line, the tools in the order in which they cut, all under the
-same conditions.
+The table: tool,time [s],F_c [N],F_f [N],F_p [N]; a segment per line, the tools by name or number in the order in which they cut,
+all under the same conditions.
 
 What appears in the output folder:
   wear.json   the causes with their probabilities, each tool left out in turn
@@ -55,7 +55,7 @@ pub fn wear(arguments: &WearArguments) -> Result<ExitCode, Failure> {
     let rows = read_series_table(&text)
         .map_err(|problem| Failure::input(format!("`{table}`: {problem}")))?;
     let segments: Vec<WearSegment> = rows
-        .iter()
+        .into_iter()
         .map(|row| WearSegment { tool: row.tool, time: row.time, forces: row.forces })
         .collect();
     let found = grows(&segments, arguments.fresh.get())

@@ -133,6 +133,18 @@ fn wear_is_named_and_followed_from_forces_alone() {
     assert!(shop.read("found/wear.csv").lines().next().unwrap().ends_with("never_falling [N]"));
     assert!(shop.read("found/wear.html").contains("Limits"));
     shop.sphcut(&command).expect_code(2).expect_err("use --force");
+    // Tools by name: the same numbers under other names.
+    let table = shop.read("tools.csv");
+    let named = table.lines().map(|line| {
+        let (tool, rest) = line.split_once(',').unwrap();
+        let name = if tool == "tool" { tool.to_owned() } else { format!("edge {tool}") };
+        format!("{name},{rest}\n")
+    });
+    shop.write("named.csv", &named.collect::<String>());
+    shop.sphcut(&["wear", "named.csv"]).expect_code(0);
+    let [numbered, named] =
+        ["found", "out/named_wear"].map(|at| shop.read(&format!("{at}/wear.csv")));
+    assert_eq!(named.replace("\nedge ", "\n"), numbered);
     shop.write("tools.csv", "tool,time [s],F_c [N],F_f [N]\n1,0,5,5\n");
     let bad = ["wear", "tools.csv", "--out", "bad"];
     shop.sphcut(&bad).expect_code(2).expect_err("the column `F_p [N]` is missing");

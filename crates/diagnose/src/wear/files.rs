@@ -1,7 +1,8 @@
 //! What grows, in words and files.
 
 use crate::wear::growth::{Cause, WearGrowth};
-use serde_json::json;
+use serde_json::{Value, json};
+use sphcut_physics::csv::shown;
 use std::fmt::Write;
 
 /// Version of the schema of `wear.json`.
@@ -28,7 +29,7 @@ pub fn growth_json(found: &WearGrowth, version: &str) -> String {
         "noise_of_a_segment": found.noise,
         "error_of_cutting_force_over_its_change": found.ratio(),
         "left_out": found.left_out.iter().map(|tool| json!({
-            "tool": tool.tool,
+            "tool": number_or_name(&tool.tool),
             "probability_of_wear_by_the_others": tool.wear,
             "mean_error_of_cutting_force": tool.error,
             "mean_change_of_cutting_force": tool.change,
@@ -41,13 +42,18 @@ pub fn growth_json(found: &WearGrowth, version: &str) -> String {
     format!("{page:#}\n")
 }
 
+/// A number where the name of a tool is one.
+fn number_or_name(name: &str) -> Value {
+    name.parse().map_or_else(|_| json!(name), |number: f64| json!(number))
+}
+
 /// `wear.csv`: the normal force of wear on every segment, its tool left out, and the nearest course of it that never falls.
 #[must_use]
 pub fn growth_csv(found: &WearGrowth) -> String {
     let mut text = "tool,time [s],normal_force [N],low [N],high [N],never_falling [N]\n".to_owned();
     for amount in found.left_out.iter().flat_map(|tool| &tool.amounts) {
         let [low, high] = amount.interval;
-        let (tool, time) = (amount.segment.tool, amount.segment.time);
+        let (tool, time) = (shown(&amount.segment.tool), amount.segment.time);
         let (force, rising) = (amount.force, amount.never_falling);
         let _ = writeln!(text, "{tool},{time},{force:.2},{low:.2},{high:.2},{rising:.2}");
     }
@@ -101,7 +107,7 @@ pub fn growth_words(found: &WearGrowth) -> Vec<String> {
             .left_out
             .iter()
             .filter(|tool| tool.is_unsteady())
-            .map(|tool| tool.tool.to_string())
+            .map(|tool| tool.tool.clone())
             .collect();
         if !falling.is_empty() {
             words.push(format!(

@@ -1,13 +1,13 @@
 //! Forces of tools over their time in cut as a table: comma-separated, a header with units, a segment per line.
 
-use crate::columns::{self, ColumnRule, TableLine, TableProblem, column};
+use crate::columns::{self, ColumnRule, TableLine, TableProblem, column, text_column};
 use sphcut_physics::Quantity;
 
 /// One segment in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SeriesRow {
-    /// Number of the tool.
-    pub tool: f64,
+    /// Name or number of the tool.
+    pub tool: String,
     /// Time in cut in s.
     pub time: f64,
     /// F_c, F_f and F_p in N.
@@ -15,7 +15,7 @@ pub struct SeriesRow {
 }
 
 const COLUMNS: [ColumnRule; 5] = [
-    column("tool", Quantity::Dimensionless, "", (true, false)),
+    ColumnRule { required: true, ..text_column("tool") },
     column("time", Quantity::Time, "s", (true, false)),
     column("F_c", Quantity::Force, "N", (true, true)),
     column("F_f", Quantity::Force, "N", (true, true)),
@@ -29,7 +29,8 @@ const COLUMNS: [ColumnRule; 5] = [
 pub fn read_series_table(text: &str) -> Result<Vec<SeriesRow>, TableProblem> {
     let lines = columns::read(text, &COLUMNS, "no segment follows the header")?;
     let row = |line: TableLine| {
-        let [tool, time, forces @ ..] = line.all::<5>();
+        let tool = line.text(0).unwrap_or_default().to_owned();
+        let [time, forces @ ..] = [1, 2, 3, 4].map(|rule| line.required(rule));
         SeriesRow { tool, time, forces }
     };
     Ok(lines.into_iter().map(row).collect())
@@ -42,9 +43,10 @@ mod tests {
     #[test]
     fn units_in_any_order() {
         let rows =
-            read_series_table("time [min],tool,F_f [N],F_c [kN],F_p [N]\n0.5,7,300,0.5,100\n")
+            read_series_table("time [min],tool,F_f [N],F_c [kN],F_p [N]\n0.5,A,300,0.5,100\n")
                 .unwrap();
-        assert_eq!(rows, [SeriesRow { tool: 7.0, time: 30.0, forces: [500.0, 300.0, 100.0] }]);
+        let tool = "A".to_owned();
+        assert_eq!(rows, [SeriesRow { tool, time: 30.0, forces: [500.0, 300.0, 100.0] }]);
     }
 
     #[test]
@@ -54,6 +56,7 @@ mod tests {
             (good.to_owned(), "line 1: no segment follows the header"),
             (good.replace(",F_p [N]", ""), "line 1: the column `F_p [N]` is missing"),
             (format!("{good}1,0,5,5,-5\n"), "line 2, column 5 `F_p`: `-5`: must be above 0"),
+            (format!("{good},0,5,5,5\n"), "line 2, column 1 `tool`: ``: a name is needed"),
             (format!("{good}1,0,5,5\n"), "line 2: 4 cells, but the header has 5"),
             (format!("{good}1,,5,5,5\n"), "line 2, column 2 `time`: ``: not a number"),
         ] {

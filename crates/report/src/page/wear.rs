@@ -165,7 +165,7 @@ mod tests {
                 let wobble = [1.0, -1.0, 0.5, -0.5][(k % 4) as usize];
                 let forces = [(500.0, 0.25), (350.0, 0.9), (150.0, 0.43)]
                     .map(|(f, d)| f + amount * d + wobble);
-                all.push(WearSegment { tool: f64::from(tool), time: 5.0 * f64::from(k), forces });
+                all.push(WearSegment { tool: tool.to_string(), time: 5.0 * f64::from(k), forces });
             }
         }
         grows(&all, 2).unwrap()

@@ -94,7 +94,7 @@ pub fn score_wear((head, case): (&CaseHead, &Diagnoses), data: &Path) -> Result<
     let wear = table.numbers(wear).map_err(&invalid)?;
     let measured = |amount: &Amount| {
         let is_in = |k: &usize| {
-            tools[*k] == amount.segment.tool
+            tools[*k].to_string() == amount.segment.tool
                 && (seconds[*k] + 0.5 - amount.segment.time).abs() < 0.5 * SEGMENT
         };
         let own: Vec<f64> = (0..tools.len()).filter(is_in).map(|k| wear[k]).collect();

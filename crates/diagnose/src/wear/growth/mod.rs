@@ -50,10 +50,10 @@ const PRIORS: [f64; 4] = [0.3, 0.5, 0.1, 0.1];
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// Mean forces of a piece of a cut.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct WearSegment {
-    /// Number of the tool.
-    pub tool: f64,
+    /// Name of the tool.
+    pub tool: String,
     /// Time in cut at its middle, in s.
     pub time: f64,
     /// F_c, F_f and F_p in N.
@@ -175,7 +175,7 @@ impl Direction {
 }
 
 /// The normal force of wear on a segment, in N, as its tool left out says.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Amount {
     /// The segment.
     pub segment: WearSegment,
@@ -194,7 +194,7 @@ pub struct Amount {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOutTool {
     /// The tool.
-    pub tool: f64,
+    pub tool: String,
     /// Probability of wear by the others alone.
     pub wear: f64,
     /// Mean error of the change of F_c that follows from that of F_f and F_p, in N.
@@ -248,7 +248,7 @@ impl WearGrowth {
 }
 
 struct Tool {
-    number: f64,
+    name: String,
     segments: Vec<WearSegment>,
     fresh: Vector3<f64>,
     /// Successive changes with their variances and times.
@@ -287,26 +287,27 @@ fn tools(
     segments: &[WearSegment],
     fresh: usize,
 ) -> Result<(Vec<Tool>, Vector3<f64>), DiagnoseError> {
-    let mut numbers: Vec<f64> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     for segment in segments {
-        if !numbers.contains(&segment.tool) {
-            numbers.push(segment.tool);
+        if !names.contains(&segment.tool.as_str()) {
+            names.push(&segment.tool);
         }
     }
-    if numbers.len() < FEWEST_TOOLS {
-        return Err(DiagnoseError::TooFewTools { found: numbers.len(), needed: FEWEST_TOOLS });
+    if names.len() < FEWEST_TOOLS {
+        return Err(DiagnoseError::TooFewTools { found: names.len(), needed: FEWEST_TOOLS });
     }
-    let of = |number: f64| {
+    let of = |name: &&str| {
         let mut own: Vec<WearSegment> =
-            segments.iter().filter(|segment| segment.tool == number).copied().collect();
+            segments.iter().filter(|segment| segment.tool == *name).cloned().collect();
         own.sort_by(|a, b| a.time.total_cmp(&b.time));
         own
     };
-    let lives: Vec<Vec<WearSegment>> = numbers.iter().map(|&number| of(number)).collect();
+    let lives: Vec<Vec<WearSegment>> = names.iter().map(of).collect();
     let (mut squares, mut count) = (Vector3::zeros(), 0.0);
-    for (life, &tool) in lives.iter().zip(&numbers) {
+    for (life, &tool) in lives.iter().zip(&names) {
         if life.len() < fresh + FEWEST_SEGMENTS {
             let needed = fresh + FEWEST_SEGMENTS;
+            let tool = tool.to_owned();
             return Err(DiagnoseError::TooFewSegments { tool, found: life.len(), needed });
         }
         for three in life.windows(3) {
@@ -316,7 +317,7 @@ fn tools(
         }
     }
     let noise = squares / count;
-    let made = lives.into_iter().zip(numbers).map(|(segments, number)| {
+    let made = lives.into_iter().zip(names).map(|(segments, name)| {
         let (first, rest) = segments.split_at(fresh);
         let start = mean(first);
         let mut parts = vec![first];
@@ -329,7 +330,7 @@ fn tools(
             fresh: start.normalize(),
         });
         let changes = changes.collect();
-        Tool { number, fresh: start, changes, segments }
+        Tool { name: name.to_owned(), fresh: start, changes, segments }
     });
     Ok((made.collect(), noise))
 }
@@ -517,7 +518,7 @@ fn left_out(
         let half = NORMAL_95 / precision.sqrt();
         weights.push(1.0 / own);
         let interval = [force - half, force + half];
-        Amount { segment: *segment, force, interval, never_falling: force, cutting_change }
+        Amount { segment: segment.clone(), force, interval, never_falling: force, cutting_change }
     });
     let mut amounts: Vec<Amount> = amounts.collect();
     let count = amounts.len() as f64;
@@ -527,7 +528,7 @@ fn left_out(
     let fall = (squares.sum::<f64>() / count).sqrt();
     amounts.iter_mut().zip(rising).for_each(|(amount, force)| amount.never_falling = force);
     LeftOutTool {
-        tool: tool.number,
+        tool: tool.name.clone(),
         wear,
         error: error / count,
         change: change / count,
