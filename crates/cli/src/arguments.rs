@@ -9,6 +9,7 @@ use crate::commands::diagnose::DiagnoseArguments;
 use crate::commands::export::ExportArguments;
 use crate::commands::greybox::GreyboxArguments;
 use crate::commands::identify::IdentifyArguments;
+use crate::commands::materials::MaterialsArguments;
 use crate::commands::predict::PredictForcesArguments;
 use crate::commands::recordings::RecordingsArguments;
 use crate::commands::report::ReportArguments;
@@ -62,6 +63,8 @@ pub enum Command {
     Schema(SchemaArguments),
     /// List materials, laws and options with equations, parameters, ranges and sources.
     Catalogue(CatalogueArguments),
+    /// Compare the flow stress of materials over strain, rate and temperature.
+    Materials(MaterialsArguments),
     /// Compare the solver with known answers and measurements.
     Validate(ValidateArguments),
     /// Write summary and report of a run again, finished or not.

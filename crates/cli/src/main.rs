@@ -54,6 +54,7 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
         Command::Greybox(arguments) => commands::greybox::greybox(&arguments),
         Command::Schema(arguments) => commands::schema::schema(&arguments),
         Command::Catalogue(arguments) => commands::catalogue::print(&arguments),
+        Command::Materials(arguments) => commands::materials::materials(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "sphcut", &mut script);

@@ -8,6 +8,7 @@ pub(crate) mod diagnose;
 pub(crate) mod export;
 pub(crate) mod greybox;
 pub(crate) mod identify;
+pub(crate) mod materials;
 pub(crate) mod predict;
 pub(crate) mod recordings;
 pub(crate) mod report;

@@ -115,6 +115,20 @@ fn the_catalogue_has_an_overview_and_details() {
 }
 
 #[test]
+fn materials_are_compared() {
+    let shop = Workshop::new("commands_materials");
+    let page = shop.sphcut(&["materials"]).expect_code(0).out;
+    // 553 + 601 x 0.1^0.234 = 903.6 MPa at 1 1/s and room temperature.
+    let jaspers = page.lines().find(|line| line.starts_with("aisi1045_jaspers")).unwrap();
+    assert_eq!(jaspers.split_whitespace().nth(1), Some("904"), "{page}");
+    assert!(page.contains("also aisi1045_temperature_dependent"), "{page}");
+    assert!(shop.read("out/materials.html").contains("ti6al4v seo 2005"));
+    shop.sphcut(&["materials"]).expect_code(2).expect_err("--force");
+    let near = ["materials", "aisi1045", "--out", "other.html"];
+    shop.sphcut(&near).expect_code(2).expect_err("did you mean `aisi1045_table5`?");
+}
+
+#[test]
 fn completions_are_scripts() {
     let shop = Workshop::new("commands_completions");
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {

@@ -26,6 +26,11 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("sphcut catalogue", AsItStands),
     ("sphcut catalogue friction", AsItStands),
     ("sphcut catalogue johnson_cook", AsItStands),
+    ("sphcut materials", AsItStands),
+    (
+        "sphcut materials ti6al4v_seo_2005 johnson_cook.toml --out mine.html",
+        Instead("sphcut materials ti6al4v_seo_2005 --out mine.html"),
+    ),
     ("sphcut completions bash", AsItStands),
     ("sphcut completions zsh", AsItStands),
     ("sphcut completions fish", AsItStands),

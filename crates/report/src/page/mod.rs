@@ -5,6 +5,7 @@ mod cut_calibration;
 mod diagnosis;
 mod greybox;
 mod identification;
+mod materials;
 mod preview;
 mod recordings;
 mod residual_stress;
@@ -20,6 +21,7 @@ pub use diagnosis::{
 };
 pub use greybox::{greybox_words, render_comparison, render_greybox};
 pub use identification::{IdentificationPage, identification_words, render_identification};
+pub use materials::{ComparedMaterial, compared_states, render_materials};
 pub use preview::{PreviewPage, render_preview};
 pub use recordings::{RecordingsPage, recordings_words, render_recordings};
 pub use run::{render_report, write_report};
