@@ -19,7 +19,7 @@ pub fn digest(run: &Run, result: &ProcessResult) -> String {
             let _ = writeln!(page, "passive force F_p  {}", shown(&forces.passive));
         }
         let _ = writeln!(page, "                   {}", result.feed_known);
-        page.push_str(&temperature(result));
+        page.push_str(&temperature(run, result));
         page.push_str(&shape(result));
     }
     page.push_str(&balances(result));
@@ -55,13 +55,17 @@ fn per_width(force: &Force) -> String {
     format!("{:.1}{interval} N/mm ({:.0} N)", force.mean_per_width * 1e-3, force.mean)
 }
 
-fn temperature(result: &ProcessResult) -> String {
+/// The mean of the contact comes first; what is hottest is one particle.
+fn temperature(run: &Run, result: &ProcessResult) -> String {
+    let unit = run.provenance.temperature_unit();
     let interface = result.temperature.interface.as_ref().map_or_else(String::new, |found| {
         let (start, end) = (found.start * 1e3, found.end * 1e3);
         let state = if found.steady.reached { "steady" } else { "not steady" };
-        format!(", {:.0} K at the tool ({state} from {start:.3} to {end:.3} mm)", found.mean)
+        let mean = unit.shown(found.mean);
+        format!("{mean} in contact with the tool ({state} from {start:.3} to {end:.3} mm)\n                   ")
     });
-    format!("temperature        up to {:.0} K{interface}\n", result.temperature.max)
+    let highest = unit.shown(result.temperature.max);
+    format!("temperature        {interface}{highest} at most, of any particle\n")
 }
 
 fn shape(result: &ProcessResult) -> String {
@@ -70,8 +74,8 @@ fn shape(result: &ProcessResult) -> String {
         let ratio = chip.compression_ratio;
         parts.push(format!("{:.3} mm thick ({ratio:.2} h)", chip.thickness * 1e3));
     }
-    if let Ok(contact) = &result.geometry.contact {
-        parts.push(format!("{:.3} mm in contact with the tool", contact.length() * 1e3));
+    if let Ok(interface) = &result.geometry.interface {
+        parts.push(format!("contact length {:.3} mm", interface.contact_length * 1e3));
     }
     if parts.is_empty() {
         return String::new();

@@ -23,7 +23,7 @@ pub use files::{
     has_checksums, open_lock, read_columns_h5, read_named_columns_h5, recover, verify_h5,
     verify_run, write_columns_h5,
 };
-pub use provenance::{Provenance, Setting};
+pub use provenance::{Provenance, Setting, TemperatureUnit, ZERO_CELSIUS};
 pub use run::{Outcome, Performance, Run};
 pub use samples::Samples;
 pub use snapshots::{SnapshotInfo, Snapshots};

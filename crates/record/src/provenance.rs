@@ -1,5 +1,8 @@
 //! Where a result comes from.
 
+/// 0 °C in K.
+pub const ZERO_CELSIUS: f64 = 273.15;
+
 /// Everything needed to obtain the same result again.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Provenance {
@@ -36,7 +39,56 @@ pub struct Setting {
     pub unit: String,
 }
 
+/// The unit in which people read temperatures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TemperatureUnit {
+    /// Degrees Celsius, with kelvin beside them.
+    Celsius,
+    /// Kelvin.
+    Kelvin,
+}
+
+impl TemperatureUnit {
+    /// Its sign.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Celsius => "\u{b0}C",
+            Self::Kelvin => "K",
+        }
+    }
+
+    /// A temperature in K in this unit.
+    #[must_use]
+    pub fn of(self, kelvin: f64) -> f64 {
+        match self {
+            Self::Celsius => kelvin - ZERO_CELSIUS,
+            Self::Kelvin => kelvin,
+        }
+    }
+
+    /// `442 °C (715 K)`.
+    #[must_use]
+    pub fn shown(self, kelvin: f64) -> String {
+        match self {
+            Self::Celsius => format!("{:.0} \u{b0}C ({kelvin:.0} K)", self.of(kelvin)),
+            Self::Kelvin => format!("{kelvin:.0} K"),
+        }
+    }
+}
+
 impl Provenance {
+    /// The unit in which the author of the scenario writes temperatures.
+    #[must_use]
+    pub fn temperature_unit(&self) -> TemperatureUnit {
+        let mut texts = self.settings.iter().filter(|s| s.key == "temperature").map(|s| &s.text);
+        if texts.any(|text| text.ends_with("degC")) {
+            TemperatureUnit::Celsius
+        } else {
+            TemperatureUnit::Kelvin
+        }
+    }
+
     /// Why `other` is not the same run as `self`, in words for the user; `None` if it is.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<String> {

@@ -7,7 +7,7 @@ use crate::{Address, State};
 use csv::ReaderBuilder;
 use serde_json::Value;
 use sphcut_physics::csv::{meant, shown};
-use sphcut_record::{ColumnH5, FactH5, GroupH5, RunError, write_columns_h5};
+use sphcut_record::{ColumnH5, FactH5, GroupH5, RunError, ZERO_CELSIUS, write_columns_h5};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -57,8 +57,17 @@ pub struct SweepRow {
 const FORCES: [(&str, &str); 3] = [("F_c", "cutting"), ("F_f", "feed"), ("F_p", "passive")];
 const M_PER_MIN: f64 = 60.0;
 const MM: f64 = 1e3;
-/// 0 degC in K.
-const ZERO_CELSIUS: f64 = 273.15;
+
+/// The unit that a quantity of a scenario has in the table, which is that of the summaries, and how much of it an SI unit is.
+fn in_the_table(unit: &str) -> (&str, f64) {
+    match unit {
+        "m/s" => ("m/min", M_PER_MIN),
+        "m" => ("mm", MM),
+        "Pa" => ("MPa", 1e-6),
+        "rad" => ("deg", 1.0_f64.to_degrees()),
+        _ => (unit, 1.0),
+    }
+}
 
 impl SweepRow {
     /// Whether there is a result.
@@ -135,7 +144,7 @@ impl SweepTable {
         Self { title: sweep.title.clone(), axes: axes(sweep, plan), own, rows, names }
     }
 
-    /// The table as comma-separated values: run, address, folder of the result (relative to `beside` if it lies in it), state, reason, what was varied, speed, thickness, width,
+    /// The table as comma-separated values under one line of heads, in the units of the summary: run, address, folder of the result (relative to `beside` if it lies in it), state, reason, what was varied, speed, thickness, width,
     /// forces with intervals, then every number of the summaries under its name there.
     #[must_use]
     pub fn csv(&self, beside: &Path) -> String {
@@ -143,7 +152,7 @@ impl SweepTable {
             ["run", "address", "folder", "state", "reason"].map(str::to_owned).to_vec();
         for ((key, unit), number) in self.axes.iter().zip(self.numeric()) {
             heads.push(if number && !unit.is_empty() {
-                format!("{key} [{unit}]")
+                format!("{key} [{}]", in_the_table(unit).0)
             } else {
                 key.clone()
             });
@@ -155,14 +164,7 @@ impl SweepTable {
                 .flat_map(|(symbol, _)| [format!("{symbol} [N]"), format!("{symbol}_ci95 [N]")]),
         );
         heads.extend(self.names.iter().cloned());
-        // A comma in it begins a cell.
-        let title = self.title.replace(['\n', '\r'], " ");
-        let shown = |part: &str| {
-            let text = part.trim_start();
-            format!("{}{}", &part[..part.len() - text.len()], shown(text))
-        };
-        let title: Vec<String> = title.split(',').map(shown).collect();
-        let mut text = format!("# {}\n", title.join(","));
+        let mut text = String::new();
         line(&mut text, heads.into_iter().map(|head| quoted(&head)));
         for row in &self.rows {
             let mut cells = vec![
@@ -172,10 +174,11 @@ impl SweepTable {
                 row.word().to_owned(),
                 quoted(row.reason()),
             ];
-            for ((value, number), numeric) in
-                row.values.iter().zip(&row.numbers).zip(self.numeric())
+            for (((value, number), numeric), (_, unit)) in
+                row.values.iter().zip(&row.numbers).zip(self.numeric()).zip(&self.axes)
             {
-                cells.push(if numeric { cell(number.map(rounded)) } else { quoted(value) });
+                let scaled = number.map(|number| rounded(number * in_the_table(unit).1));
+                cells.push(if numeric { cell(scaled) } else { quoted(value) });
             }
             cells.extend(conditions(row).map(cell));
             cells.extend(row.forces.iter().flat_map(|force| {
@@ -206,7 +209,7 @@ impl SweepTable {
             let number = |name: &str| row.summary.get(name).copied();
             let beside = [
                 number("chip.thickness_mm"),
-                number("contact.length_mm"),
+                number("interface.contact_length_mm"),
                 number("temperature.interface_mean_k").map(|kelvin| kelvin - ZERO_CELSIUS),
                 number("temperature.interface_ci95_k"),
             ];

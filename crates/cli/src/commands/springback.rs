@@ -172,7 +172,7 @@ fn line(run: &Measured) -> String {
     }
     let resolved = if found.is_resolved() { "resolved" } else { "not resolved" };
     format!(
-        "{name}: {speed} m/min, springback {} +- {} um ({resolved}, {count} particles in the window)",
+        "{name}: {speed} m/min, springback {} ± {} um ({resolved}, {count} particles in the window)",
         um(mean.mean),
         um(found.error.total())
     )

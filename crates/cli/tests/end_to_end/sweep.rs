@@ -281,16 +281,17 @@ fn table_and_page_show_the_runs_and_feed_the_grey_box() {
     assert!(ended.out.contains("sweep.html"), "{}", ended.out);
 
     let table = shop.read("out/table.csv");
-    let lines: Vec<Vec<&str>> =
-        table.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let lines: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    // One line of heads, then the runs: what pandas reads without being told anything.
     assert_eq!(lines.len(), 11);
+    assert!(lines.iter().all(|cells| cells.len() == lines[0].len()));
     let column = |name: &str| {
         lines[0]
             .iter()
             .position(|head| *head == name)
             .unwrap_or_else(|| panic!("{name}: {:?}", lines[0]))
     };
-    assert_eq!(lines[10][column("process.cutting_speed [m/s]")], "5");
+    assert_eq!(lines[10][column("process.cutting_speed [m/min]")], "300");
     assert_eq!(lines[10][column("v_c [m/min]")], "300");
     assert_eq!(lines[10][column("h [mm]")], "0.1");
     assert_eq!(lines[10][column("state")], "finished");

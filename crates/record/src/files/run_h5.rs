@@ -6,6 +6,7 @@ use super::{origin, run_h5_attributes as attributes};
 use crate::{Facts, Outcome, Performance, Provenance, Run, RunError, Samples};
 use crate::{SnapshotInfo, Snapshots};
 use sphcut_sph::{CHANNELS, CheckpointState, Snapshot};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Version of the layout; a reader refuses any other.
@@ -64,10 +65,23 @@ fn write_channels(writer: &HdfWriter, body: &RunBody) -> Result<(), RunError> {
             &format!("channels/{}", channel.name),
             Array::F64(column),
             ArrayLayout::Series,
-            &unit_and_meaning(channel.unit, channel.meaning),
+            &unit_and_meaning(
+                &stored_unit((channel.name, channel.unit), body.facts.dimension),
+                channel.meaning,
+            ),
         )?;
     }
     Ok(())
+}
+
+/// The unit of what is stored: in a plane run extensive quantities are per metre of width.
+fn stored_unit((name, unit): (&str, &'static str), dimension: usize) -> Cow<'static, str> {
+    match (unit, dimension) {
+        ("N" | "N s" | "J", 2) => format!("{unit}/m").into(),
+        ("m^2", 2) => "m".into(),
+        (_, 3) if name == "contact_length" => "m^2".into(),
+        _ => unit.into(),
+    }
 }
 
 fn unit_and_meaning(unit: &str, meaning: &str) -> [(&'static str, Attribute); 2] {
@@ -140,7 +154,10 @@ fn write_snapshot(writer: &HdfWriter, number: usize, snapshot: &Snapshot) -> Res
         };
         let shape =
             if field.width() == 1 { ArrayLayout::Rows } else { ArrayLayout::Table(field.width()) };
-        let attributes = unit_and_meaning(field.unit, field.meaning);
+        let attributes = unit_and_meaning(
+            &stored_unit((field.name, field.unit), snapshot.dimension),
+            field.meaning,
+        );
         writer.array(&format!("{group}/{}", field.name), array, shape, &attributes)?;
     }
     Ok(())

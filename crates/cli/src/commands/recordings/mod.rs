@@ -159,7 +159,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
 /// One cut on the terminal.
 fn line(cut: &CutResult) -> String {
     let force = |found: &ComponentResult| {
-        format!("{} {:.1} +- {:.1} N", found.component.symbol(), found.mean, found.ci95)
+        format!("{} {:.1} ± {:.1} N", found.component.symbol(), found.mean, found.ci95)
     };
     let forces: Vec<String> = cut.components.iter().map(force).collect();
     let verdict = if cut.accepted { "" } else { "  (no force given)" };

@@ -72,7 +72,7 @@ pub fn means(row: &SweepRow) -> [Option<(f64, Option<f64>)>; Channel::RECORDED.l
             Some((number("temperature.interface_mean_k")?, half.map(|half| half / NORMAL_95)))
         }
         Channel::ChipThickness => Some((number("chip.thickness_mm")? * MM, None)),
-        Channel::ContactLength => Some((number("contact.length_mm")? * MM, None)),
+        Channel::ContactLength => Some((number("interface.contact_length_mm")? * MM, None)),
         _ => None,
     })
 }

@@ -7,7 +7,7 @@ use crate::kit::numbers::with_interval;
 use crate::kit::shell::figure;
 use maud::{Markup, html};
 use sphcut_postprocess::{ENERGY_TERMS, Force, ProcessResult, TermKind};
-use sphcut_record::{Facts, Run};
+use sphcut_record::{Facts, Run, TemperatureUnit};
 use sphcut_sph::ChannelId;
 
 /// Share of the record averaged for the smooth line of a force.
@@ -175,10 +175,13 @@ fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
 
 fn temperature<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
     let interface = run.samples.channel(ChannelId::InterfaceTemperature);
+    let unit = run.provenance.temperature_unit();
+    let in_celsius = unit == TemperatureUnit::Celsius;
+    let highest = run.samples.channel(ChannelId::MaxTemperature);
     Chart {
         description: "Highest temperature and contact temperature over the travel.".to_owned(),
         x_title: axis.title,
-        y_title: "Temperature in K",
+        y_title: if in_celsius { "Temperature in \u{b0}C" } else { "Temperature in K" },
         height: 300.0,
         x: axis.values.clone(),
         lines: vec![
@@ -186,14 +189,17 @@ fn temperature<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
                 "Highest",
                 RED,
                 1.5,
-                run.samples.channel(ChannelId::MaxTemperature).to_vec(),
+                highest.iter().map(|kelvin| unit.of(*kelvin)).collect(),
             ),
             ChartLine {
                 name: "In contact",
                 colour: BLUE,
                 width: 1.5,
                 // The channel is 0 without contact.
-                values: interface.iter().map(|t| if *t > 0.0 { *t } else { f64::NAN }).collect(),
+                values: interface
+                    .iter()
+                    .map(|t| if *t > 0.0 { unit.of(*t) } else { f64::NAN })
+                    .collect(),
             },
         ],
         ..Chart::default()

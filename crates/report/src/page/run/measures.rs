@@ -8,7 +8,7 @@ use crate::kit::table::{NONE, ResultRow, results, row};
 use crate::page::residual_stress;
 use maud::{Markup, html};
 use sphcut_postprocess::{Geometry, Interface, Missing, ProcessResult, ShearZone};
-use sphcut_record::Run;
+use sphcut_record::{Run, TemperatureUnit};
 
 const MICROMETRE: &str = "\u{b5}m";
 /// How far across the shear zone the figure reaches, in widths of the zone.
@@ -22,14 +22,14 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
     let geometry = &result.geometry;
     let mut rows = chip_rows(geometry);
     rows.extend(shear_rows(geometry));
-    rows.extend(contact_rows(geometry));
+    rows.extend(contact_rows(run, geometry));
     rows.extend(surface_rows(result));
     html! {
         section {
             h2 { "Chip and surface" }
             (results("Means over the snapshots of the window, \u{b1} standard deviation between them; \
                 definitions and sources: docs/chip.md.", &rows))
-            (figures(result))
+            (figures(run, result))
         }
     }
 }
@@ -123,7 +123,7 @@ fn rate(rate: f64) -> String {
     grouped(((rate / step).round() * step) as u64)
 }
 
-fn contact_rows(geometry: &Geometry) -> Vec<ResultRow> {
+fn contact_rows(run: &Run, geometry: &Geometry) -> Vec<ResultRow> {
     let mut rows = Vec::new();
     match &geometry.contact {
         Err(reason) => rows.push(missing("Covered length of the tool", reason)),
@@ -138,7 +138,7 @@ fn contact_rows(geometry: &Geometry) -> Vec<ResultRow> {
         }
     }
     match &geometry.interface {
-        Err(reason) => rows.push(missing("Interface temperature", reason)),
+        Err(reason) => rows.push(missing("Temperature of the rake side", reason)),
         Ok(interface) => {
             let length = three_digits(interface.contact_length * UM);
             let note = "up the rake side from the lowest point: carries 98 % of the normal force";
@@ -151,10 +151,14 @@ fn contact_rows(geometry: &Geometry) -> Vec<ResultRow> {
                 }
                 None => rows.push(missing("Sticking part", &Missing::StickingNotRecorded)),
             }
-            let mean = three_digits(interface.mean_temperature);
-            rows.push(row("Interface temperature", mean, "K", "mean over the rake side's contact"));
-            let highest = with_interval(interface.max_temperature, interface.max_deviation);
-            rows.push(row("Highest of it", highest, "K", "hottest particle in contact"));
+            let unit = run.provenance.temperature_unit();
+            let mean = format!("{:.0}", unit.of(interface.mean_temperature));
+            let note = format!("{:.0} K; mean over the contact length", interface.mean_temperature);
+            rows.push(row("Temperature of the rake side", mean, unit.symbol(), note));
+            let highest =
+                with_interval(unit.of(interface.max_temperature), interface.max_deviation);
+            let note = format!("{:.0} K; hottest particle in contact", interface.max_temperature);
+            rows.push(row("Highest of it", highest, unit.symbol(), note));
         }
     }
     rows
@@ -186,13 +190,13 @@ fn surface_rows(result: &ProcessResult) -> Vec<ResultRow> {
     rows
 }
 
-fn figures(result: &ProcessResult) -> Markup {
+fn figures(run: &Run, result: &ProcessResult) -> Markup {
     let geometry = &result.geometry;
     html! {
         @if let Ok(interface) = &geometry.interface {
             (figure(stresses(interface).svg(), "Normal and shear stress of the chip on the rake side against \
                 the length along the outline from the tool's lowest point: mean over the snapshots."))
-            (figure(temperature(interface).svg(), "Temperature of the particles in contact along the \
+            (figure(temperature(run, interface).svg(), "Temperature of the particles in contact along the \
                 rake side."))
         }
         @if let Ok(zone) = &geometry.shear_zone {
@@ -236,19 +240,23 @@ fn stresses(interface: &Interface) -> Chart<'static> {
     }
 }
 
-fn temperature(interface: &Interface) -> Chart<'static> {
+fn temperature(run: &Run, interface: &Interface) -> Chart<'static> {
+    let unit = run.provenance.temperature_unit();
     let bins = &interface.profile;
     Chart {
         description: "Temperature in contact along the rake side.".to_owned(),
         x_title: "Length along the rake side in \u{b5}m",
-        y_title: "Temperature in K",
+        y_title: match unit {
+            TemperatureUnit::Celsius => "Temperature in \u{b0}C",
+            TemperatureUnit::Kelvin => "Temperature in K",
+        },
         height: 260.0,
         x: bins.iter().map(|bin| bin.distance * UM).collect(),
         lines: vec![ChartLine::new(
             "In contact",
             BLUE,
             2.0,
-            bins.iter().map(|bin| bin.temperature).collect(),
+            bins.iter().map(|bin| unit.of(bin.temperature)).collect(),
         )],
         ..Chart::default()
     }

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use sphcut_postprocess::{
     EnergyBalance, Force, MomentumBalance, ProcessResult, TermKind, ToolHeatBalance,
 };
-use sphcut_record::{Run, Setting};
+use sphcut_record::{Run, Setting, TemperatureUnit};
 use sphcut_sph::{ChannelId, Snapshot};
 
 /// The five numbers one looks for first.
@@ -36,16 +36,25 @@ pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
                 @if let Ok(interface) = &geometry.interface {
                     (figure("Contact length", &three_digits(interface.contact_length * UM), "\u{b5}m"))
                 }
-                @if let Some(interface) = &result.temperature.interface {
-                    (figure("Contact temperature", &three_digits(interface.mean), "K"))
-                }
             }
-            (figure("Highest temperature", &three_digits(result.temperature.max), "K"))
+            @match &result.temperature.interface {
+                Some(interface) => { (temperature(run, "Contact temperature", interface.mean)) },
+                None => { (temperature(run, "Highest temperature", result.temperature.max)) },
+            }
             @if let Some(energy) = &result.energy {
                 (figure("Numerical share of the work", &percent(energy.numerical_dissipation), ""))
             }
         }
     }
+}
+
+fn temperature(run: &Run, name: &str, kelvin: f64) -> Markup {
+    let unit = run.provenance.temperature_unit();
+    let beside = match unit {
+        TemperatureUnit::Celsius => format!("{} ({kelvin:.0} K)", unit.symbol()),
+        TemperatureUnit::Kelvin => unit.symbol().to_owned(),
+    };
+    figure(name, &format!("{:.0}", unit.of(kelvin)), &beside)
 }
 
 fn figure(name: &str, value: &str, unit: &str) -> Markup {
@@ -76,7 +85,7 @@ pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
     if ProcessResult::is_cut(run) {
         rows.extend(force_rows(run, result));
     }
-    rows.extend(state_rows(result));
+    rows.extend(state_rows(run, result));
     html! {
         section {
             h2 { "Results" }
@@ -148,18 +157,20 @@ fn force_rows(run: &Run, result: &ProcessResult) -> Vec<ResultRow> {
     rows
 }
 
-fn state_rows(result: &ProcessResult) -> Vec<ResultRow> {
+fn state_rows(run: &Run, result: &ProcessResult) -> Vec<ResultRow> {
     let (temperature, extremes) = (&result.temperature, &result.extremes);
     let mut rows = Vec::new();
+    let unit = run.provenance.temperature_unit();
     if let Some(interface) = &temperature.interface {
-        let value = with_interval(interface.mean, interface.half_width);
+        let value = with_interval(unit.of(interface.mean), interface.half_width);
         let note = format!(
-            "from {} to {} mm of travel; highest of any interval: {} K",
+            "{:.0} K; from {} to {} mm of travel; highest of any interval: {}",
+            interface.mean,
             three_digits(interface.start * 1e3),
             three_digits(interface.end * 1e3),
-            three_digits(temperature.interface_max)
+            unit.shown(temperature.interface_max)
         );
-        rows.push(row("Contact temperature", value, "K", note));
+        rows.push(row("Contact temperature", value, unit.symbol(), note));
         let state = if interface.steady.reached { "steady" } else { "not steady" };
         let drift = with_interval(interface.drift.change, interface.drift.half_width);
         let note = format!("over this window; {state}: {}", interface.steady.reason);
@@ -167,9 +178,9 @@ fn state_rows(result: &ProcessResult) -> Vec<ResultRow> {
     }
     rows.push(row(
         "Temperature",
-        format!("{} to {}", three_digits(temperature.min), three_digits(temperature.max)),
-        "K",
-        "of any particle over the run",
+        format!("{:.0} to {:.0}", unit.of(temperature.min), unit.of(temperature.max)),
+        unit.symbol(),
+        format!("of any particle over the run; highest {:.0} K", temperature.max),
     ));
     let strain = three_digits(extremes.max_plastic_strain);
     rows.push(row("Largest plastic strain", strain, "", "of any particle over the run"));
@@ -285,7 +296,7 @@ fn tool_heat(run: &Run, tool: &ToolHeatBalance) -> Markup {
             (heat(tool.content)) " J"
             @if run.facts.dimension == 2 { " (per m of width)" }
             @if let Some(closure) = tool.closure() { "; difference " (percent(closure)) }
-            ". Highest temperature of the tool: " (heat(tool.max_temperature)) " K."
+            ". Highest temperature of the tool: " (run.provenance.temperature_unit().shown(tool.max_temperature)) "."
         }
     }
 }
