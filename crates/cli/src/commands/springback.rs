@@ -59,7 +59,8 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
             None => {
                 let name = folder.display().to_string();
                 let refused = |refused| Failure::input(format!("`{name}`: {refused}"));
-                runs.push(Measured::load(&name, folder)?.map_err(refused)?);
+                let run = Measured::load(&name, folder)?.map_err(refused)?;
+                runs.push(Measured { page: link(out, &folder.join("report.html")), ..run });
             }
         }
     }
@@ -75,6 +76,7 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
         .iter()
         .map(|run| SpringbackRun {
             name: &run.name,
+            page: run.page.as_deref(),
             run: &run.run,
             result: &run.result,
             springback: &run.springback,
@@ -94,6 +96,19 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
         "open the page; --measured FILE sets measured springback beside it",
     );
     Ok(ExitCode::Done)
+}
+
+/// The way from a page in `folder` to that at `page`, if it is there; a path from the root where one of them is given so.
+fn link(folder: &Path, page: &Path) -> Option<String> {
+    if !page.is_file() {
+        return None;
+    }
+    let (up, page) = if folder.is_absolute() || page.is_absolute() {
+        (0, files::absolute(page).ok()?)
+    } else {
+        (folder.components().count(), page.to_owned())
+    };
+    Some(format!("{}{}", "../".repeat(up), page.display()))
 }
 
 /// Name of the table of a sweep in its output folder.
@@ -133,6 +148,8 @@ fn measured_in_sweep(
 /// One run and what was measured in it.
 struct Measured {
     name: String,
+    /// Link to its page, if there is one.
+    page: Option<String>,
     run: Run,
     result: ProcessResult,
     springback: Springback,
@@ -145,7 +162,9 @@ impl Measured {
         let run = loading::run(folder)?;
         let result = evaluate(&run).map_err(explain)?;
         match measure(&run, &result) {
-            Ok(springback) => Ok(Ok(Self { name: name.to_owned(), run, result, springback })),
+            Ok(springback) => {
+                Ok(Ok(Self { name: name.to_owned(), page: None, run, result, springback }))
+            }
             Err(SpringbackError::Record(error)) => Err(explain(error)),
             Err(refused) => Ok(Err(refused)),
         }

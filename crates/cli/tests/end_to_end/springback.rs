@@ -29,6 +29,7 @@ fn a_cut_gets_its_page_its_numbers_and_its_verdict() {
     for text in ["What these figures say", "cut (150 m/min)", "Residual stress", "measured 600"] {
         assert!(page.contains(text), "{text}");
     }
+    assert!(page.contains("href=\"../cut/report.html\""), "the page of the run");
     let numbers: serde_json::Value =
         serde_json::from_str(&shop.read("sb/springback.json")).unwrap();
     let run = &numbers["runs"][0];

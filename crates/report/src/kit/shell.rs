@@ -79,6 +79,16 @@ pub(crate) fn verdict(
     }
 }
 
+/// What can be done next: commands, and what they are for.
+pub(crate) fn next(steps: &[(&str, &str)]) -> Markup {
+    html! {
+        section {
+            h2 { "Next" }
+            dl.next { @for (command, purpose) in steps { dt { code { (command) } } dd { (purpose) } } }
+        }
+    }
+}
+
 /// A sentence as it is.
 pub(crate) fn plain(sentence: &str) -> Markup {
     html! { (sentence) }

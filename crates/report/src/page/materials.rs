@@ -3,7 +3,7 @@
 use crate::kit::chart::{Chart, ChartLine};
 use crate::kit::colours::DISTINCT;
 use crate::kit::numbers::{MPA, plain, three_digits};
-use crate::kit::shell::{Shell, figure, tab};
+use crate::kit::shell::{Shell, figure, next, tab};
 use crate::kit::table::{ColumnHead, table};
 use maud::{Markup, html};
 use sphcut_physics::Values;
@@ -114,7 +114,7 @@ pub fn render_materials(materials: &[ComparedMaterial], version: &str) -> String
                 }
             }
         }
-        section { h2 { "Next" } pre { "sphcut catalogue NAME      parameters of one with their sources" } }
+        (next(&[("sphcut catalogue NAME", "the constants of one material with their sources")]))
     };
     let lead = html! { "Materials with a flow stress of their own: " (materials.len()) "." };
     Shell { tab: tab("Materials"), title: "Flow stress of materials", lead, version, body }.render()

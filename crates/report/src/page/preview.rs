@@ -2,7 +2,7 @@
 
 use super::run::drawings;
 use crate::kit::numbers::{UM, grouped, plain, three_digits};
-use crate::kit::shell::{Shell, note, tab};
+use crate::kit::shell::{Shell, next, note, tab};
 use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_record::{Facts, Provenance};
@@ -48,11 +48,8 @@ pub fn render_preview(page: &PreviewPage<'_>) -> String {
         @if picture.0.is_empty() {
             p { "There is a drawing of plane cuts that go to the right; this is another one." }
         } @else { (picture) }
-        section {
-            h2 { "Next" }
-            ul { @for line in page.cost { li { (line) } } }
-            pre { (page.command) }
-        }
+        section { h2 { "Cost" } ul { @for line in page.cost { li { (line) } } } }
+        (next(&[(page.command, "cuts")]))
     };
     let title =
         if provenance.title.is_empty() { &provenance.scenario_name } else { &provenance.title };

@@ -4,7 +4,7 @@ use super::{residual_stress, run};
 use crate::kit::chart::{Band, Chart, ChartLine};
 use crate::kit::colours::{BLUE, BLUE_LIGHT, GREEN, RED};
 use crate::kit::numbers::{M_PER_MIN, MM, UM, three_digits, with_interval};
-use crate::kit::shell::{Shell, figure, note, tab};
+use crate::kit::shell::{Shell, figure, next, note, tab};
 use crate::kit::table::{ColumnHead, or_dash, table};
 use maud::{Markup, html};
 use sphcut_postprocess::ProcessResult;
@@ -18,6 +18,8 @@ use sphcut_record::Run;
 pub struct SpringbackRun<'a> {
     /// What the user calls it.
     pub name: &'a str,
+    /// Its page, as a link from this one.
+    pub page: Option<&'a str>,
     /// Its record.
     pub run: &'a Run,
     /// Its evaluation.
@@ -37,6 +39,10 @@ pub fn render_springback(runs: &[SpringbackRun<'_>], measurements: &[Measurement
         (against_speed(runs, measurements))
         @for run in runs { (details(run)) }
         (definitions())
+        (next(&[
+            ("sphcut springback RUN... --measured FILE", "the same beside measured springback"),
+            ("sphcut sweep SWEEP.toml", "cuts over speed and thickness; `sphcut springback` takes its folder"),
+        ]))
     };
     let lead = html! { "Normal distance between the lowest point of the tool and the machined surface behind it; "
     (of_which(runs)) "." };
@@ -234,6 +240,7 @@ fn details(run: &SpringbackRun<'_>) -> Markup {
     html! {
         section {
             h2 { (run.name) ", " (speed(found)) " m/min" }
+            @if let Some(page) = run.page { p { a href=(page) { "Page of the run" } } }
             (figure(profile(found).svg(), "Springback against the cutting distance. Blue: particles that a \
                 snapshot has seen touching the lowest part of the tool, followed until they lie clear \
                 of it. Pale: outermost particles of strips two spacings wide, whose height says how rough \

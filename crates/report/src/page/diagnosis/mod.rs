@@ -11,15 +11,15 @@ use crate::kit::map::{ColourScale, Map};
 use crate::kit::numbers::{
     M_PER_MIN, MM, UM, minus, percent, signed, signed_percent, three_digits, with_ends,
 };
-use crate::kit::shell::{Shell, plain, plotted, tab, verdict};
+use crate::kit::shell::{self, Shell, plain, plotted, tab, verdict};
 use crate::kit::table::ColumnHead::{Number, Text};
 use crate::kit::table::{NONE, table};
 use crate::kit::text::listed;
 use maud::{Markup, html};
 use sphcut_diagnose::series::SeriesDiagnosis;
 use sphcut_diagnose::{
-    BiasOrigin, ChannelNoise, Diagnosis, DiagnosisProvenance, Hypothesis, MapPoint, NoiseSource,
-    Predictor, Recordings, Rerun, Scored,
+    BiasOrigin, ChannelNoise, ClaimVerdict, Diagnosis, DiagnosisProvenance, Hypothesis, MapPoint,
+    NoiseSource, Predictor, Recordings, Rerun, Scored,
 };
 use sphcut_greybox::{Hull, Input};
 use words::{error, family, parameters, part, pattern, rate, shown, unanswered};
@@ -69,6 +69,7 @@ pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
         (trust(page))
         (next(page))
         (method(page))
+        (next_steps(page))
     };
     let title = format!("What is missing: {}", provenance.title);
     Shell { tab: tab(&title), title: &title, lead, version: provenance.version, body }.render()
@@ -201,7 +202,7 @@ fn repair(page: &DiagnosisPage<'_>) -> Markup {
         section {
             h2 { "Correction" }
             @match &found.finding.verdict {
-                sphcut_diagnose::ClaimVerdict::Named(_) => p { "The file scenario.patch.toml beside this page has the effect, its parameters with intervals, and the keys of the \
+                ClaimVerdict::Named(_) => p { "The file scenario.patch.toml beside this page has the effect, its parameters with intervals, and the keys of the \
                     scenario that have it, with the properties fitted together with it: \"sphcut run SCENARIO --patch scenario.patch.toml\" runs them. "
                     @if found.rerun.is_some() { "What a patch from fits without the recordings compared gives in the particle solver stands below; it is in the folder of these runs." }
                     @else { "The patched scenario has not been run in the particle solver." } },
@@ -392,6 +393,23 @@ fn next(page: &DiagnosisPage<'_>) -> Markup {
             } @else {
                 p { "One explanation is left; no cut would change that." }
             }
+        }
+    }
+}
+
+/// Commands, and the pages of the runs that explain.
+fn next_steps(page: &DiagnosisPage<'_>) -> Markup {
+    let named = matches!(page.diagnosis.finding.verdict, ClaimVerdict::Named(_));
+    let patched = ("sphcut run SCENARIO --patch scenario.patch.toml", "cuts with what was missing");
+    let measured = (
+        "sphcut predict --diagnosis FOLDER --conditions FILE",
+        "corrected forces with intervals at other cuts",
+    );
+    let steps = if named { vec![patched, measured] } else { vec![measured] };
+    html! {
+        (shell::next(&steps))
+        @if page.diagnosis.rerun.is_some() {
+            p { a href="runs/repaired/sweep.html" { "Runs of the corrected scenario" } }
         }
     }
 }

@@ -10,7 +10,7 @@ pub(super) use history::force_figure;
 
 use crate::ReportError;
 use crate::kit::numbers::{UM, grouped, three_digits};
-use crate::kit::shell::{Shell, data_uri, note, tab};
+use crate::kit::shell::{Shell, data_uri, next, note, tab};
 use crate::picture::{Picture, Pictures, draw_all};
 use maud::{Markup, html};
 use sphcut_postprocess::ProcessResult;
@@ -55,6 +55,7 @@ pub fn render_report(run: &Run, result: &ProcessResult) -> Result<String, Report
         (history::section(run, result))
         (tables::balances(run, result))
         (tables::setup(run, result, first.as_deref()))
+        (next_steps(run))
         (reproduce(run))
     };
     let lead = html! { (lead(run)) };
@@ -131,6 +132,31 @@ fn figure(picture: &Picture, still: Option<&Picture>) -> Markup {
 
 fn uri(picture: &Picture) -> String {
     data_uri(picture.media_type, &picture.bytes)
+}
+
+/// FOLDER is that of this page.
+fn next_steps(run: &Run) -> Markup {
+    if !ProcessResult::is_cut(run) {
+        return html! {};
+    }
+    next(&[
+        (
+            "sphcut springback FOLDER",
+            "springback and residual stress of the machined surface; FOLDER is that of this page",
+        ),
+        (
+            "sphcut sweep SWEEP.toml",
+            "forces over speed and thickness, and their coefficients (docs/howto/sweep.md)",
+        ),
+        (
+            "sphcut calibrate-friction SCENARIO --measured FILE",
+            "the friction coefficient that fits measured forces",
+        ),
+        (
+            "sphcut diagnose CASE.toml",
+            "which physics is missing, told from measured forces (docs/howto/diagnose.md)",
+        ),
+    ])
 }
 
 fn reproduce(run: &Run) -> Markup {

@@ -7,13 +7,13 @@ pub use words::sweep_words;
 
 use crate::ReportError;
 use crate::kit::numbers::{M_PER_MIN, MPA, grouped, minus, three_digits, with_ends, with_interval};
-use crate::kit::shell::{Shell, note, plotted, tab};
+use crate::kit::shell::{Shell, next, note, plotted, tab};
 use crate::kit::table::{ColumnHead, NONE, table as kit_table};
 use crate::kit::text::indexed;
 use crate::picture::thumbnail;
 use maud::{Markup, html};
 use plots::ForceAt;
-use sphcut_record::Run;
+use sphcut_record::{Run, ZERO_CELSIUS};
 use sphcut_sweep::{LeftOutRun, State, SweepRow, SweepTable, TrendEstimate, force_coefficients};
 
 /// Most pictures of cuts on a page.
@@ -64,6 +64,12 @@ pub fn render_sweep(sweep: &SweepPage<'_>) -> Result<String, ReportError> {
         }
         (runs(table))
         (left_out(sweep.left_out))
+        (next(&[
+            ("sphcut greybox fit --simulated simulated.csv --measured FILE", "a correction of the forces learnt from measured ones"),
+            ("sphcut springback FOLDER", "the machined surface of every run; FOLDER is that of this page"),
+            ("sphcut report FOLDER/store/results/...", "the page of one run, by its address"),
+            ("sphcut diagnose CASE.toml", "which physics is missing, told from measured forces"),
+        ]))
         section {
             h2 { "How to reproduce" }
             p { "The sweep, word for word; the scenario of each run lies beside its result." }
@@ -257,7 +263,7 @@ fn runs(table: &SweepTable) -> Markup {
                             th.n { (indexed("F_c in N")) } th.n { (indexed("F_f in N")) } th { "steady" }
                             th.n { (indexed("h_c / h")) }
                         }
-                        th.n { "highest temperature in K" } th.n { "thread time" } th { "address" }
+                        th.n { @if cuts { "contact temperature in \u{b0}C" } @else { "highest temperature in K" } } th.n { "thread time" } th { "address" }
                     }
                 }
                 tbody { @for row in table.rows.iter().take(MOST_ROWS) { (run(row, cuts)) } }
@@ -275,6 +281,12 @@ fn run(row: &SweepRow, cuts: bool) -> Markup {
     };
     let force = |index: usize| {
         row.forces[index].map_or_else(String::new, |[mean, half]| minus(&with_interval(mean, half)))
+    };
+    let contact = row.summary.get("temperature.interface_mean_k");
+    let temperature = if cuts {
+        contact.map_or_else(String::new, |kelvin| format!("{:.0}", kelvin - ZERO_CELSIUS))
+    } else {
+        number("temperature.max_k")
     };
     let steady = match row.summary.get("steady.reached") {
         Some(1.0) => "yes",
@@ -294,7 +306,7 @@ fn run(row: &SweepRow, cuts: bool) -> Markup {
                     td.n { (force(0)) } td.n { (force(1)) } td { (steady) }
                     td.n { (number("chip.compression_ratio")) }
                 }
-                td.n { (number("temperature.max_k")) }
+                td.n { (temperature) }
                 td.n { @if let Some(entry) = &row.entry { (hours(entry.wall_seconds * entry.threads as f64)) } }
                 td { code { (row.address.short()) } }
             }
