@@ -77,6 +77,16 @@ fn next(run: &Run, results: &Results) -> String {
 pub fn finished(run: &Run, results: &Results, style: OutputStyle) {
     let result = &results.result;
     let summary = summary_json(result);
+    if style == OutputStyle::Human {
+        terminal::line(digest(run, result).trim_end());
+    }
+    if style != OutputStyle::Json {
+        // Those of the scenario were told at the start.
+        let told = |warning: &String| run.provenance.warnings.contains(warning);
+        for warning in result.warnings.iter().map(ToString::to_string).filter(|w| !told(w)) {
+            note(&format!("warning: {warning}"));
+        }
+    }
     match style {
         OutputStyle::Json => emit(&json!({
             "event": "done",
@@ -86,16 +96,8 @@ pub fn finished(run: &Run, results: &Results, style: OutputStyle) {
             "summary": serde_json::from_str::<Value>(&summary).unwrap_or_default(),
         })),
         OutputStyle::Human => {
-            terminal::line(digest(run, result).trim_end());
             terminal::report(&results.page, &next(run, results));
         }
         OutputStyle::Quiet => {}
-    }
-    if style != OutputStyle::Json {
-        // Those of the scenario were told at the start.
-        let told = |warning: &String| run.provenance.warnings.contains(warning);
-        for warning in result.warnings.iter().map(ToString::to_string).filter(|w| !told(w)) {
-            note(&format!("warning: {warning}"));
-        }
     }
 }

@@ -250,6 +250,9 @@ fn write(
     ];
     let out = &arguments.folder();
     files::save_all(out, &FILES, &texts)?;
+    if style != OutputStyle::Json {
+        warn_of_files(&out.join(FILES[3]));
+    }
     let page = out.join(FILES[0]);
     match style {
         OutputStyle::Json => emit(&json!({
@@ -266,9 +269,6 @@ fn write(
             terminal::report(&page, &next);
         }
         OutputStyle::Quiet => {}
-    }
-    if style != OutputStyle::Json {
-        warn_of_files(&out.join(FILES[3]));
     }
     Ok(())
 }

@@ -254,7 +254,7 @@ fn runs(table: &SweepTable) -> Markup {
     html! {
         section {
             h2 { "Runs" }
-            table {
+            div.scroll { table {
                 thead {
                     tr {
                         th { "Run" }
@@ -267,7 +267,7 @@ fn runs(table: &SweepTable) -> Markup {
                     }
                 }
                 tbody { @for row in table.rows.iter().take(MOST_ROWS) { (run(row, cuts)) } }
-            }
+            } }
             @if table.rows.len() > MOST_ROWS {
                 p { "and " (table.rows.len() - MOST_ROWS) " more in " code { "table.csv" } "." }
             }
