@@ -204,7 +204,7 @@ fn constant_words(found: &CutCalibration) -> Vec<String> {
     let open = named(ConstantStanding::Prior);
     if !open.is_empty() {
         words.push(format!(
-            "{open}: not identifiable from these cuts; prior and interval are those of the published sets."
+            "{open}: not identifiable from these cuts; the interval is about that of the prior."
         ));
     }
     words
