@@ -105,10 +105,9 @@ impl CutParticles {
         let here = self.points[particle];
         let (mut sum, mut count) = ([0.0, 0.0], 0.0);
         let own = self.spacings[particle];
-        for i in self.near(here, 0.5 * LINK * (own + self.coarsest)) {
+        for i in self.near(here, LINK * own) {
             let length = distance(self.points[i], here);
-            let reach = 0.5 * LINK * (own + self.spacings[i]);
-            if i != particle && length > 0.0 && length <= reach {
+            if i != particle && length > 0.0 {
                 let offset = difference(here, self.points[i]);
                 let area = (self.spacings[i] / own).powi(2);
                 let share = area / length;
@@ -243,5 +242,35 @@ mod tests {
             }
         }
         assert!(surface * 100 >= 95 * count && count > 150, "{surface} of {count}");
+    }
+
+    #[test]
+    fn a_change_of_spacing_is_no_surface() {
+        // Spacing 1 above y = 0, 2 below, and the frame's y points away from the machined surface.
+        let mut snapshot = Snapshot { dimension: 2, particle_spacing: 1.0, ..Snapshot::default() };
+        let mut fill = |spacing: f64, low: f64, rows: u32| {
+            for (row, column) in
+                (0..rows).flat_map(|r| (0..(40.0 / spacing) as u32).map(move |c| (r, c)))
+            {
+                let at = |k: u32, from: f64| from + (f64::from(k) + 0.5) * spacing;
+                snapshot.position.push([at(column, 0.0), at(row, low), 0.0]);
+                snapshot.relative_spacing.push(spacing);
+            }
+        };
+        fill(1.0, 0.0, 12);
+        fill(2.0, -12.0, 6);
+        let cloud = CutParticles::new(&snapshot, CutPlane::new(CuttingFrame::default()));
+        assert_eq!(cloud.loose, 0);
+        let (mut surface, mut inside) = (0, 0);
+        for (i, [x, y]) in cloud.points.iter().enumerate() {
+            if (10.0..30.0).contains(x) {
+                let is_surface = cloud.outward_normal(i).is_some();
+                surface += usize::from(is_surface);
+                inside += usize::from(is_surface && y.abs() < 6.0);
+            }
+        }
+        // The outer rows of either side: 20 and 10.
+        assert_eq!((surface, inside), (30, 0));
+        assert!(cloud.is_material([20.0, -6.0], 1.3) && !cloud.is_material([20.0, -15.0], 1.3));
     }
 }

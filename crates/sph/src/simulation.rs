@@ -3,6 +3,7 @@
 use crate::engine::Engine;
 use crate::error::{Diverged, SetupError};
 use crate::output::observation::{CheckpointState, Sample, Snapshot};
+use crate::particles::lattice;
 use crate::particles::window::Window;
 use crate::setup::{Dimension, Setup};
 use crate::stage::Stage;
@@ -126,6 +127,12 @@ impl Simulation {
     #[must_use]
     pub fn steps(&self) -> u64 {
         with_engine!(&self.engine, engine => engine.clock.step)
+    }
+
+    /// Particles of all bodies of a setup, from their shapes alone: those of a cylinder about.
+    #[must_use]
+    pub fn count(setup: &Setup) -> f64 {
+        setup.bodies.iter().map(|body| lattice::count(setup, body)).sum()
     }
 
     /// Number of particles that are followed now.

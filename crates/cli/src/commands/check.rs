@@ -199,7 +199,7 @@ fn excerpt(setup: &Setup) -> (Setup, Option<Whole>) {
     let (mut part, dimension) = (setup.clone(), setup.dimension.axes());
     let (spacing, most) = (setup.particle_spacing, MOST_BUILT[dimension - 2]);
     let volume = |body: &Body| body.shape.volume(dimension);
-    let particles = setup.bodies.iter().map(volume).sum::<f64>() / spacing.powi(dimension as i32);
+    let particles = Simulation::count(setup);
     let largest = part.bodies.iter_mut().max_by(|a, b| volume(a).total_cmp(&volume(b)));
     let Some(Body { shape: Shape::Box { min, max, .. }, .. }) = largest else {
         return (part, None);

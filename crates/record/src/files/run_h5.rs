@@ -146,7 +146,7 @@ fn write_snapshot(writer: &HdfWriter, number: usize, snapshot: &Snapshot) -> Res
             ("particle_spacing", Attribute::Real(snapshot.particle_spacing)),
         ],
     )?;
-    for field in all_fields() {
+    for field in all_fields().filter(|field| !is_uniform(field, snapshot)) {
         let array = match field.column(snapshot) {
             Column::Reals(values) => Array::F64(values),
             Column::Longs(values) => Array::U64(values),
@@ -161,6 +161,13 @@ fn write_snapshot(writer: &HdfWriter, number: usize, snapshot: &Snapshot) -> Res
         writer.array(&format!("{group}/{}", field.name), array, shape, &attributes)?;
     }
     Ok(())
+}
+
+/// The field that is left out where it is 1 for all: on a lattice of one spacing.
+const UNIFORM: &str = "relative_spacing";
+
+fn is_uniform(field: &SnapshotField, snapshot: &Snapshot) -> bool {
+    field.name == UNIFORM && snapshot.relative_spacing.iter().all(|size| *size == 1.0)
 }
 
 fn snapshot_group(number: usize) -> String {
@@ -265,7 +272,8 @@ pub(crate) fn read_snapshot(path: &Path, number: usize) -> Result<Snapshot, RunE
     let there = reader.arrays(&group)?;
     for field in all_fields() {
         if LATER.contains(&field.name) && !there.iter().any(|name| name == field.name) {
-            let unknown = vec![f64::NAN; snapshot.id.len() * field.width()];
+            let value = if field.name == UNIFORM { 1.0 } else { f64::NAN };
+            let unknown = vec![value; snapshot.id.len() * field.width()];
             field.set_reals(&mut snapshot, unknown).ok_or_else(|| reader.damaged(field.name))?;
         } else {
             read_field(&reader, &group, field, &mut snapshot)?;

@@ -270,6 +270,29 @@ mod tests {
     }
 
     #[test]
+    fn coarse_particles_are_material_as_fine_ones_are() {
+        // Two rows of spacing 1 on two of spacing 2 with cells twice as long as high: pitch 2.8 and height 1.4.
+        let mut snapshot = Snapshot { dimension: 2, particle_spacing: 1.0, ..Snapshot::default() };
+        for (y, pitch, size) in [(3.0, 2.8, 2.0), (4.4, 2.8, 2.0), (5.6, 1.0, 1.0), (6.6, 1.0, 1.0)]
+        {
+            for k in 0..(20.0 / pitch) as u32 {
+                snapshot.position.push([pitch * f64::from(k), y, 0.0]);
+                snapshot.relative_spacing.push(size);
+            }
+        }
+        let colours = vec![[255, 0, 0]; snapshot.position.len()];
+        let mapping = Mapping { view: View { min: [0.0; 2], max: [20.0, 10.0] }, scale: 10.0 };
+        let mut canvas = Canvas::new(200, 100);
+        let particles = Coloured { snapshot: &snapshot, colours: &colours };
+        draw_particles(&mut canvas, &mapping, &particles, Style::Material);
+        let filled = |y: f64| canvas.pixels[(100 - (10.0 * y) as usize) * 200 + 100] != WHITE;
+        // Half a spacing of its own beyond the outer row of each.
+        for (y, expected) in [(1.8, false), (2.6, true), (5.0, true), (6.9, true), (7.3, false)] {
+            assert_eq!(filled(y), expected, "y = {y}");
+        }
+    }
+
+    #[test]
     fn reducing_takes_the_mean() {
         let mut fine = Canvas::new(2, 2);
         fine.pixels = vec![[0, 0, 0], [100, 0, 0], [0, 0, 0], [100, 200, 0]];

@@ -145,8 +145,7 @@ pub struct Snapshot {
     /// Share of the tool's surface in m^2 (m in 2D); 0 without contact. Not a number where a record
     /// does not hold it.
     pub contact_area: Vec<f64>,
-    /// Spacing of the lattice where the particle is, over [`Snapshot::particle_spacing`]. Not a number where a record does not
-    /// hold it: it is 1 then.
+    /// Spacing of the lattice where the particle is, over [`Snapshot::particle_spacing`].
     pub relative_spacing: Vec<f64>,
     /// From the particle to the point of its material that the tool touches, in m; where the tool has not been near,
     /// half the cell of the lattice across the machined surface. Not a number where a record does not hold it.
@@ -167,8 +166,7 @@ impl Snapshot {
     /// Spacing of the lattice where particle `i` is, in m.
     #[must_use]
     pub fn spacing_at(&self, i: usize) -> f64 {
-        let relative = self.relative_spacing.get(i).copied().filter(|size| size.is_finite());
-        self.particle_spacing * relative.unwrap_or(1.0)
+        self.particle_spacing * self.relative_spacing.get(i).copied().unwrap_or(1.0)
     }
 }
 

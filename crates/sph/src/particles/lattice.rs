@@ -155,21 +155,9 @@ fn box_points(
     parting: Option<f64>,
 ) -> Vec<(usize, Point)> {
     let planar = setup.dimension == Dimension::Two;
-    let spacing = setup.particle_spacing * narrowing(setup.dimension, aspect);
     let hexagonal = setup.discretisation.lattice == Lattice::Hexagonal;
-    let (along, across) = pitches(setup, aspect);
-    let cells = |k: usize, pitch: f64| ((max[k] - min[k]) / pitch).round() as usize;
-    let pitch = |k: usize, count: usize| (max[k] - min[k]) / count as f64;
-    // Of a level: what a row of it has along and across.
-    let ways: Vec<[(usize, f64); 2]> = (0..setup.discretisation.levels())
-        .map(|level| {
-            let size = size_of_level(level);
-            let columns = cells(0, along * aspect * size);
-            let layers = if planar { 1 } else { cells(2, spacing * size) };
-            let width = if planar { 1.0 } else { pitch(2, layers) };
-            [(columns, pitch(0, columns)), (layers, width)]
-        })
-        .collect();
+    let (_, across) = pitches(setup, aspect);
+    let ways = ways(setup, min, max, aspect);
     let [(columns, _), (layers, _)] = ways[0];
     if columns == 0 || layers == 0 {
         return Vec::new();
@@ -230,6 +218,38 @@ fn graded(setup: &Setup, body: &Body) -> (Vec<Row>, Vec<(usize, Point)>) {
     let low = [0.0, min[1], 0.0];
     let high = [coarsest * length, max[1], coarsest * width];
     (rows, box_points(setup, &low, &high, lattice_aspect, parting_height))
+}
+
+/// What a row of each level of a box has along the first axis and along the last one: cells, and their length in m.
+fn ways(setup: &Setup, min: &Vector, max: &Vector, aspect: f64) -> Vec<[(usize, f64); 2]> {
+    let planar = setup.dimension == Dimension::Two;
+    let spacing = setup.particle_spacing * narrowing(setup.dimension, aspect);
+    let (along, _) = pitches(setup, aspect);
+    let cells = |k: usize, pitch: f64| ((max[k] - min[k]) / pitch).round() as usize;
+    let pitch = |k: usize, count: usize| (max[k] - min[k]) / count as f64;
+    (0..setup.discretisation.levels())
+        .map(size_of_level)
+        .map(|size| {
+            let columns = cells(0, along * aspect * size);
+            let layers = if planar { 1 } else { cells(2, spacing * size) };
+            let width = if planar { 1.0 } else { pitch(2, layers) };
+            [(columns, pitch(0, columns)), (layers, width)]
+        })
+        .collect()
+}
+
+/// Particles of a body, from its shape alone.
+pub(crate) fn count(setup: &Setup, body: &Body) -> f64 {
+    let Shape::Box { min, max, .. } = &body.shape else {
+        let axes = setup.dimension.axes();
+        return body.shape.volume(axes) / setup.particle_spacing.powi(axes as i32);
+    };
+    let Discretisation { lattice_aspect: aspect, parting_height, grading, .. } =
+        setup.discretisation;
+    let (ways, (_, across)) = (ways(setup, min, max, aspect), pitches(setup, aspect));
+    let rows = rows((min[1], max[1]), across, parting_height, grading.as_ref());
+    let in_row = |row: &Row| ways[row.level as usize].map(|(cells, _)| cells as f64);
+    rows.iter().map(|row| in_row(row).iter().product::<f64>()).sum()
 }
 
 /// Spacing of a level over the particle spacing.
