@@ -79,7 +79,7 @@ fn digests(name: &str, scenario: &str) -> Vec<(String, String)> {
         ("channels".to_owned(), digest(&channels)),
     ];
     for number in 0..run.snapshots.len() {
-        let mut snapshot = run.snapshots.get(number).unwrap();
+        let mut snapshot = (*run.snapshots.get(number).unwrap()).clone();
         // These lattices have one spacing; the digests are of a time when there was no other.
         assert!(snapshot.relative_spacing.iter().all(|size| *size == 1.0));
         snapshot.relative_spacing.clear();

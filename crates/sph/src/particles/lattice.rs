@@ -45,16 +45,18 @@ impl RowClasses {
         if setup.discretisation.grading.is_some() {
             for (number, body) in setup.bodies.iter().enumerate() {
                 let (rows, points) = graded(setup, body);
-                let (factors, own) = row_pairs::find(setup, &rows, &points);
+                let factors = row_pairs::find(setup, &rows, &points);
                 list.extend(
-                    own.iter()
+                    factors
+                        .own
+                        .iter()
                         .map(|&row| RowClass { level: rows[row].level, row: Some((number, row)) }),
                 );
                 known.push(factors);
             }
         }
         let factor = |a: usize, b: usize| match (list[a].row, list[b].row) {
-            (Some((body, r)), Some((other, s))) if body == other => known[body][(r, s)],
+            (Some((body, r)), Some((other, s))) if body == other => known[body].of(r, s),
             _ => 1.0,
         };
         let factors = DMatrix::from_fn(list.len(), list.len(), factor);

@@ -41,9 +41,44 @@ struct Moments {
     heights: Vec<f64>,
 }
 
-/// The factors of pairs of `rows`, of which `points` are some particles about the middle, each with the number of its row; and
-/// which rows have some.
-pub(crate) fn find(
+/// Factors of pairs of rows.
+#[derive(Debug)]
+pub(crate) struct PairFactors {
+    /// Number of the row that has the first row of the matrix.
+    first: usize,
+    matrix: DMatrix<f64>,
+    /// Which rows have some.
+    pub(crate) own: Vec<usize>,
+}
+
+impl PairFactors {
+    /// psi of two rows that have some.
+    pub(crate) fn of(&self, r: usize, s: usize) -> f64 {
+        self.matrix[(r - self.first, s - self.first)]
+    }
+}
+
+/// The factors of pairs of `rows`, of which `points` are some particles about the middle, each with the number of its row.
+pub(crate) fn find(setup: &Setup, rows: &[Row], points: &[(usize, Point)]) -> PairFactors {
+    let changed = |r: &usize| rows[*r].level != rows[*r - 1].level;
+    let (low, high) = ((1..rows.len()).find(changed), (1..rows.len()).rfind(changed));
+    let (Some(low), Some(high)) = (low, high) else {
+        return PairFactors { first: 0, matrix: DMatrix::zeros(0, 0), own: Vec::new() };
+    };
+    // A workpiece may have many more rows than those that see a change, or that one of these sees.
+    let first = low.saturating_sub(4 * ROWS);
+    let near = first..(high + 4 * ROWS).min(rows.len());
+    let points: Vec<(usize, Point)> = points
+        .iter()
+        .filter(|(row, _)| near.contains(row))
+        .map(|(row, point)| (row - first, *point))
+        .collect();
+    let (matrix, own) = near_changes(setup, &rows[near], &points);
+    PairFactors { first, matrix, own: own.into_iter().map(|row| row + first).collect() }
+}
+
+/// The factors of pairs of rows near changes of spacing, and which have some.
+fn near_changes(
     setup: &Setup,
     rows: &[Row],
     points: &[(usize, Point)],
@@ -53,9 +88,6 @@ pub(crate) fn find(
         (1..rows.len()).filter(|&r| rows[r].level != rows[r - 1].level).collect();
     let beside = |r: usize, reach: usize| changes.iter().any(|&c| r + reach >= c && r < c + reach);
     let own: Vec<usize> = (0..rows.len()).filter(|&r| beside(r, ROWS)).collect();
-    if own.is_empty() {
-        return (factors, own);
-    }
     let moments = moments(setup, rows, points);
     let whole = |r: &usize| {
         let reach = support(setup, rows[*r].level, rows[*r].level);
