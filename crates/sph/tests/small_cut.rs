@@ -5,24 +5,50 @@ mod support;
 
 use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::Values;
-use sphcut_sph::setup::{Lattice, Setup, VelocityChange};
+use sphcut_sph::setup::{Grading, Lattice, Setup, VelocityChange};
 use sphcut_sph::{ChannelId, SetupError, Simulation, options};
 use support::{SPACING, SPEED, bits, cut, run, wedge};
 
+/// The cut with particles twice as large above and below the edge.
+fn graded() -> Setup {
+    let mut setup = cut(0.0, Lattice::Square);
+    setup.discretisation.parting_height = Some(-0.1e-3);
+    setup.discretisation.grading = Some(Grading { band: [-0.15e-3, -0.1e-3], below: 1, above: 1 });
+    setup
+}
+
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let with_threads = |count: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
-        pool.install(|| bits(&run(cut(0.0, Lattice::Square)).0.checkpoint()))
-    };
-    let one = with_threads(1);
-    assert!(one == with_threads(2));
-    assert!(one == with_threads(3));
+    for setup in [cut(0.0, Lattice::Square), graded()] {
+        let with_threads = |count: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+            pool.install(|| bits(&run(setup.clone()).0.checkpoint()))
+        };
+        let one = with_threads(1);
+        assert!(one == with_threads(2));
+        assert!(one == with_threads(3));
+    }
+}
+
+#[test]
+fn a_graded_cut_has_particles_of_two_sizes_and_closed_balances() {
+    let (simulation, samples) = run(graded());
+    let sizes = simulation.snapshot().relative_spacing;
+    // From the bottom: 4 rows of 12 (0.2 mm), 2 of 24 in the band, 2 of 12 (0.1 mm).
+    let fine = sizes.iter().filter(|size| **size == 1.0).count();
+    assert_eq!((sizes.len(), fine), (4 * 12 + 2 * 24 + 2 * 12, 2 * 24));
+    let last = samples.last().unwrap();
+    let work = last.get(ChannelId::ToolWork);
+    assert!(work > 0.0);
+    assert!(last.get(ChannelId::EnergyError).abs() < 1e-3 * work);
+    let (content, supplied) = (last.get(ChannelId::HeatContent), last.get(ChannelId::HeatSupplied));
+    assert!((content - supplied).abs() < 1e-6 * supplied, "{content} {supplied}");
 }
 
 #[test]
 fn a_restored_run_goes_on_with_the_same_bits() {
     restored_run_is_the_same(cut(0.0, Lattice::Square));
+    restored_run_is_the_same(graded());
     let mut stretching = cut(0.0, Lattice::Square);
     let options = [("mass_scaling", 400.0), ("support_stretch", 1.7)];
     stretching.numerics = Values::resolve(options::NUMERICS, &options).unwrap();

@@ -4,7 +4,7 @@
 mod support;
 
 use sphcut_physics::Values;
-use sphcut_sph::setup::{Body, Lattice, MovingWindow, Setup, Shape, VelocityField};
+use sphcut_sph::setup::{Body, Grading, Lattice, MovingWindow, Setup, Shape, VelocityField};
 use sphcut_sph::{ChannelId, Sample, SetupError, Simulation, options};
 use support::{SPACING, SPEED, bits, cut, run};
 
@@ -96,7 +96,13 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn a_restored_window_goes_on_with_the_same_bits() {
-    let setup = windowed(0.0);
+    let mut graded = windowed(0.0);
+    graded.discretisation.grading = Some(Grading { band: [-0.15e-3, -0.1e-3], below: 2, above: 1 });
+    restored_window_is_the_same(graded);
+    restored_window_is_the_same(windowed(0.0));
+}
+
+fn restored_window_is_the_same(setup: Setup) {
     let whole = run(setup.clone()).0.checkpoint();
     let mut interrupted = Simulation::new(setup.clone()).unwrap();
     while interrupted.time() < 0.8 * setup.end_time {

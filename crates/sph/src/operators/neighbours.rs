@@ -65,6 +65,8 @@ pub(crate) struct Cells<const D: usize> {
     pub(crate) order: Vec<u32>,
     /// Largest size of the particles of each cell; empty where all are 1.
     largest: Vec<f64>,
+    /// Largest of these.
+    coarsest: f64,
     /// Support of a particle of size 1 over the cells' size.
     support: f64,
 }
@@ -80,6 +82,7 @@ impl<const D: usize> Default for Cells<D> {
             next: Vec::new(),
             order: Vec::new(),
             largest: Vec::new(),
+            coarsest: 1.0,
             support: 1.0,
         }
     }
@@ -133,6 +136,7 @@ impl<const D: usize> Cells<D> {
             };
             self.largest.extend(self.start.windows(2).map(largest));
         }
+        self.coarsest = self.largest.iter().copied().fold(1.0, f64::max);
     }
 
     /// Memory in bytes.
@@ -189,8 +193,7 @@ impl<const D: usize> Cells<D> {
     ) {
         let cell = self.coordinates(position);
         let reach = |largest: f64| 0.5 * (size + largest) * self.support;
-        let most = self.largest.iter().copied().fold(1.0, f64::max);
-        let cells = if self.largest.is_empty() { 1 } else { reach(most).ceil() as usize };
+        let cells = if self.largest.is_empty() { 1 } else { reach(self.coarsest).ceil() as usize };
         let low = |k: usize| cell[k].saturating_sub(cells);
         let high = |k: usize| (cell[k] + cells).min(self.counts[k] - 1);
         for plane in low(2)..=high(2) {

@@ -126,10 +126,8 @@ impl<const D: usize> ReferenceConfiguration<D> {
 
     /// Takes the present configuration as the reference: the particles change to the order of storage.
     pub(crate) fn take(&mut self, particles: &mut Particles<D>, numerics: &Numerics, time: f64) {
-        self.cells.lay(&particles.position, self.reach / numerics.coarsest);
+        self.lay_cells(&particles.position, numerics);
         particles.reorder(&self.cells.order);
-        (self.sizes, self.row_classes) = particles.sizes_and_classes();
-        self.cells.note_sizes(&self.sizes);
         for (motion, position) in particles.motion.iter_mut().zip(&particles.position) {
             motion.set_reference(*position);
         }
@@ -140,6 +138,11 @@ impl<const D: usize> ReferenceConfiguration<D> {
         }
     }
 
+    /// Lays the cells over the places of the particles in the reference, of which `order` is that of storage.
+    pub(crate) fn lay_cells(&mut self, places: &[Vector<D>], numerics: &Numerics) {
+        self.cells.lay(places, self.reach / numerics.coarsest);
+    }
+
     /// Finds neighbours and corrections of the particles, which are at their places in the reference and in the order of the
     /// cells; and the pairs of `self_contact` up to a distance.
     pub(crate) fn rebuild(
@@ -148,6 +151,8 @@ impl<const D: usize> ReferenceConfiguration<D> {
         numerics: &Numerics,
         self_contact: (&mut Vec<(u32, u32)>, f64),
     ) {
+        (self.sizes, self.row_classes) = particles.sizes_and_classes();
+        self.cells.note_sizes(&self.sizes);
         for (i, volume) in self.volume.iter_mut().enumerate() {
             *volume = particles.volume[i] * self.frame[i].volume_ratio;
         }

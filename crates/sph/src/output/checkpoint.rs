@@ -163,11 +163,11 @@ impl<const D: usize> Engine<D> {
         if let Some(tool) = &mut self.tool {
             tool.holder.set_reference(held);
         }
-        let Self { particles, reference, .. } = self;
+        let Self { particles, reference, numerics, .. } = self;
         let there = particles.motion.iter().map(|motion| *motion.reference()).collect();
         let here = std::mem::replace(&mut particles.position, there);
         // The particles are stored in cell order already: their order stays.
-        reference.cells.lay(&particles.position, reference.reach);
+        reference.lay_cells(&particles.position, numerics);
         self.rebuild();
         self.particles.position = here;
         if let Some(tool) = &mut self.tool {

@@ -16,7 +16,7 @@ pub(crate) struct Seed {
     pub(crate) velocity: Vector,
     pub(crate) volume: f64,
     pub(crate) temperature: f64,
-    /// Number of its class in [`classes`].
+    /// Number of its class in [`RowClasses`].
     pub(crate) class: usize,
 }
 
