@@ -30,6 +30,10 @@ pub(crate) struct CutFigures {
     pub(crate) edge_radius: Option<f64>,
     pub(crate) cutting_speed: f64,
     pub(crate) particle_spacing: f64,
+    /// Largest spacing in the uncut chip.
+    pub(crate) chip_spacing: f64,
+    /// Whether the spacing differs from place to place.
+    pub(crate) is_graded: bool,
     pub(crate) travel: f64,
     pub(crate) length: f64,
     /// Height of the tool above the uncut surface.
@@ -45,7 +49,7 @@ pub(crate) fn falls_short(value: f64, limit: f64) -> bool {
 pub(crate) fn cut(figures: &CutFigures) -> Vec<String> {
     let depth = figures.uncut_chip_thickness;
     let mut warnings = Vec::new();
-    let across = depth / figures.particle_spacing;
+    let across = depth / figures.chip_spacing;
     if falls_short(across, RESOLVED) {
         warnings.push(format!(
             "particles across the uncut chip thickness: {}; below {RESOLVED} the chip is not \
@@ -184,11 +188,12 @@ fn edge_warning(figures: &CutFigures) -> Option<String> {
         } else {
             format!("below {RESOLVED} the ploughing force is not resolved")
         };
-        format!(
-            "particles across the edge radius: {}; {means}: `particles_across_edge` with `grading = {{}}` in \
-             [resolution] makes them small where the edge is",
-            significant(across)
-        )
+        let help = if figures.is_graded {
+            ""
+        } else {
+            ": `particles_across_edge` with `grading = {}` in [resolution] makes them small where the edge is"
+        };
+        format!("particles across the edge radius: {}; {means}{help}", significant(across))
     })
 }
 
@@ -201,6 +206,8 @@ mod tests {
         edge_radius: Some(1e-4),
         cutting_speed: 2.5,
         particle_spacing: 2e-5,
+        chip_spacing: 2e-5,
+        is_graded: false,
         travel: 1.5e-3,
         length: 2.5e-3,
         depth: 1e-4,
@@ -222,7 +229,7 @@ mod tests {
             assert!(found[0].contains(part), "{found:?}");
         };
         expect(
-            CutFigures { uncut_chip_thickness: 8e-5, edge_radius: None, ..GOOD },
+            CutFigures { chip_spacing: 2.5e-5, edge_radius: None, ..GOOD },
             "across the uncut chip thickness: 4;",
         );
         expect(

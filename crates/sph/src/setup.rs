@@ -464,6 +464,26 @@ impl Grading {
     /// Rows of one spacing before the next larger one: the support of a particle reaches over one change at most.
     pub const ROWS: usize = 5;
 
+    /// Thicknesses in m of the band's part of a `room` beside the band and of as many of `levels` doublings as have room, away from
+    /// the band, the last one up to the end; what is less than two rows joins the one before. `row`: height of a row of the
+    /// band.
+    #[must_use]
+    pub fn thicknesses(room: f64, row: f64, levels: u8) -> Vec<f64> {
+        let (mut found, mut left) = (vec![0.0], room.max(0.0));
+        for level in 1..=levels {
+            let row = row * f64::from(1_u32 << level);
+            if left < 2.0 * row {
+                break;
+            }
+            let whole = Self::ROWS as f64 * row;
+            let part = if level == levels || left - whole < 4.0 * row { left } else { whole };
+            found.push(part);
+            left -= part;
+        }
+        found[0] += left;
+        found
+    }
+
     /// Largest spacing over the particle spacing.
     #[must_use]
     pub fn coarsest(&self) -> f64 {
@@ -472,6 +492,12 @@ impl Grading {
 }
 
 impl Discretisation {
+    /// Largest spacing of the uncut chip over the particle spacing.
+    #[must_use]
+    pub fn chip_size(&self) -> f64 {
+        self.grading.map_or(1.0, |grading| f64::from(1_u32 << grading.above))
+    }
+
     /// Spacings that bodies may have: the particle spacing, and each doubling of it.
     #[must_use]
     pub fn levels(&self) -> u8 {

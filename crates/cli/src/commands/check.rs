@@ -154,7 +154,8 @@ fn as_json(
         },
         "resolution": {
             "particle_spacing_m": setup.particle_spacing,
-            "across_uncut_chip_thickness": across(setup.uncut_chip_thickness),
+            "across_uncut_chip_thickness": across(setup.uncut_chip_thickness)
+                .map(|count| count / setup.discretisation.chip_size()),
             "across_edge_radius": across(setup.tool.as_ref().and_then(|tool| tool.edge_radius)),
         },
         "settings": settings.collect::<Vec<_>>(),
@@ -279,9 +280,16 @@ fn resolution(scenario: &Scenario) -> String {
     let setup = &scenario.setup;
     let across =
         |length: f64| text::number((length / setup.particle_spacing * 10.0).round() / 10.0);
+    let chip_size = setup.discretisation.chip_size();
     let mut page = String::from("\nresolution\n");
     if let Some(thickness) = setup.uncut_chip_thickness {
-        let _ = writeln!(page, "  {} particles across the uncut chip thickness", across(thickness));
+        let finest = if chip_size > 1.0 {
+            format!(", {} at the spacing of the edge", across(thickness))
+        } else {
+            String::new()
+        };
+        let count = across(thickness / chip_size);
+        let _ = writeln!(page, "  {count} particles across the uncut chip thickness{finest}");
     }
     if let Some(radius) = setup.tool.as_ref().and_then(|tool| tool.edge_radius) {
         let _ = writeln!(page, "  {} particles across the edge radius", across(radius));

@@ -55,6 +55,16 @@ pub(crate) fn grading(
     let usual = ((asked / finest).log2() + 1e-9).floor().clamp(0.0, f64::from(MOST)) as u8;
     let doublings_above = doublings("doublings_above", usual)?;
     let doublings_below = doublings("doublings_below", (doublings_above + 1).min(MOST))?;
-    let band = [-cut.deepest() - below?, -thickness + above?];
-    Some(Some(Grading { band, below: doublings_below, above: doublings_above }))
+    let (above, below) = (above?, below?);
+    let aspect = cut.resolution.discretisation.lattice_aspect;
+    let axes = if cut.workpiece.width > 0.0 { 3.0 } else { 2.0 };
+    let row = finest * aspect.powf(-1.0 / axes);
+    // Held sides are as deep as the coarsest rows that there are.
+    let fitting =
+        |room: f64, doublings: u8| (Grading::thicknesses(room, row, doublings).len() - 1) as u8;
+    Some(Some(Grading {
+        band: [-cut.deepest() - below, -thickness + above],
+        below: fitting(cut.workpiece.height - cut.deepest() - below, doublings_below),
+        above: fitting(thickness - above, doublings_above),
+    }))
 }

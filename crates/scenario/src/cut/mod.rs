@@ -502,6 +502,9 @@ impl CutScenario {
             edge_radius: self.tool.edge_radius,
             cutting_speed: self.process.cutting_speed,
             particle_spacing: self.resolution.particle_spacing,
+            chip_spacing: self.resolution.particle_spacing
+                * self.resolution.discretisation.chip_size(),
+            is_graded: self.resolution.discretisation.grading.is_some(),
             travel: self.end.travel,
             length: self.workpiece.length,
             tool_top: self.tool.body.top(),

@@ -1,12 +1,11 @@
 //! Tests: what passes from one spacing into another.
 
+use crate::contact::surface_point::tests::block;
 use crate::engine::Engine;
 use crate::material::point::MaterialPoint;
-use crate::setup::{
-    Body, Dimension, Grading, Lattice, Material, Setup, Shape, Support, Switch, TemperatureTables,
-    VelocityField,
-};
-use crate::tensor::{Matrix, Vector, apply, dot, identity, plus_scaled};
+use crate::operators::sweeps::tests::forces_balance;
+use crate::setup::{Dimension, Grading, Lattice, Setup, Shape, Support, Switch};
+use crate::tensor::{Matrix, Vector, apply};
 use sphcut_physics::elasticity::ElasticModuli;
 use sphcut_physics::{Values, flow_stress};
 
@@ -15,19 +14,9 @@ const SPACING: f64 = 0.05;
 /// A bar along y between -4 and 4, 2 wide (and 0.6 deep), whose spacing doubles below y = 0, `levels` times; its motion across
 /// the components in `held` is none.
 fn bar(dimension: Dimension, levels: u8, held: [bool; 3]) -> Setup {
-    let mut setup = Setup::empty(dimension, SPACING, 1.0);
-    let law = flow_stress::find("elastic").unwrap();
-    setup.materials.push(Material {
-        name: "metal".to_owned(),
-        density: 1000.0,
-        moduli: ElasticModuli::from_young(1e9, 0.3),
-        specific_heat: 1.0,
-        thermal_conductivity: 0.0,
-        tables: TemperatureTables::default(),
-        equation_of_state: None,
-        flow_stress: law,
-        flow_stress_values: Values::defaults(law.parameters),
-    });
+    let mut setup = block(dimension, Lattice::Square, 1.0);
+    setup.particle_spacing = SPACING;
+    setup.materials[0].moduli = ElasticModuli::from_young(1e9, 0.3);
     let (min, max) = ([-1.0, -4.0, -0.3], [1.0, 4.0, 0.3]);
     let shape = Shape::Box { min, max, rotation: 0.0, mirrored: false };
     setup.supports.push(Support {
@@ -36,13 +25,7 @@ fn bar(dimension: Dimension, levels: u8, held: [bool; 3]) -> Setup {
         velocity: held.map(|held| held.then_some(0.0)),
         temperature: None,
     });
-    setup.bodies.push(Body {
-        name: "bar".to_owned(),
-        material: 0,
-        shape,
-        velocity: VelocityField::Uniform([0.0; 3]),
-        temperature: 300.0,
-    });
+    setup.bodies[0].shape = shape;
     setup.discretisation.grading =
         (levels > 0).then_some(Grading { band: [0.0, 4.0], below: levels, above: 0 });
     setup
@@ -127,27 +110,7 @@ fn operators_are_exact<const D: usize>(dimension: Dimension) {
             }
         }
     }
-    for (i, point) in engine.particles.point.iter_mut().enumerate() {
-        let wave = |k: usize| (3.1 * i as f64 + 1.7 * k as f64).sin();
-        for row in 0..D {
-            point.offset[row] = 1e-3 * wave(row + 7);
-            for column in 0..D {
-                point.deviator[row][column] = 1e5 * wave(row * column + 3);
-            }
-        }
-        point.volume_ratio = 1.0 + 0.01 * wave(11);
-        point.deformation = identity();
-    }
-    engine.find_internal_forces();
-    let scale: f64 = engine.particles.force.iter().map(|f| dot(f, f).sqrt()).sum();
-    let (mut resultant, mut moment) = ([0.0; D], 0.0);
-    for (force, position) in engine.particles.force.iter().zip(&engine.particles.position) {
-        resultant = plus_scaled(&resultant, 1.0, force);
-        moment += position[0] * force[1] - position[1] * force[0];
-    }
-    // Rounding only: 1e-16 times the number of terms.
-    assert!(dot(&resultant, &resultant).sqrt() < 1e-12 * scale);
-    assert!(moment.abs() < 1e-12 * scale, "{moment} {scale}");
+    forces_balance(engine);
 }
 
 #[test]

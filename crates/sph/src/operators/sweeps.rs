@@ -484,7 +484,7 @@ fn context<'a, const D: usize>(
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::engine::Engine;
     use crate::lanes::Plain;
@@ -525,8 +525,7 @@ mod tests {
 
     /// Whatever stresses, velocities and offsets: internal forces have no resultant, and, while
     /// the stress is symmetric, no moment.
-    fn forces_balance<const D: usize>(dimension: Dimension) {
-        let mut engine = Engine::<D>::new(&block(dimension)).unwrap();
+    pub(crate) fn forces_balance<const D: usize>(mut engine: Engine<D>) {
         for i in 0..engine.particles.motion.len() {
             let wave = |k: usize| (3.1 * i as f64 + 1.7 * k as f64).sin();
             for row in 0..D {
@@ -556,7 +555,7 @@ mod tests {
 
     #[test]
     fn internal_forces_keep_both_momenta() {
-        forces_balance::<2>(Dimension::Two);
-        forces_balance::<3>(Dimension::Three);
+        forces_balance(Engine::<2>::new(&block(Dimension::Two)).unwrap());
+        forces_balance(Engine::<3>::new(&block(Dimension::Three)).unwrap());
     }
 }

@@ -297,25 +297,9 @@ fn rows(
 /// The heights from `low` to `high` by level, upwards.
 fn parts((low, high): (f64, f64), pitch: f64, grading: Option<&Grading>) -> Vec<(f64, f64, u8)> {
     let Some(Grading { band, below, above }) = grading else { return vec![(low, high, 0)] };
-    // Thicknesses of the levels away from the band, the last one up to the end; what is less than two rows joins the one before.
-    let thicknesses = |room: f64, levels: u8| {
-        let (mut found, mut left) = (vec![0.0], room.max(0.0));
-        for level in 1..=levels {
-            let row = pitch * size_of_level(level);
-            if left < 2.0 * row {
-                break;
-            }
-            let whole = Grading::ROWS as f64 * row;
-            let part = if level == levels || left - whole < 4.0 * row { left } else { whole };
-            found.push(part);
-            left -= part;
-        }
-        found[0] += left;
-        found
-    };
     let [bottom, top] = band.map(|height| height.clamp(low, high));
-    let down = thicknesses(bottom - low, *below);
-    let up = thicknesses(high - top, *above);
+    let down = Grading::thicknesses(bottom - low, pitch, *below);
+    let up = Grading::thicknesses(high - top, pitch, *above);
     let mut parts = Vec::new();
     let mut from = low;
     for (level, thickness) in down.iter().enumerate().skip(1).rev() {

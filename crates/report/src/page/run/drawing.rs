@@ -20,6 +20,8 @@ struct CutScene<'a> {
     depth: f64,
     tool: Vec<[f64; 2]>,
     particles: Vec<[f64; 2]>,
+    /// Largest spacing in the uncut chip.
+    chip_spacing: f64,
     /// Depth of the held layers, and which sides are held.
     held: (f64, [bool; 2]),
     /// How far the window reaches ahead of the edge and behind it.
@@ -51,13 +53,21 @@ impl<'a> CutScene<'a> {
         let layers: f64 = number("boundaries", "layers").unwrap_or(0.0);
         let flat = |points: &[[f64; 3]]| points.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>();
         is_plain.then_some(())?;
+        let depth = facts.uncut_chip_thickness?;
+        let largest = |lowest: f64| {
+            let spacing = |(i, place): (usize, &[f64; 3])| {
+                if place[1] > lowest { first.spacing_at(i) } else { 0.0 }
+            };
+            first.position.iter().enumerate().map(spacing).fold(facts.particle_spacing, f64::max)
+        };
         Some(Self {
             facts,
             size: [number("workpiece", "length")?, number("workpiece", "height")?],
-            depth: facts.uncut_chip_thickness?,
+            depth,
+            chip_spacing: largest(-depth),
             tool: Some(flat(&first.tool)).filter(|tool| tool.len() > 2)?,
             particles: flat(&first.position),
-            held: (layers * facts.particle_spacing, [held("bottom"), held("back")]),
+            held: (layers * largest(f64::NEG_INFINITY), [held("bottom"), held("back")]),
             window: number("window", "ahead").zip(number("window", "behind")).map(<[f64; 2]>::from),
         })
     }
@@ -158,18 +168,19 @@ impl<'a> CutScene<'a> {
         );
         drawing.arrow([right, -0.5 * depth], [right, 0.0], RED);
         drawing.arrow([right, -0.5 * depth], [right, -depth], RED);
-        let across =
-            |length: f64| format!("{} particles", plain((length / spacing * 10.0).round() / 10.0));
+        let across = |length: f64, spacing: f64| {
+            format!("{} particles across", plain((length / spacing * 10.0).round() / 10.0))
+        };
         let um = |length: f64| format!("{} \u{b5}m", three_digits(length * UM));
         let room = [x[0] + 0.985 * width, 0.0];
         drawing.text(room, [0.0, -24.0], "end", &format!("h = {}", um(depth)));
-        drawing.text(room, [0.0, -8.0], "end", &format!("{} across", across(depth)));
+        drawing.text(room, [0.0, -8.0], "end", &across(depth, self.chip_spacing));
         let name = |place: f64, line: &str, drawing: &mut Drawing| {
             drawing.text([x[0] + 0.02 * width, y[1]], [0.0, place], "start", line);
         };
         if radius > 0.0 {
             name(20.0, &format!("edge radius r_n = {}", um(radius)), &mut drawing);
-            name(36.0, &format!("{} across", across(radius)), &mut drawing);
+            name(36.0, &across(radius, spacing), &mut drawing);
             let centre = [tip[0], tip[1] + radius];
             drawing.circle(
                 centre,
