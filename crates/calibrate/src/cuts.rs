@@ -127,10 +127,13 @@ fn same(a: &CuttingCondition, b: &CuttingCondition) -> bool {
 /// Mistakes of single cuts that no constants make: a unit wrong by a thousand, two forces exchanged. In words, with the lines.
 #[must_use]
 pub fn mistakes(cuts: &[MeasuredCut], model: &dyn PriorModel, start: &[f64]) -> Vec<String> {
-    let mut found = Vec::new();
+    // What is wrong, with the cuts where it is: a column is one mistake and not one for each of its lines.
+    let mut found: Vec<(String, Vec<&MeasuredCut>)> = Vec::new();
+    let mut tell = |cut, what: String| match found.iter_mut().find(|(known, _)| *known == what) {
+        Some((_, cuts)) => cuts.push(cut),
+        None => found.push((what, vec![cut])),
+    };
     for cut in cuts {
-        let lines: Vec<String> = cut.lines.iter().map(ToString::to_string).collect();
-        let place = format!("line {} of the table ({})", lines.join(", "), cut.name());
         let predicted = model.logs(&cut.condition, start);
         let ratio = |channel: Channel, of: Channel| {
             let measured = cut.values[channel.index()]?.0;
@@ -151,10 +154,11 @@ pub fn mistakes(cuts: &[MeasuredCut], model: &dyn PriorModel, start: &[f64]) -> 
                     (true, false) => ("small", "mm under a head in um"),
                     (false, false) => ("large", "um under a head in mm"),
                 };
-                let symbol = channel.symbol();
-                found.push(format!(
-                    "{place}: {symbol} is about a thousand times too {size}, probably {units}"
-                ));
+                let symbol = channel.short_name();
+                tell(
+                    cut,
+                    format!("{symbol} is about a thousand times too {size}, probably {units}"),
+                );
             }
         }
         let (c, f) = (Channel::CuttingForce, Channel::FeedForce);
@@ -169,11 +173,18 @@ pub fn mistakes(cuts: &[MeasuredCut], model: &dyn PriorModel, start: &[f64]) -> 
                 && crossed.sqrt() < WRONG
                 && forces.is_some_and(|(c, f)| f > c)
             {
-                found.push(format!("{place}: F_c and F_f are probably exchanged"));
+                tell(cut, "F_c and F_f are probably exchanged".to_owned());
             }
         }
     }
-    found
+    let told = |(what, cuts): (String, Vec<&MeasuredCut>)| {
+        let lines: Vec<String> =
+            cuts.iter().flat_map(|cut| &cut.lines).map(ToString::to_string).collect();
+        let name = if let [cut] = cuts[..] { format!(" ({})", cut.name()) } else { String::new() };
+        let line = if lines.len() > 1 { "lines" } else { "line" };
+        format!("{line} {} of the table{name}: {what}", lines.join(", "))
+    };
+    found.into_iter().map(told).collect()
 }
 
 #[cfg(test)]

@@ -117,7 +117,7 @@ fn fit_words(found: &CutCalibration) -> String {
         .into_iter()
         .filter_map(|channel| {
             let [before, after] = deviations(found, channel)?;
-            Some(format!("{} from {} to {}", channel.symbol(), percent(before), percent(after)))
+            Some(format!("{} from {} to {}", channel.short_name(), percent(before), percent(after)))
         })
         .collect();
     format!(
@@ -132,7 +132,7 @@ fn left_out_words(found: &CutCalibration) -> Vec<String> {
     let said = |e: &LeftOutErrors| {
         let rival =
             e.regression.map_or_else(String::new, |r| format!(" (regression {})", percent(r)));
-        format!("{} {}{rival}", e.channel.symbol(), percent(e.calibrated))
+        format!("{} {}{rival}", e.channel.short_name(), percent(e.calibrated))
     };
     let by = |by: &str| -> Vec<String> {
         found.errors.iter().filter(|e| e.by == by).map(said).collect()
@@ -163,7 +163,7 @@ fn left_out_words(found: &CutCalibration) -> Vec<String> {
         words.push(format!(
             "{} cuts held out, {}: simulated to {}, predicted to {} (mean absolute), {inside} of {} within 95 % intervals.",
             found.held_out.len(),
-            channel.symbol(),
+            channel.short_name(),
             percent(mean(&|(log, f)| (log - f.value.log).exp_m1())),
             percent(mean(&|(_, f)| f.error())),
             own.len()
@@ -179,7 +179,7 @@ fn wrong_words(found: &CutCalibration) -> Vec<String> {
         let lines: Vec<String> = cut.lines.iter().map(ToString::to_string).collect();
         format!(
             "{} of line {} ({}) is {:+.0} % of what the other cuts lead to expect: left out of the fit. Check it.",
-            v.value.channel.symbol(),
+            v.value.channel.short_name(),
             lines.join(", "),
             cut.name(),
             100.0 * (v.value.log - v.after.0).exp_m1()
@@ -247,8 +247,8 @@ fn together_words(found: &CutCalibration) -> Vec<String> {
             })
             .collect();
         words.push(format!(
-            "Known best is their combination {}: to {:.0} % of what its prior left.",
-            names.join(" with "),
+            "Best known is a combination, {} together: its interval is {:.0} % of what it was before.",
+            names.join(", "),
             100.0 * eigen.eigenvalues[best].max(0.0).sqrt()
         ));
     }

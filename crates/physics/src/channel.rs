@@ -47,6 +47,12 @@ impl Channel {
     }
 
     /// Identifier, symbol, name for people, quantity.
+    /// As a sentence names it: a force by its symbol, anything else by its words.
+    #[must_use]
+    pub const fn short_name(self) -> &'static str {
+        if self.is_force() { self.symbol() } else { self.title() }
+    }
+
     const fn words(self) -> (&'static str, &'static str, &'static str, Quantity) {
         use Quantity::{Angle, Force, Length, Temperature};
         match self {

@@ -105,7 +105,7 @@ fn cuts(found: &CutCalibration) -> Markup {
             h2 { "Before and after" }
             @for (channel, own) in channels {
                 @let (scale, unit) = unit(channel);
-                @let title = format!("{} in {unit}", channel.symbol());
+                @let title = format!("{} in {unit}", channel.short_name());
                 (plotted(&plot(&own, &title, scale), &format!("Simulated over measured {}: grey before, blue after, with the 95 % interval of the simulation.", channel.title())))
                 (values(found, &own, &title, scale))
             }
@@ -177,7 +177,7 @@ fn left_out(found: &CutCalibration) -> Markup {
         ColumnHead::Number("In 95 % intervals"),
     ];
     let rows = html! { @for e in &found.errors { tr {
-        th scope="row" { (e.by) } td { (indexed(e.channel.symbol())) }
+        th scope="row" { (e.by) } td { (indexed(e.channel.short_name())) }
         td.n { (percent_tenths(e.calibrated)) } td.n { (or_dash(e.regression, percent_tenths)) }
         td.n { (or_dash(e.corrected, percent_tenths)) } td.n { (percent_tenths(e.covered)) }
     } } };
@@ -208,7 +208,7 @@ fn held_out(found: &CutCalibration) -> Markup {
         @let half = NORMAL_95 * f.deviation;
         @let inside = f.score().abs() < NORMAL_95;
         tr.over[!inside] {
-            th scope="row" { (found.cut(&f.value).name()) } td { (indexed(f.value.channel.symbol())) " in " (unit) }
+            th scope="row" { (found.cut(&f.value).name()) } td { (indexed(f.value.channel.short_name())) " in " (unit) }
             td.n { (three_digits(f.value.log.exp() * scale)) }
             td.n { (three_digits(simulated.exp() * scale)) br; (signed_percent((simulated - f.value.log).exp_m1(), 1)) }
             td.n { (with_ends([f.log, f.log - half, f.log + half].map(|x| x.exp() * scale))) br; (signed_percent(f.error(), 1)) }

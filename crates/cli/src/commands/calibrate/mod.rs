@@ -200,7 +200,8 @@ fn read(arguments: &CutCalibrationArguments) -> Result<CalibrationInput, Failure
     let wrong = mistakes(&cuts, &quick, &stated);
     if !wrong.is_empty() {
         let message = format!("`{}`: {}", arguments.measured.display(), wrong.join("; "));
-        return Err(Failure::input(message).advise("correct it, or leave the cell empty"));
+        return Err(Failure::input(message)
+            .advise("correct the table; a single wrong value may be left out, as an empty cell"));
     }
     Ok(CalibrationInput { scenario, sets, constants, cuts, held_out, quick })
 }
