@@ -76,9 +76,14 @@ pub(crate) fn measure(
         (0..cloud.points.len()).filter(|&i| cloud.points[i][1] > floor).collect();
     let flow = |i: usize| relative_velocity(snapshot, cloud.source[i], context);
     let width = STRIP * chip.iter().map(|&i| cloud.spacings[i]).fold(0.0, f64::max);
+    // A coarse particle stands for as many fine ones as there is room for: along a side, and in the chip.
+    let size = |i: usize| (cloud.spacings[i] / cloud.spacing).round() as usize;
+    let line =
+        |&i: &usize| Some((i, local_thickness(cloud, (i, width), context.surface, flow(i))?));
     let lines: Vec<f64> = chip
         .iter()
-        .filter_map(|&i| local_thickness(cloud, (i, width), context.surface, flow(i)))
+        .filter_map(line)
+        .flat_map(|(i, thickness)| std::iter::repeat_n(thickness, size(i)))
         .collect();
     if lines.len() < FEWEST_LINES {
         return None;
@@ -88,8 +93,9 @@ pub(crate) fn measure(
     if area < LEAST_SLENDERNESS * thickness * thickness {
         return None;
     }
+    let speed = |i: usize| flow(i)[0].hypot(flow(i)[1]);
     let speeds: Vec<f64> =
-        chip.iter().map(|&i| flow(i)).map(|[along, up]| along.hypot(up)).collect();
+        chip.iter().flat_map(|&i| std::iter::repeat_n(speed(i), size(i).pow(2))).collect();
     Some(ChipShape {
         thickness,
         thin: quantile(&lines, 0.25),

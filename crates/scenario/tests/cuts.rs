@@ -120,6 +120,9 @@ fn a_grading_follows_from_the_edge_the_chip_and_what_is_written() {
     let (band, doublings) = grading("preset = \"draft\"\nparticles_across_edge = 4\ngrading = {}");
     around(-0.14e-3, -0.06e-3, band);
     assert_eq!(doublings, [2, 1]);
+    // Twice 7.17 um is 0.4 % more than h/7.
+    let (_, doublings) = grading("preset = \"draft\"\nparticles_across_edge = 2.79\ngrading = {}");
+    assert_eq!(doublings, [2, 1]);
     let (band, doublings) = grading("preset = \"fine\"\ngrading = { fine_below = \"0.1 mm\" }");
     around(-0.2e-3, -0.06e-3, band);
     assert_eq!(doublings, [1, 0]);

@@ -13,6 +13,8 @@ use sphcut_sph::setup::Grading;
 const EDGE_RADII: f64 = 2.0;
 /// The same in uncut chip thicknesses, where the edge is sharp or unknown.
 const SHARP: f64 = 0.5;
+/// By so much may the chip be coarser than asked, where a doubling would just miss it.
+const ROUNDED: f64 = 1.05;
 /// Most doublings of the spacing.
 const MOST: u8 = 4;
 
@@ -52,7 +54,7 @@ pub(crate) fn grading(
     };
     // As coarse as the preset or the count across the chip, beside that across the edge, would have it.
     let asked = spacing::across_chip(&outer, thickness).unwrap_or(finest);
-    let usual = ((asked / finest).log2() + 1e-9).floor().clamp(0.0, f64::from(MOST)) as u8;
+    let usual = (ROUNDED * asked / finest).log2().floor().clamp(0.0, f64::from(MOST)) as u8;
     let doublings_above = doublings("doublings_above", usual)?;
     let doublings_below = doublings("doublings_below", (doublings_above + 1).min(MOST))?;
     let (above, below) = (above?, below?);
