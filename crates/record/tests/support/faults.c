@@ -2,10 +2,10 @@
  *
  * FAULT_ROOT  the folder           FAULT_AT   N, from 1; 0: none
  * FAULT_KIND  full: no space from there on; error: an I/O error once; kill: the process is killed; power: killed, and
- *             what was not synced is lost; interrupt: SIGINT, nothing fails
+ *             what was not synced is lost: bytes, and renames and removals in folders; interrupt: SIGINT, nothing fails
  * FAULT_LOG   file for the number of operations
  *
- * A write that fails has written half of its bytes. */
+ * A write that fails has written half of its bytes. What a rename or removal replaces is kept beside the folder until then. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -27,6 +27,11 @@ static const char *root = "", *kind = "";
 /* Files that were written: their descriptor (-1: closed), path, and the bytes that are safe. */
 static struct { int fd; char path[1024]; off_t safe; } files[MOST];
 static int count;
+/* Renames (from `from`; "" for a removal) of what is now at `to`, not yet synced, and where the old one is kept ("": none). */
+static struct { char from[1024], to[1024], kept[1024]; } changes[MOST];
+static int changed;
+/* Folders that are open: their descriptors and paths. */
+static struct { int fd; char path[1024]; } folders[64];
 
 __attribute__((constructor)) static void begin(void) {
     if (getenv("FAULT_ROOT")) root = getenv("FAULT_ROOT");
@@ -47,9 +52,36 @@ static int place(int fd) {
     return -1;
 }
 
+static int move(const char *from, const char *to) { return REAL(rename, int (*)(const char *, const char *))(from, to); }
+
+/* Notes that `to` is about to be replaced by `from`, or removed. */
+static void note(const char *from, const char *to) {
+    if (strcmp(kind, "power") || changed == MOST || strlen(from) >= 1024 || strlen(to) >= 1024) return;
+    strcpy(changes[changed].from, from);
+    strcpy(changes[changed].to, to);
+    snprintf(changes[changed].kept, 1024, "%.900s-kept-%d-%d", root, (int)getpid(), changed);
+    if (link(to, changes[changed].kept)) changes[changed].kept[0] = 0;
+    changed++;
+}
+
+/* What happened in `folder` is safe. */
+static void settled(const char *folder) {
+    size_t length = strlen(folder);
+    for (int i = 0; i < changed; i++) {
+        const char *to = changes[i].to;
+        if (!strncmp(to, folder, length) && to[length] == '/' && !strchr(to + length + 1, '/')) changes[i].to[0] = 0;
+    }
+}
+
 static void die(void) {
-    if (!strcmp(kind, "power"))
+    if (!strcmp(kind, "power")) {
         for (int i = 0; i < count; i++) REAL(truncate, int (*)(const char *, off_t))(files[i].path, files[i].safe);
+        for (int i = changed - 1; i >= 0; i--) {
+            if (!changes[i].to[0]) continue;
+            if (changes[i].from[0]) move(changes[i].to, changes[i].from);
+            if (changes[i].kept[0]) move(changes[i].kept, changes[i].to);
+        }
+    }
     kill(getpid(), SIGKILL);
     for (;;) pause();
 }
@@ -87,7 +119,15 @@ static int opened(int fd, const char *path, int flags) {
 static int open_any(const char *name, int dir, const char *path, int flags, mode_t mode) {
     int (*real)(int, const char *, int, ...) = REAL(openat64, int (*)(int, const char *, int, ...));
     (void)name;
-    if ((flags & O_ACCMODE) == O_RDONLY || !below(path)) return real(dir, path, flags, mode);
+    if ((flags & O_ACCMODE) == O_RDONLY || !below(path)) {
+        int fd = real(dir, path, flags, mode);
+        struct stat found;
+        if (fd >= 0 && fd < 64 && below(path) && strlen(path) < 1024 && fstat(fd, &found) == 0 && S_ISDIR(found.st_mode)) {
+            folders[fd].fd = fd;
+            strcpy(folders[fd].path, path);
+        }
+        return fd;
+    }
     return failing() ? -1 : opened(real(dir, path, flags, mode), path, flags);
 }
 
@@ -119,6 +159,10 @@ ssize_t writev(int fd, const struct iovec *parts, int number) {
 static int synced(int fd, int (*real)(int)) {
     int i = place(fd);
     struct stat found;
+    if (i < 0 && fd > 0 && fd < 64 && folders[fd].fd == fd) {
+        if (failing()) return -1;
+        settled(folders[fd].path);
+    }
     if (i < 0) return real(fd);
     if (failing()) return -1;
     if (fstat(fd, &found) == 0) files[i].safe = found.st_size;
@@ -130,6 +174,7 @@ int fdatasync(int fd) { return synced(fd, REAL(fdatasync, int (*)(int))); }
 int close(int fd) {
     int i = place(fd);
     if (i >= 0) files[i].fd = -1;
+    if (fd > 0 && fd < 64) folders[fd].fd = 0;
     return REAL(close, int (*)(int))(fd);
 }
 
@@ -140,7 +185,9 @@ int ftruncate64(int fd, off64_t size) {
 
 int rename(const char *from, const char *to) {
     if (below(to) && failing()) return -1;
-    int done = REAL(rename, int (*)(const char *, const char *))(from, to);
+    if (below(to)) note(from, to);
+    int done = move(from, to);
+    if (below(to) && done && !strcmp(kind, "power") && changed) changed--;
     for (int i = 0; done == 0 && i < count; i++) {
         size_t length = strlen(from);
         if (!strcmp(files[i].path, to)) files[i].path[0] = 0;
@@ -154,6 +201,7 @@ int rename(const char *from, const char *to) {
 
 int unlink(const char *path) {
     if (below(path) && failing()) return -1;
+    if (below(path)) note("", path);
     return REAL(unlink, int (*)(const char *))(path);
 }
 

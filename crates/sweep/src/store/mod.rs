@@ -228,7 +228,12 @@ pub(crate) fn write_json(
         }
         fs::rename(&beside, path)
     };
-    at(path, "write", write())
+    at(path, "write", write())?;
+    // Without it a loss of power may leave later changes, and not this one.
+    match path.parent() {
+        Some(folder) if durability == Durability::Synced => sync_folder(folder),
+        _ => Ok(()),
+    }
 }
 
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, StoreError> {
