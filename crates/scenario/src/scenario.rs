@@ -215,8 +215,6 @@ fn read_cut(
     let tool = tool::tool(findings, root, surroundings, process, sizes, space);
     let plan = process.zip(stop.as_ref()).map(|(process, stop)| process.plan(stop.extent));
     let passes = passes::passes(findings, root, plan);
-    let sizes = workpiece.as_ref().zip(depth).map(|(workpiece, depth)| (workpiece.height, depth));
-    let window = sizes.and_then(|sizes| window::window(findings, root, dimension, sizes));
     let boundaries = cut::boundaries(findings, root, dimension);
     let (process, resolution, stop, output) = (process?, resolution?, stop?, output?);
     let end = CutEnd { travel: stop.extent, sampling_travel: output.sampling };
@@ -224,6 +222,7 @@ fn read_cut(
     let mut cut =
         CutScenario::new(process, workpiece?, tool?, resolution, end, passes, boundaries?);
     cut.resolution.discretisation.grading = grading::grading(findings, root, &cut)?;
+    let window = window::window(findings, root, dimension, &cut);
     cut.check(findings, root);
     if !findings.problems.is_empty() {
         return None;

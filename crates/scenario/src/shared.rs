@@ -85,6 +85,9 @@ fn refuse_idle_share(findings: &mut Findings, record: &Record<'_>, share: &str, 
 /// neighbours have to change (docs/numerics.md).
 const SUPPORT_STRETCH: f64 = 1.5;
 
+/// The Courant number of a preset in the plane: forces and balances are those of the half of it, and of 0.9 (docs/numerics.md, *Presets*).
+const PRESET_COURANT: f64 = 0.45;
+
 /// `[numerics]`: the values, and whether the particles move.
 pub(crate) fn numerics(
     findings: &mut Findings,
@@ -92,11 +95,15 @@ pub(crate) fn numerics(
     has_process: bool,
 ) -> Option<(Values, Switch)> {
     optional_section(findings, root, &sections::numerics(), 2, |findings, record| {
-        let (mut given, key) = (given(record, options::NUMERICS), "support_stretch");
-        if !record.is_written(key) {
-            let usual = if has_process { 1.0 } else { SUPPORT_STRETCH };
-            findings.derived("numerics", key, Quantity::Dimensionless, usual);
-            given.push((key, usual));
+        let mut given = given(record, options::NUMERICS);
+        let stretch = if has_process { 1.0 } else { SUPPORT_STRETCH };
+        let careful = options::NUMERICS.iter().find(|option| option.key == "courant")?.default?;
+        let courant = if spacing::is_plane_preset(root) { PRESET_COURANT } else { careful };
+        for (key, usual) in [("courant", courant), ("support_stretch", stretch)] {
+            if !record.is_written(key) {
+                findings.derived("numerics", key, Quantity::Dimensionless, usual);
+                given.push((key, usual));
+            }
         }
         let values = Values::resolve(options::NUMERICS, &given).ok()?;
         Some((values, switch(record.switch("mechanics")?)))

@@ -9,7 +9,7 @@ use std::path::Path;
 
 const QUICK: &str = include_str!("../../../scenarios/quickstart.toml");
 
-/// A cut with the uncut chip thickness 0.1 mm, which fixes the spacing of a draft to 20 um.
+/// A draft with the uncut chip thickness 0.1 mm.
 fn cut(tool: [f64; 3], gap: f64, placement: &str) -> Scenario {
     let [rake, clearance, radius] = tool;
     let text = QUICK
@@ -77,10 +77,35 @@ fn turning_and_mirroring_move_every_part_alike() {
 
 #[test]
 fn presets_are_relative_to_the_uncut_chip_thickness() {
-    for (preset, across) in [("draft", 7.0), ("standard", 10.0), ("fine", 14.0)] {
+    // The spacing in the chip, and how often it is halved around the edge until 1.8 particles lie across its radius.
+    for (preset, across, radius, halvings) in [
+        ("draft", 7.0, "20 um", 1),
+        ("standard", 10.0, "20 um", 0),
+        ("fine", 14.0, "20 um", 0),
+        ("draft", 7.0, "26 um", 0),
+        ("draft", 7.0, "8 um", 2),
+        ("draft", 7.0, "2 um", 2),
+    ] {
         let text = QUICK.replace("\"draft\"", &format!("\"{preset}\""));
+        let text = text.replace("\"20 um\"", &format!("\"{radius}\""));
         let setup = parse(&text, "cut.toml", None, &LoadOptions::default()).unwrap().setup;
-        assert_relative_eq!(setup.particle_spacing, 1e-4 / across, max_relative = 1e-12);
+        let finest = 1e-4 / across / f64::from(1 << halvings);
+        assert_relative_eq!(setup.particle_spacing, finest, max_relative = 1e-12);
+        let grading = setup.discretisation.grading.unwrap();
+        assert_eq!([grading.above, grading.below], [halvings, halvings + 1], "{preset} {radius}");
+        assert_relative_eq!(setup.numerics.get("courant"), 0.45);
+    }
+}
+
+#[test]
+fn a_preset_is_uniform_around_a_sharp_edge_and_so_is_a_count_of_particles() {
+    let sharp = QUICK.replace("edge_radius = \"20 um\"", "edge_radius = \"0 um\"");
+    let count = QUICK.replace("preset = \"draft\"", "particles_across_chip = 7");
+    for (text, courant) in [(sharp, 0.45), (count, 0.3)] {
+        let setup = parse(&text, "cut.toml", None, &LoadOptions::default()).unwrap().setup;
+        assert_eq!(setup.discretisation.grading, None);
+        assert_relative_eq!(setup.particle_spacing, 1e-4 / 7.0, max_relative = 1e-12);
+        assert_relative_eq!(setup.numerics.get("courant"), courant);
     }
 }
 
@@ -116,15 +141,16 @@ fn a_grading_follows_from_the_edge_the_chip_and_what_is_written() {
         assert_relative_eq!(found[0], low, max_relative = 1e-12);
         assert_relative_eq!(found[1], high, max_relative = 1e-12);
     };
-    // h is 0.1 mm, the edge radius 20 um: 40 um above and below the parting plane; a chip at h/7 from 5 um.
+    // h is 0.1 mm, the edge radius 20 um: as much above and below the parting plane; a chip at h/7 from 5 um.
     let (band, doublings) = grading("preset = \"draft\"\nparticles_across_edge = 4\ngrading = {}");
-    around(-0.14e-3, -0.06e-3, band);
+    around(-0.12e-3, -0.08e-3, band);
     assert_eq!(doublings, [2, 1]);
     // Twice 7.17 um is 0.4 % more than h/7.
     let (_, doublings) = grading("preset = \"draft\"\nparticles_across_edge = 2.79\ngrading = {}");
     assert_eq!(doublings, [2, 1]);
     let (band, doublings) = grading("preset = \"fine\"\ngrading = { fine_below = \"0.1 mm\" }");
-    around(-0.2e-3, -0.06e-3, band);
+    // Three spacings are more than the radius.
+    around(-0.2e-3, -0.1e-3 + 3e-4 / 14.0, band);
     assert_eq!(doublings, [1, 0]);
     let (_, doublings) = grading(
         "particle_spacing = \"4 um\"\ngrading = { doublings_above = 2, doublings_below = 0 }",
@@ -199,7 +225,10 @@ fn the_description_has_text_and_si_value_of_every_key() {
     assert_eq!(speed.origin, Origin::Given);
     assert_eq!(entry("process", "orientation").origin, Origin::Default);
     let spacing = entry("resolution", "particle_spacing");
-    assert_eq!((spacing.value.as_str(), spacing.origin), ("1.42857e-5", Origin::Derived));
+    assert_eq!((spacing.value.as_str(), spacing.origin), ("7.14286e-6", Origin::Derived));
+    let doublings = entry("resolution.grading", "doublings_below");
+    assert_eq!((doublings.value.as_str(), doublings.origin), ("2", Origin::Derived));
+    assert_eq!(entry("numerics", "courant").origin, Origin::Derived);
     let yield_stress = entry("material aisi1045_table5.flow_stress", "initial_yield");
     assert_eq!((yield_stress.text.as_str(), yield_stress.value.as_str()), ("331 MPa", "3.31e8"));
     assert_eq!(entry("tool.friction", "shear_friction_factor").origin, Origin::Default);

@@ -1,4 +1,4 @@
-//! `[resolution.grading]`: where the particles of a cut are small.
+//! `[resolution.grading]`, or what a preset implies of it: where the particles of a cut are small.
 
 use crate::cut::CutScenario;
 use crate::{sections, spacing};
@@ -7,10 +7,11 @@ use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::Grading;
+use toml::de::DeTable;
 
-/// Thickness of the fine band above and below the plane in which the chip parts, in edge radii: what is ploughed, the sheared
-/// layer on the rake face and the strained one of the machined surface.
-const EDGE_RADII: f64 = 2.0;
+/// Least thickness of the fine band above and below the plane in which the chip parts, in its spacings; where the edge radius is
+/// larger, that: what is ploughed, the sheared layer on the rake face and the strained one of the machined surface.
+const SPACINGS: f64 = 3.0;
 /// The same in uncut chip thicknesses, where the edge is sharp or unknown.
 const SHARP: f64 = 0.5;
 /// By so much may the chip be coarser than asked, where a doubling would just miss it.
@@ -18,7 +19,7 @@ const ROUNDED: f64 = 1.05;
 /// Most doublings of the spacing.
 const MOST: u8 = 4;
 
-/// The grading that `[resolution.grading]` asks for; `None` after a mistake.
+/// The grading that `[resolution.grading]` or a preset asks for; `None` after a mistake.
 pub(crate) fn grading(
     findings: &mut Findings,
     root: &Record<'_>,
@@ -31,12 +32,16 @@ pub(crate) fn grading(
         &sections::resolution(),
         2,
     );
-    let Some(table) = outer.table("grading") else { return Some(None) };
+    let by_itself = DeTable::new();
+    let table = outer.table("grading").or_else(|| {
+        spacing::preset_grades(root, &outer).map(|_| (&by_itself, outer.span("preset")))
+    });
+    let Some(table) = table else { return Some(None) };
     let record = reader::read(findings, &root.source, table, &sections::grading(), 2);
     let finest = cut.resolution.particle_spacing;
     let thickness = cut.process.depth;
     let usual = cut.tool.edge_radius.filter(|radius| *radius > 0.0);
-    let usual = usual.map_or(SHARP * thickness, |radius| EDGE_RADII * radius);
+    let usual = usual.map_or(SHARP * thickness, |radius| radius.max(SPACINGS * finest));
     let mut length = |key: &'static str| {
         if record.is_written(key) {
             return record.number(key);

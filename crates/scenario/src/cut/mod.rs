@@ -311,6 +311,17 @@ impl CutScenario {
         }
     }
 
+    /// By how much held sides are deeper than they would be with the spacing of the chip alone: a graded workpiece is held over
+    /// rows of its coarsest spacing. A window ends as much farther ahead: the room between edge and held end counts
+    /// (docs/numerics.md, *How high the workpiece has to be*).
+    pub(crate) fn deeper_hold(&self) -> f64 {
+        let discretisation = &self.resolution.discretisation;
+        let deeper = discretisation
+            .grading
+            .map_or(0.0, |grading| grading.coarsest() - discretisation.chip_size());
+        self.layers * self.resolution.particle_spacing * deeper
+    }
+
     /// Height of the workpiece that would have as many particles at the finest spacing, where a grading has coarser ones.
     fn graded_height(&self, axes: i32) -> f64 {
         let height = self.workpiece.height;

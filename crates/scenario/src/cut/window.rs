@@ -1,5 +1,6 @@
 //! `[window]`: what of the workpiece is followed while the tool moves on.
 
+use crate::cut::CutScenario;
 use crate::sections;
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
@@ -22,8 +23,9 @@ pub(crate) fn window(
     findings: &mut Findings,
     root: &Record<'_>,
     dimension: usize,
-    (height, thickness): (f64, f64),
+    cut: &CutScenario,
 ) -> Option<Option<MovingWindow>> {
+    let (height, thickness) = (cut.workpiece.height, cut.process.depth);
     let Some(table) = root.table("window") else { return Some(None) };
     let record = reader::read(findings, &root.source, table, &sections::window(), 2);
     let mut refuse = |message: &str, help: &str| {
@@ -41,9 +43,10 @@ pub(crate) fn window(
         );
         return None;
     }
-    let mut length = |key, heights: f64, least: f64| {
+    let mut length = |key, heights: f64, least: f64, held: f64| {
+        let least = least + held;
         if !record.is_written(key) {
-            let length = (heights * height).max(least);
+            let length = (heights * height + held).max(least);
             findings.derived("window", key, Quantity::Length, length);
             return Some(length);
         }
@@ -64,7 +67,7 @@ pub(crate) fn window(
         }
         Some(length)
     };
-    let ahead = length("ahead", AHEAD, LEAST_AHEAD * thickness);
-    let behind = length("behind", BEHIND, LEAST_BEHIND * thickness);
+    let ahead = length("ahead", AHEAD, LEAST_AHEAD * thickness, cut.deeper_hold());
+    let behind = length("behind", BEHIND, LEAST_BEHIND * thickness, 0.0);
     Some(Some(MovingWindow { ahead: ahead?, behind: behind? }))
 }

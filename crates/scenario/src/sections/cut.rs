@@ -196,7 +196,7 @@ pub(crate) fn window() -> Section {
         "window",
         "A window that moves along a plane cut with the tool: only the material in it is followed. In front of it the workpiece is untouched; what is behind it, the far part of the chip and of the machined surface, leaves for good. For long cuts; `sphcut springback` sees only the surface that is still in the window.",
         vec![
-            Field::derived("ahead", positive(Quantity::Length, LONGEST), "the height of the workpiece, three uncut chip thicknesses at least", "how far in front of the edge material is followed; the end of the window is fixed like a back")
+            Field::derived("ahead", positive(Quantity::Length, LONGEST), "the height of the workpiece, three uncut chip thicknesses at least; as much more as held ends of a graded workpiece are deeper", "how far in front of the edge material is followed; the end of the window is fixed like a back")
             .example("\"1 mm\""),
             Field::derived("behind", positive(Quantity::Length, LONGEST), "1.5 times the height of the workpiece, six uncut chip thicknesses at least", "material that passed the edge this far back, and is a third as far from it now, leaves")
             .example("\"1 mm\""),

@@ -135,7 +135,7 @@ pub(crate) fn resolution() -> Section {
         vec![
             Field::derived("particle_spacing", Kind::Quantity(Quantity::Length, Range::closed(1e-9, 1.0)), "from one of the next three", "distance of neighbouring particles at the start")
             .example("\"20 um\""),
-            Field::optional("preset", choice(PRESETS.iter().map(|preset| preset.0)), "spacing relative to the uncut chip thickness: draft h/7, standard h/10, fine h/14"),
+            Field::optional("preset", choice(PRESETS.iter().map(|preset| preset.0)), "spacing relative to the uncut chip thickness: draft h/7, standard h/10, fine h/14. In a plane cut with a round edge it grades as `[resolution.grading]` says, halved around the edge at most twice until 1.8 particles lie across its radius; `particles_across_chip` is uniform"),
             Field::optional("particles_across_chip", Kind::Quantity(Quantity::Dimensionless, Range::closed(1.0, 1000.0)), "uncut chip thickness over spacing, as a preset but of your choice")
             .example("12"),
             Field::optional("particles_across_edge", Kind::Quantity(Quantity::Dimensionless, Range::closed(0.5, 1000.0)), "edge radius over spacing, alone or beside the two above, which look at the chip alone; ploughing is resolved from 5 on, and a sharp edge then makes many particles")
@@ -145,7 +145,7 @@ pub(crate) fn resolution() -> Section {
             Field::derived("lattice_aspect", Kind::Quantity(Quantity::Dimensionless, Range::closed(0.25, 4.0)), "2 for a cut, 1 otherwise", "distance of particles along the first axis of a box (the cutting direction) over that \
                  across it, at the same volume"),
             Field::with_default("seed", Kind::Count { min: 0, max: i64::MAX }, "0", "seed of the disordered lattice"),
-            Field::optional("grading", Kind::Table, "a cut: the spacing is that above around the plane in which the chip parts, and larger elsewhere"),
+            Field::optional("grading", Kind::Table, "a cut: the spacing is that above around the plane in which the chip parts, and larger elsewhere; a preset needs no such table"),
         ],
     )
 }
@@ -156,7 +156,7 @@ pub(crate) fn grading() -> Section {
         Field::derived(
             key,
             positive(Quantity::Length, LONGEST),
-            "2 r_n; h/2 for a sharp edge",
+            "r_n, three spacings at least; h/2 for a sharp edge",
             meaning,
         )
     };
@@ -168,7 +168,7 @@ pub(crate) fn grading() -> Section {
         vec![
             length("fine_above", "fine material that enters the chip: its underside").example("\"40 um\""),
             length("fine_below", "fine material under the machined surface").example("\"0.1 mm\""),
-            doublings("doublings_above", "up to the spacing of `preset` or `particles_across_chip` beside `particles_across_edge`, else 0", "how often the spacing doubles towards the free side of the chip").example("1"),
+            doublings("doublings_above", "up to the spacing that the preset has in the chip, or `particles_across_chip` beside `particles_across_edge`; else 0", "how often the spacing doubles towards the free side of the chip").example("1"),
             doublings("doublings_below", "one more than `doublings_above`", "how often the spacing doubles towards the bottom").example("2"),
         ],
     )
@@ -208,9 +208,13 @@ pub(crate) fn numerics() -> Section {
         ],
     )
     .with_parameters(options::NUMERICS);
-    let stretch = section.fields.iter_mut().find(|field| field.key == "support_stretch");
-    stretch.expect("an option of the discretisation").presence =
-        Presence::Derived("1 for a cut, 1.5 otherwise");
+    for (key, rule) in [
+        ("courant", "0.45 with `preset` in a plane cut, 0.3 otherwise"),
+        ("support_stretch", "1 for a cut, 1.5 otherwise"),
+    ] {
+        let field = section.fields.iter_mut().find(|field| field.key == key);
+        field.expect("an option of the discretisation").presence = Presence::Derived(rule);
+    }
     section
 }
 
