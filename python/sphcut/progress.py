@@ -4,38 +4,82 @@ from __future__ import annotations
 
 import sys
 import time
+from typing import Any
 
-
-def _is_live() -> bool:
-    """Whether a line can be written over: on a terminal and in a notebook."""
-    return sys.stderr.isatty() or "ipykernel" in sys.modules
+_BETWEEN = 0.2
+"""Time between two updates of a line that is written over, in s."""
+_QUIET = 30.0
+"""Time after which a line is printed where nothing can be written over, in s."""
 
 
 class ProgressLine:
-    """One line on standard error that is written over; where that cannot be, a line per tenth and per half minute."""
+    """One line that is written over, on a terminal and in a notebook; elsewhere a line on standard error for every tenth."""
 
     def __init__(self, title: str) -> None:
         self._title = title
-        self._live = _is_live()
+        self._place = _notebook() or (_Terminal() if sys.stderr.isatty() else None)
         self._tenths = 0
-        self._last = time.monotonic()
-        self._width = 0
+        self._last = time.monotonic() - _BETWEEN
 
     def __call__(self, share: float, line: str) -> None:
         """Shows that a share between 0 and 1 is done, and what is known besides."""
         text = f"{self._title}: {100 * share:3.0f} %  {line}"
         now = time.monotonic()
-        if self._live:
-            sys.stderr.write("\r" + text.ljust(self._width))
-            self._width = len(text)
-            sys.stderr.flush()
-        elif int(10 * share) > self._tenths or now > self._last + 30.0:
+        if self._place is not None:
+            if now >= self._last + _BETWEEN or share >= 1.0:
+                self._last = now
+                self._place.show(text)
+        elif int(10 * share) > self._tenths or now > self._last + _QUIET:
             self._tenths = int(10 * share)
             self._last = now
             print(text, file=sys.stderr, flush=True)
 
     def end(self) -> None:
-        """Leaves the line."""
-        if self._live and self._width:
+        """Leaves the line as it is."""
+        if self._place is not None:
+            self._place.end()
+
+
+class _Terminal:
+    """A line of a terminal."""
+
+    def __init__(self) -> None:
+        self._width = 0
+
+    def show(self, text: str) -> None:
+        sys.stderr.write("\r" + text.ljust(self._width))
+        sys.stderr.flush()
+        self._width = len(text)
+
+    def end(self) -> None:
+        if self._width:
             sys.stderr.write("\n")
-            sys.stderr.flush()
+
+
+class _Notebook:
+    """An output of a cell."""
+
+    def __init__(self, display: Any) -> None:
+        self._display = display
+        self._handle: Any = None
+
+    def show(self, text: str) -> None:
+        if self._handle is None:
+            self._handle = self._display({"text/plain": text}, raw=True, display_id=True)
+        else:
+            self._handle.update({"text/plain": text}, raw=True)
+
+    def end(self) -> None:
+        pass
+
+
+def _notebook() -> _Notebook | None:
+    """The output of the present cell, in a notebook."""
+    if "ipykernel" not in sys.modules:
+        return None
+    try:
+        from IPython import get_ipython
+        from IPython.display import display
+    except ImportError:
+        return None
+    return _Notebook(display) if hasattr(get_ipython(), "kernel") else None

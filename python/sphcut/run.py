@@ -248,9 +248,10 @@ class Run:
                 force = summary["forces"][key]
                 half = force["ci95_n"]
                 rows.append((name, f"{force['mean_n']:.1f}" + (f" &plusmn; {half:.1f}" if half else "") + " N"))
-            steady = summary["steady"]
-            rows.append(("steady", "yes" if steady["reached"] else "no: " + escape(str(steady["reason"]))))
+            # That it is not steady is a warning.
+            rows += [("steady", "yes")] if summary["steady"]["reached"] else []
             rows += [("warning", escape(warning["message"])) for warning in summary["warnings"]]
-        body = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
+        cell = "<td style='text-align: left'>"
+        body = "".join(f"<tr><th>{name}</th>{cell}{value}</td></tr>" for name, value in rows)
         page = escape(str(self.report))
         return f"<b>{escape(self.title)}</b><table>{body}</table><a href='{page}'>{page}</a>"

@@ -2,7 +2,7 @@
 
 use crate::errors::bug;
 use pyo3::prelude::*;
-use sphcut_cli::embedded::Told;
+use sphcut_cli::embedded::Tell;
 use sphcut_cli::interrupt;
 use std::sync::Mutex;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
@@ -16,7 +16,7 @@ const LOOK: Duration = Duration::from_millis(100);
 pub fn supervised<T: Send>(
     py: Python<'_>,
     told: Option<&Bound<'_, PyAny>>,
-    work: impl FnOnce(&mut Told<'_>) -> T + Send,
+    work: impl FnOnce(&mut Tell<'_>) -> T + Send,
 ) -> PyResult<T> {
     let (sender, receiver) = mpsc::channel::<(f64, String)>();
     // A receiver is handed from thread to thread, not shared.

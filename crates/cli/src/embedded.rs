@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Told a share and a line.
-pub type Told<'t> = dyn FnMut(f64, &str) + Send + 't;
+/// Hears a share between 0 and 1 and a line for people.
+pub type Tell<'t> = dyn FnMut(f64, &str) + Send + 't;
 
 /// Most often a sweep tells how far it is.
 const BETWEEN: Duration = Duration::from_millis(200);
@@ -41,7 +41,7 @@ pub fn run(
     scenario: &Scenario,
     (out, start): (&Path, Start),
     threads: Option<NonZeroUsize>,
-    told: &mut Told<'_>,
+    told: &mut Tell<'_>,
 ) -> Result<(Run, Option<ProcessResult>), Failure> {
     let options = run_command::options(scenario, out.to_owned(), start, threads);
     let mut watch = |status: &crate::progress::Status| told(status.share(), &status.line());
@@ -72,7 +72,7 @@ pub struct SweepPlace {
 pub fn sweep(
     sweep: &Sweep,
     place: &SweepPlace,
-    told: &mut Told<'_>,
+    told: &mut Tell<'_>,
 ) -> Result<SweepTable, Failure> {
     let threads = loading::threads(place.threads);
     let plan = local::planned(sweep, threads)?;
