@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -52,8 +51,9 @@ def _command(words: Sequence[str], progress: bool) -> list[str]:
         answer = process.stdout.read()
         code = process.wait()
     except KeyboardInterrupt:
-        os.kill(process.pid, signal.SIGINT)
-        process.communicate()
+        process.send_signal(signal.SIGINT)
+        process.stdout.read()
+        process.wait()
         raise
     listener.join()
     message = "".join(told).strip()

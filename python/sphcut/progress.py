@@ -34,10 +34,14 @@ class ProgressLine:
             self._last = now
             print(text, file=sys.stderr, flush=True)
 
-    def end(self) -> None:
-        """Leaves the line as it is."""
+    def end(self, text: str = "") -> None:
+        """Leaves the line as it is, or with `text` as the last that is said."""
         if self._place is not None:
+            if text:
+                self._place.show(f"{self._title}: {text}")
             self._place.end()
+        elif text:
+            print(f"{self._title}: {text}", file=sys.stderr, flush=True)
 
 
 class _Terminal:

@@ -22,6 +22,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+def _key(name: str) -> str:
+    """A key of a table in braces."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name)
+
+
 def literal(value: Any) -> str:
     """`value` as a scenario file has it: text in quotes, numbers, truth values, lists, and tables in braces."""
     if hasattr(value, "item") and not isinstance(value, (list, tuple, Mapping)):
@@ -38,7 +43,7 @@ def literal(value: Any) -> str:
         case list() | tuple():
             return "[" + ", ".join(literal(one) for one in value) + "]"
         case Mapping():
-            return "{ " + ", ".join(f"{json.dumps(str(k))} = {literal(v)}" for k, v in value.items()) + " }"
+            return "{ " + ", ".join(f"{_key(str(k))} = {literal(v)}" for k, v in value.items()) + " }"
     raise ScenarioError(
         f"{value!r} cannot stand in a scenario: write text such as '200 m/min', a number, a list or a dict"
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import sys
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -45,17 +44,17 @@ def sweep(
     kept = folder / "store" if store is None else Path(store)
     runs = [[literal(one) for one in point] for point in itertools.product(*values.values())]
     line = ProgressLine("sweep") if progress else None
+    told = ""
     try:
         computed, there, failed, stopped = cut._native.sweep(
             f"{cut.title}: {', '.join(values)}", list(values), runs, folder, kept, workers, line
         )
+        told = f"{computed} runs computed, {there} there already, {failed} failed: {folder / 'sweep.html'}"
     finally:
         if line is not None:
-            line.end()
+            line.end(told)
     if stopped:
         raise KeyboardInterrupt(f"{stopped} runs are left: checkpoints are written; the same call goes on")
-    if progress:
-        print(f"{computed} runs computed, {there} there already, {failed} failed: {folder / 'sweep.html'}", file=sys.stderr)
     table = pd.read_csv(folder / "table.csv")
     table["folder"] = [str(one if one.is_absolute() else folder / one) for one in map(Path, table["folder"])]
     table.attrs["units"] = {name: name[name.rindex("[") + 1 : -1] for name in table.columns if name.endswith("]")}

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pandas as pd
@@ -48,3 +52,29 @@ def test_a_mistake_in_a_file_is_told_with_its_line(tmp_path: Path) -> None:
         sphcut.diagnose(case, closed_form=True, progress=False)
     with pytest.raises(sphcut.FileError, match="absent.toml"):
         sphcut.diagnose(tmp_path / "absent.toml", closed_form=True, progress=False)
+
+
+LONG = """
+import sphcut, sys
+print("begun", flush=True)
+try:
+    sphcut.calibrate(sys.argv[1], sys.argv[2], fit=["A"], out=sys.argv[3], threads=1, progress=False)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+def test_ctrl_c_stops_a_calibration(tmp_path: Path) -> None:
+    files = [SCENARIOS / "calibration" / name for name in ("cut.toml", "cuts.csv")]
+    words = [sys.executable, "-c", LONG, *map(str, files), str(tmp_path / "found")]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "begun\n"
+    # Until a run of the particle solver is under way.
+    deadline = time.monotonic() + 60.0
+    while not list(tmp_path.rglob("run.partial")) and time.monotonic() < deadline:
+        time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    sent = time.monotonic()
+    assert process.stdout.readline() == "interrupted\n"
+    assert process.wait() == 0 and time.monotonic() - sent < 10.0
+    assert list(tmp_path.rglob("run.partial"))

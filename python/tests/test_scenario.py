@@ -70,7 +70,7 @@ def test_a_file_with_mistakes_is_refused_whole(file: Path) -> None:
 def test_values_are_written_as_toml() -> None:
     assert literal('a "b" \\ µ') == '"a \\"b\\" \\\\ µ"'
     assert literal([True, 1, np.int64(2), 1e-9]) == "[true, 1, 2, 1e-09]"
-    assert literal({"law": "x", "mu": 0.5}) == '{ "law" = "x", "mu" = 0.5 }'
+    assert literal({"law": "x", "two words": 0.5}) == '{ law = "x", "two words" = 0.5 }'
     with pytest.raises(sphcut.ScenarioError):
         literal(float("nan"))
 
