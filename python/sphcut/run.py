@@ -20,6 +20,15 @@ if TYPE_CHECKING:
     from pyvista import PolyData
 
 
+def _pyvista() -> Any:
+    """The module, or what to do without it."""
+    try:
+        import pyvista
+    except ImportError as error:
+        raise ImportError("particles for pyvista need pyvista: pip install pyvista") from error
+    return pyvista
+
+
 class Snapshot:
     """The particles and the tool at one instant, as numpy arrays: `snapshot.temperature`, `snapshot["temperature"]`.
 
@@ -73,9 +82,8 @@ class Snapshot:
 
     def to_pyvista(self) -> PolyData:
         """The particles as points with all their quantities (SI), for pyvista."""
-        import pyvista as pv
-
-        cloud = pv.PolyData(self._arrays["position"])
+        pv = _pyvista()
+        cloud: PolyData = pv.PolyData(self._arrays["position"])
         for name in self.names:
             if name != "position":
                 cloud.point_data[name] = self._arrays[name]
@@ -84,15 +92,16 @@ class Snapshot:
     def tool_to_pyvista(self) -> PolyData:
         """The tool, for pyvista: in the plane its outline as one polygon, in space its triangles."""
         import numpy as np
-        import pyvista as pv
 
+        pv = _pyvista()
         points = self._arrays["tool"]
         if self.dimension == 2:
             faces = np.concatenate(([len(points)], np.arange(len(points))))
         else:
             triangles = np.arange(len(points)).reshape(-1, 3)
             faces = np.insert(triangles, 0, 3, axis=1).ravel()
-        return pv.PolyData(points, faces=faces if len(points) else None)
+        tool: PolyData = pv.PolyData(points, faces=faces if len(points) else None)
+        return tool
 
 
 class Snapshots(Sequence[Snapshot]):

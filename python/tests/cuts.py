@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -48,3 +49,12 @@ def command(*words: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
     """The command line of the package: the same program as `sphcut`."""
     call = [sys.executable, "-P", "-m", "sphcut", *map(str, words)]
     return subprocess.run(call, cwd=cwd, capture_output=True, text=True, check=True)
+
+
+def under_way(folder: Path, runs: int) -> None:
+    """Waits until so many runs below `folder` have begun, and a second longer."""
+    deadline = time.monotonic() + 60.0
+    while len(list(folder.rglob("run.partial"))) < runs:
+        assert time.monotonic() < deadline, "no run begins"
+        time.sleep(0.1)
+    time.sleep(1.0)

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 import sphcut
-from cuts import REPOSITORY
+from cuts import REPOSITORY, under_way
 
 SCENARIOS = REPOSITORY / "scenarios"
 
@@ -69,10 +69,7 @@ def test_ctrl_c_stops_a_calibration(tmp_path: Path) -> None:
     words = [sys.executable, "-c", LONG, *map(str, files), str(tmp_path / "found")]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None and process.stdout.readline() == "begun\n"
-    # Until a run of the particle solver is under way.
-    deadline = time.monotonic() + 60.0
-    while not list(tmp_path.rglob("run.partial")) and time.monotonic() < deadline:
-        time.sleep(0.2)
+    under_way(tmp_path, 1)
     process.send_signal(signal.SIGINT)
     sent = time.monotonic()
     assert process.stdout.readline() == "interrupted\n"

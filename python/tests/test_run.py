@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 import sphcut
-from cuts import TINY, command
+from cuts import TINY, command, under_way
 
 
 def test_forces_are_those_of_the_command_bit_for_bit(run: sphcut.Run, file: Path, tmp_path: Path) -> None:
@@ -131,7 +131,7 @@ def test_ctrl_c_leaves_a_checkpoint(file: Path, tmp_path: Path) -> None:
     words = [sys.executable, "-c", LONG, str(file), str(tmp_path / "out")]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None and process.stdout.readline() == "begun\n"
-    time.sleep(2.0)
+    under_way(tmp_path, 1)
     process.send_signal(signal.SIGINT)
     sent = time.monotonic()
     assert process.stdout.readline() == "interrupted\n"

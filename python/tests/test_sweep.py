@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import sphcut
-from cuts import command
+from cuts import command, under_way
 
 SWEEP = """title = "Two speeds"
 base = "tiny.toml"
@@ -66,7 +66,7 @@ def test_ctrl_c_stops_a_sweep(file: Path, tmp_path: Path) -> None:
     words = [sys.executable, "-c", LONG, str(file), str(tmp_path / "own")]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None and process.stdout.readline() == "begun\n"
-    time.sleep(3.0)
+    under_way(tmp_path, 2)
     process.send_signal(signal.SIGINT)
     sent = time.monotonic()
     assert process.stdout.readline().startswith("interrupted")
