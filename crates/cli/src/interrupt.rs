@@ -13,7 +13,7 @@ static HANDLER: Once = Once::new();
 
 /// Installs the handler. Without one an interruption loses what followed the last checkpoint,
 /// so a failure to install is reported, not fatal.
-pub fn install() {
+pub(crate) fn install() {
     set(|| {
         if REQUESTED.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(crate::failure::ExitCode::Interrupted.number()));
@@ -23,7 +23,7 @@ pub fn install() {
 
 /// As [`install`], but a second signal does not hurry the program: a cluster sends several, and ends it by another
 /// signal when it has waited long enough.
-pub fn install_patient() {
+pub(crate) fn install_patient() {
     set(request);
 }
 
@@ -38,6 +38,11 @@ fn set(handler: impl FnMut() + Send + 'static) {
 /// Asks to stop, as a signal does.
 pub fn request() {
     REQUESTED.store(true, Ordering::SeqCst);
+}
+
+/// Takes the request back, once what was running has stopped: a program that holds sphcut goes on.
+pub fn withdraw() {
+    REQUESTED.store(false, Ordering::SeqCst);
 }
 
 /// Whether the user asked to stop.

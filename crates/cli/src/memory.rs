@@ -6,7 +6,7 @@
     reason = "GlobalAlloc is an unsafe trait; every call is passed on unchanged"
 )]
 
-use crate::failure::ExitCode;
+use sphcut_cli::ExitCode;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
 

@@ -19,9 +19,10 @@ mod snapshots;
 pub use error::RunError;
 pub use facts::{Facts, MaterialFacts};
 pub use files::{
-    ColumnH5, FactH5, GroupH5, MOST_VALUES, RunFiles, Verified, Wanted, create_anew, export_vtkhdf,
-    has_checksums, open_lock, read_columns_h5, read_named_columns_h5, recover, verify_h5,
-    verify_run, write_columns_h5,
+    Column, ColumnH5, FactH5, GroupH5, MOST_VALUES, PARTICLE_FIELDS, RunFiles, SnapshotField,
+    TOOL_FIELDS, Verified, Wanted, create_anew, export_vtkhdf, has_checksums, open_lock,
+    read_columns_h5, read_named_columns_h5, recover, stored_unit, verify_h5, verify_run,
+    write_columns_h5,
 };
 pub use provenance::{Provenance, Setting, TemperatureUnit, ZERO_CELSIUS};
 pub use run::{Outcome, Performance, Run};

@@ -56,6 +56,24 @@ impl KeyPath {
         Ok(document.to_string())
     }
 
+    /// `text` without this key or table; what else is there stays. The reason in words if it is not written.
+    pub fn removed(&self, text: &str) -> Result<String, String> {
+        let mut document: DocumentMut = text.parse().map_err(|_| "not TOML".to_owned())?;
+        let (last, path) = self.parts.split_last().ok_or("no key")?;
+        let mut table: &mut dyn TableLike = document.as_table_mut();
+        for part in path {
+            if part.index.is_none() && !table.contains_key(&part.name) {
+                return Err("it is not written".to_owned());
+            }
+            table = inside(table, part)?;
+        }
+        if last.index.is_some() {
+            return Err("it ends in a place of a list".to_owned());
+        }
+        table.remove(&last.name).ok_or("it is not written")?;
+        Ok(document.to_string())
+    }
+
     /// The line of the value in `text`, if it is there.
     pub fn line(&self, text: &str) -> Option<usize> {
         let document = DeTable::parse(text).ok()?;
@@ -175,6 +193,20 @@ mod tests {
         assert!(written("t = { a = 1 }\n", "t.b", "2").unwrap().contains("b = 2"));
         let found = written("tool.a.law = \"x\"\n", "tool.a.b", "2").unwrap();
         assert!(toml::de::DeTable::parse(&found).is_ok(), "{found}");
+    }
+
+    #[test]
+    fn a_key_is_removed_and_the_rest_stays() {
+        let removed = |text: &str, path: &str| KeyPath::parse(path)?.removed(text);
+        let text = "# a cut\n[tool]\nangle = 5\nradius = 2 # sharp\n\n[tool.heat]\n[end]\n";
+        let found = removed(text, "tool.radius").unwrap();
+        assert_eq!(found, "# a cut\n[tool]\nangle = 5\n\n[tool.heat]\n[end]\n");
+        assert!(!removed(text, "tool.heat").unwrap().contains("heat"));
+        let bodies = "[[body]]\nt = 1\n[[body]]\nt = 2\n";
+        assert_eq!(removed(bodies, "body[2].t").unwrap(), bodies.replace("t = 2\n", ""));
+        for absent in ["tool.mu", "nothing.at.all", "body[1].t"] {
+            assert!(removed(text, absent).is_err(), "{absent}");
+        }
     }
 
     #[test]

@@ -23,7 +23,7 @@ const NOT_IN_THE_CORE: [&str; 12] = [
 const CORE: [&str; 4] = ["sphcut-physics", "sphcut-geometry", "sphcut-tool-heat", "sphcut-sph"];
 
 /// The arrows that exist: a crate and the crates of the workspace it may build on.
-const ARROWS: [(&str, &[&str]); 18] = [
+const ARROWS: [(&str, &[&str]); 19] = [
     ("physics", &[]),
     ("input", &["physics"]),
     ("geometry", &["physics"]),
@@ -103,11 +103,16 @@ const ARROWS: [(&str, &[&str]); 18] = [
             "physics",
         ],
     ),
+    // The compiled half of the Python package, outside the workspace.
+    ("python", &["cli", "greybox", "sweep", "record", "scenario", "input", "sph"]),
 ];
+/// The manifest of the Python package.
+const PYTHON: &str = "python/Cargo.toml";
 
 /// Checks the arrows in the manifests and what the core reaches.
 pub fn check(root: &Path, files: &[File]) -> Result<Vec<Finding>, String> {
     let mut findings: Vec<Finding> = files.iter().flat_map(arrows).collect();
+    findings.extend(other_version(files));
     for package in CORE {
         let reached = reachable(root, package)?;
         findings.extend(
@@ -128,10 +133,24 @@ fn folder(package: &str) -> String {
     package.trim_start_matches("sphcut-").replace('-', "_")
 }
 
+/// What the Python package, a workspace of its own, says otherwise than the rest: its version, and which Rust it needs.
+fn other_version(files: &[File]) -> Vec<Finding> {
+    let of = |path: &str| files.iter().find(|file| file.path == path);
+    let (Some(all), Some(python)) = (of("Cargo.toml"), of(PYTHON)) else { return Vec::new() };
+    let line = |file: &File, key: &str| {
+        file.text.lines().find(|line| line.starts_with(&format!("{key} = "))).map(str::to_owned)
+    };
+    ["version", "edition", "rust-version"]
+        .into_iter()
+        .filter(|key| line(all, key) != line(python, key))
+        .map(|key| python.finding(0, format!("`{key}` is not that of the workspace")))
+        .collect()
+}
+
 /// Findings in one manifest.
 fn arrows(file: &File) -> Vec<Finding> {
-    let Some(name) = file.path.strip_prefix("crates/").and_then(|p| p.strip_suffix("/Cargo.toml"))
-    else {
+    let name = file.path.strip_prefix("crates/").or((file.path == PYTHON).then_some(PYTHON));
+    let Some(name) = name.and_then(|path| path.strip_suffix("/Cargo.toml")) else {
         return Vec::new();
     };
     let Some((_, allowed)) = ARROWS.iter().find(|(from, _)| *from == name) else {
@@ -186,6 +205,16 @@ mod tests {
         let findings = arrows(&file);
         assert_eq!(findings.len(), 1, "{findings:?}");
         assert_eq!(findings[0].line, 6);
+    }
+
+    #[test]
+    fn the_python_package_follows_the_workspace() {
+        let file = |path: &str, text: &str| File::new(path.to_owned(), text.to_owned());
+        let all = file("Cargo.toml", "[workspace.package]\nversion = \"0.2.0\"\n");
+        let python =
+            file(PYTHON, "version = \"0.1.0\"\n[dependencies]\nsphcut-report = { path = \"x\" }\n");
+        assert_eq!(arrows(&python).len(), 1);
+        assert_eq!(other_version(&[all, python]).len(), 1);
     }
 
     #[test]

@@ -142,7 +142,7 @@ fn count(line: &str, character: char) -> i32 {
 
 fn files_stay_short(file: &File) -> Vec<Finding> {
     let lines = file.text.lines().count();
-    if file.source.is_none() || lines <= MAX_LINES {
+    if !(file.source.is_some() || is_python(file)) || lines <= MAX_LINES {
         return Vec::new();
     }
     vec![file.finding(0, format!("{lines} lines: divide it, {MAX_LINES} are the limit"))]
@@ -181,8 +181,16 @@ fn nothing_left_open(file: &File) -> Vec<Finding> {
     findings
 }
 
-/// Every Rust file starts by saying what it is for; the tests of a module need not.
+/// Whether the file is a module of the Python package, or its types.
+fn is_python(file: &File) -> bool {
+    file.path.ends_with(".py") || file.path.ends_with(".pyi")
+}
+
+/// Every file of Rust or Python starts by saying what it is for; the tests of a module need not.
 fn every_file_is_introduced(file: &File) -> Vec<Finding> {
+    if is_python(file) && !file.text.starts_with("\"\"\"") {
+        return vec![file.finding(1, "starts without a docstring that says what the file is for")];
+    }
     let exempt = file.source.is_none() || file.path.ends_with("/tests.rs");
     if exempt || file.text.trim_start().starts_with("//!") {
         return Vec::new();
@@ -321,6 +329,14 @@ mod tests {
         let text = "//! a\n".repeat(MAX_LINES + 1);
         assert_eq!(files_stay_short(&file("crates/sph/src/a.rs", &text)).len(), 1);
         assert!(files_stay_short(&file("docs/a.md", &text)).is_empty());
+    }
+
+    #[test]
+    fn a_module_of_python_is_introduced_and_short() {
+        let module = |text: &str| file("python/sphcut/a.py", text);
+        assert!(every_file_is_introduced(&module("\"\"\"What it is for.\"\"\"\n")).is_empty());
+        assert_eq!(every_file_is_introduced(&module("import sys\n")).len(), 1);
+        assert_eq!(files_stay_short(&module(&"x = 1\n".repeat(MAX_LINES + 1))).len(), 1);
     }
 
     #[test]

@@ -111,7 +111,18 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::Done)
 }
 
-/// The same for programs; SI units.
+/// Setup, cost and warnings for programs; SI units.
+///
+/// # Errors
+/// A setup that cannot be built.
+pub fn as_json_of(scenario: &Scenario, threads: usize, measured: bool) -> Result<Value, Failure> {
+    let pool = loading::pool(threads)?;
+    let (estimate, speed, _) = pool.install(|| cost(&scenario.setup, measured))?;
+    let cuts = scenario.setup.uncut_chip_thickness.is_some();
+    Ok(as_json(scenario, &estimate, (speed, if cuts { CROWDING } else { 1.0 }), threads))
+}
+
+/// The same of what was measured.
 fn as_json(
     scenario: &Scenario,
     estimate: &Estimate,

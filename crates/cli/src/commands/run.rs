@@ -70,7 +70,13 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
 /// From the file to the report.
 fn follow(arguments: &RunArguments, style: OutputStyle) -> Result<ExitCode, Failure> {
     let scenario = loading::scenario(&arguments.scenario)?;
-    let options = options(arguments, &scenario);
+    let start = match (arguments.resume, arguments.force) {
+        (true, _) => Start::Resume,
+        (false, true) => Start::Replace,
+        (false, false) => Start::New,
+    };
+    let out = output_folder(arguments.out.as_deref(), &scenario);
+    let options = options(&scenario, out, start, arguments.threads);
     interrupt::install();
     outcome::announce(&scenario, &options, style);
     let run = compute(&scenario, &options, arguments.time_limit, style)?;
@@ -87,18 +93,19 @@ fn follow(arguments: &RunArguments, style: OutputStyle) -> Result<ExitCode, Fail
     Ok(ExitCode::Done)
 }
 
-fn options(arguments: &RunArguments, scenario: &Scenario) -> RunOptions {
-    let start = match (arguments.resume, arguments.force) {
-        (true, _) => Start::Resume,
-        (false, true) => Start::Replace,
-        (false, false) => Start::New,
-    };
+/// How `scenario` is run into the folder `out_dir`.
+pub fn options(
+    scenario: &Scenario,
+    out_dir: PathBuf,
+    start: Start,
+    threads: Option<NonZeroUsize>,
+) -> RunOptions {
     RunOptions {
-        out_dir: output_folder(arguments.out.as_deref(), scenario),
+        out_dir,
         start,
         snapshots: scenario.output.snapshots,
         checkpoint_interval: Duration::from_secs_f64(scenario.output.checkpoint_seconds),
-        threads: loading::threads(arguments.threads),
+        threads: loading::threads(threads),
         export: Export::Vtkhdf,
     }
 }
@@ -115,17 +122,28 @@ pub fn compute(
     time_limit: Option<Duration>,
     style: OutputStyle,
 ) -> Result<Run, Failure> {
-    let pool = loading::pool(options.threads)?;
     let mut display = RunDisplay::new(style);
+    let run = compute_watched(scenario, options, time_limit, &mut |status| display.update(status));
+    display.finish();
+    run
+}
+
+/// Steps the simulation on its own threads and tells `watch` where it is.
+pub fn compute_watched(
+    scenario: &Scenario,
+    options: &RunOptions,
+    time_limit: Option<Duration>,
+    watch: &mut (dyn FnMut(&Status) + Send),
+) -> Result<Run, Failure> {
+    let pool = loading::pool(options.threads)?;
     let provenance = loading::provenance(scenario);
     let stop = StopRule { steady: scenario.stop.steady, start: Instant::now(), time_limit };
     let run = pool.install(|| {
         driver::run(&scenario.setup, &provenance, options, &mut |progress| {
-            display.update(&status(progress));
+            watch(&status(progress));
             stop.decide(progress)
         })
     });
-    display.finish();
     run.map_err(|error| Failure::of_run(&error, &options.out_dir))
 }
 

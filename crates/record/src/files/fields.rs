@@ -1,14 +1,17 @@
 //! The table of what a snapshot holds for each particle: name, unit, meaning and
-//! access, once for all file formats.
+//! access, once for all file formats and for whoever hands the numbers on.
 
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Vector;
 
 /// One quantity of the particles.
-pub(crate) struct SnapshotField {
-    pub(crate) name: &'static str,
-    pub(crate) unit: &'static str,
-    pub(crate) meaning: &'static str,
+pub struct SnapshotField {
+    /// Identifier, e.g. `plastic_strain`.
+    pub name: &'static str,
+    /// SI unit; empty for numbers without one.
+    pub unit: &'static str,
+    /// One line for people.
+    pub meaning: &'static str,
     pub(crate) access: Access,
 }
 
@@ -22,15 +25,19 @@ pub(crate) enum Access {
 }
 
 /// The values of a column, flattened.
-pub(crate) enum Column<'a> {
+pub enum Column<'a> {
+    /// Real numbers, those of a vector or tensor one after the other.
     Reals(&'a [f64]),
+    /// Long whole numbers.
     Longs(&'a [u64]),
+    /// Short whole numbers.
     Shorts(&'a [u32]),
 }
 
 impl SnapshotField {
     /// Numbers per particle.
-    pub(crate) fn width(&self) -> usize {
+    #[must_use]
+    pub fn width(&self) -> usize {
         match self.access {
             Access::Vector(..) => 3,
             Access::Tensor(..) => 6,
@@ -44,7 +51,8 @@ impl SnapshotField {
     }
 
     /// The values of `snapshot`.
-    pub(crate) fn column<'a>(&self, snapshot: &'a Snapshot) -> Column<'a> {
+    #[must_use]
+    pub fn column<'a>(&self, snapshot: &'a Snapshot) -> Column<'a> {
         match self.access {
             Access::Real(get, _) => Column::Reals(get(snapshot)),
             Access::Vector(get, _) => Column::Reals(get(snapshot).as_flattened()),
@@ -110,7 +118,7 @@ macro_rules! fields {
 }
 
 /// What every particle has.
-pub(crate) const PARTICLE_FIELDS: &[SnapshotField] = fields! {
+pub const PARTICLE_FIELDS: &[SnapshotField] = fields! {
     Long id "" "identifier, unique over the run";
     Short body "" "index of the body";
     Vector position "m" "position";
@@ -141,7 +149,7 @@ pub(crate) const LATER: &[&str] = &[
 ];
 
 /// Outline and heat of the tool: fields with their own numbers of entries.
-pub(crate) const TOOL_FIELDS: &[SnapshotField] = fields! {
+pub const TOOL_FIELDS: &[SnapshotField] = fields! {
     Vector tool "m" "outline of the tool: closed polygon (2D) or vertices of its triangles, three by three (3D)";
     Vector tool_nodes "m" "nodes of the tool's mesh, where it conducts heat";
     Short tool_elements "" "nodes of the triangles of that mesh (3D: of its surface), three by three";

@@ -28,10 +28,11 @@ pub use columns_h5::{
     ColumnH5, FactH5, GroupH5, MOST_VALUES, Wanted, read_columns_h5, read_named_columns_h5,
     write_columns_h5,
 };
-use fields::SnapshotField;
+pub use fields::{Column, PARTICLE_FIELDS, SnapshotField, TOOL_FIELDS};
 use partial::{Checkpoint, Partial, SavedSnapshots};
 pub use run_files::RunFiles;
 pub(crate) use run_h5::RunBody;
+pub use run_h5::stored_unit;
 use segment::Segment;
 use sphcut_sph::Snapshot;
 use std::path::{Path, PathBuf};

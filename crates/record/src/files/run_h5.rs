@@ -74,8 +74,10 @@ fn write_channels(writer: &HdfWriter, body: &RunBody) -> Result<(), RunError> {
     Ok(())
 }
 
-/// The unit of what is stored: in a plane run extensive quantities are per metre of width.
-fn stored_unit((name, unit): (&str, &'static str), dimension: usize) -> Cow<'static, str> {
+/// The unit of the numbers of a channel or field in a run of `dimension` axes: in the plane extensive quantities are per metre of
+/// width.
+#[must_use]
+pub fn stored_unit((name, unit): (&str, &'static str), dimension: usize) -> Cow<'static, str> {
     match (unit, dimension) {
         ("N" | "N s" | "J", 2) => format!("{unit}/m").into(),
         ("m^2", 2) => "m".into(),

@@ -8,7 +8,9 @@ use crate::progress::{OutputStyle, emit};
 use crate::{files, loading, terminal, text};
 use serde_json::json;
 use sphcut_sph::Simulation;
-use sphcut_sweep::{Execution, Needs, PlannedRun, State, Store, Sweep, SweepPlan, execute, plan};
+use sphcut_sweep::{
+    Execution, Needs, News, PlannedRun, State, Store, Sweep, SweepPlan, execute, plan,
+};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -77,10 +79,22 @@ pub fn run(
     style: OutputStyle,
 ) -> Result<Vec<State>, Failure> {
     let display = SweepDisplay::new(sweep, plan, style);
-    let worker = Apart { sweep, time_limit };
-    let states = execute(sweep, plan, store, execution, &worker, &|news| display.take(&news));
+    let news = |news| display.take(&news);
+    let states = run_watched((sweep, time_limit), plan, store, execution, &news);
     display.finish();
-    Ok(states?)
+    states
+}
+
+/// Computes what the store does not have, and tells the news.
+pub fn run_watched(
+    (sweep, time_limit): (&Sweep, Option<Duration>),
+    plan: &SweepPlan,
+    store: &Store,
+    execution: Execution,
+    news: &(dyn Fn(News) + Sync),
+) -> Result<Vec<State>, Failure> {
+    let worker = Apart { sweep, time_limit };
+    Ok(execute(sweep, plan, store, execution, &worker, news)?)
 }
 
 /// Says how it ended.

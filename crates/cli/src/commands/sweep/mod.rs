@@ -12,6 +12,7 @@ mod tally;
 mod worker;
 
 pub use arguments::SweepCommand;
+pub use tally::SweepTally;
 
 use crate::failure::{ExitCode, Failure};
 use crate::progress::OutputStyle;

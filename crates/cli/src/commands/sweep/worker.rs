@@ -4,7 +4,7 @@
 //! when that is closed; so it does when the sweep ends in whatever way. It answers by lines of JSON.
 
 use super::one::PROGRESS;
-use crate::interrupt;
+use crate::{interrupt, program};
 use serde_json::Value;
 use sphcut_scenario::Scenario;
 use sphcut_sweep::{Computed, Sweep, Trouble, Watch, Worker};
@@ -70,8 +70,9 @@ impl Worker for Apart<'_> {
 
 impl Apart<'_> {
     fn start(&self, folder: &Path, threads: usize) -> io::Result<Child> {
-        let mut command = Command::new(std::env::current_exe()?);
-        command.args(["sweep", "one"]).arg(self.sweep.base_path()).arg(folder);
+        let words = program::words()?;
+        let mut command = Command::new(&words[0]);
+        command.args(&words[1..]).args(["sweep", "one"]).arg(self.sweep.base_path()).arg(folder);
         command.arg(threads.to_string());
         if self.sweep.reads_outside() {
             command.arg("--allow-outside");

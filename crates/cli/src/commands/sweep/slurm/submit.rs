@@ -7,7 +7,7 @@ use super::submitted::{state, tasks};
 use crate::failure::{ExitCode, Failure};
 use crate::files::absolute;
 use crate::progress::{OutputStyle, emit};
-use crate::{terminal, text};
+use crate::{program, terminal, text};
 use serde_json::json;
 use sphcut_sweep::Sweep;
 use sphcut_sweep::slurm::{
@@ -209,10 +209,14 @@ fn send(
     shares: &[TaskRun],
     request: JobRequest,
 ) -> Result<(), Failure> {
-    let program = std::env::current_exe()
+    let words = program::words()
         .map_err(|error| Failure::output("cannot find the program itself", &error))?;
+    let [program] = words.as_slice() else {
+        return Err(Failure::input("a job of a cluster runs the program `sphcut` itself")
+            .advise("submit it with the program that `cargo install --path crates/cli` makes"));
+    };
     let script = Script {
-        program,
+        program: program.into(),
         folder: submission.folder.clone(),
         name: sweep.name.clone(),
         tasks: submission.tasks,
