@@ -107,9 +107,12 @@ fn diagnosis() -> Vec<(String, String)> {
 
 #[test]
 fn results_have_the_bits_that_were_written_down() {
+    // With the spacing, the window and the time step of the time when the digests were written.
     let quickstart = shortened(
         "scenarios/quickstart.toml",
         &[
+            ("preset = \"draft\"", "particles_across_chip = 7"),
+            ("behind = \"1 mm\"\n", ""),
             ("travel = \"6 mm\"", "travel = \"0.25 mm\""),
             ("steady = {", "# steady = {"),
             ("snapshots = 40", "snapshots = 2"),
