@@ -15,6 +15,7 @@ use crate::picture::{Picture, Pictures, draw_all};
 use maud::{Markup, html};
 use sphcut_postprocess::ProcessResult;
 use sphcut_record::{Outcome, Run};
+use sphcut_sph::Snapshot;
 use std::path::{Path, PathBuf};
 
 /// Writes `report.html` into `folder` and returns its path.
@@ -58,12 +59,12 @@ pub fn render_report(run: &Run, result: &ProcessResult) -> Result<String, Report
         (next_steps(run))
         (reproduce(run))
     };
-    let lead = html! { (lead(run)) };
+    let lead = html! { (lead(run, first.as_deref())) };
     Ok(Shell { tab: tab(title), title, lead, version: &provenance.version, body }.render())
 }
 
 /// One line on what was run and how it ended.
-fn lead(run: &Run) -> String {
+fn lead(run: &Run, first: Option<&Snapshot>) -> String {
     let outcome = match &run.outcome {
         Outcome::Finished => "ran to its end",
         Outcome::Steady => "stopped when the cutting force was steady",
@@ -71,13 +72,20 @@ fn lead(run: &Run) -> String {
         Outcome::Diverged(_) => "diverged",
     };
     let dimension = if run.facts.dimension == 2 { "plane strain" } else { "three dimensions" };
+    let finest = run.facts.particle_spacing * UM;
+    let coarsest =
+        first.map_or(1.0, |first| first.relative_spacing.iter().copied().fold(1.0, f64::max));
+    let spacing = if coarsest > 1.0 {
+        format!("{} to {}", three_digits(finest), three_digits(finest * coarsest))
+    } else {
+        three_digits(finest)
+    };
     let time = run.samples.last().map_or(0.0, |s| s.get(sphcut_sph::ChannelId::Time));
     format!(
-        "Scenario {}, {dimension}, {} particles of {} \u{b5}m; {outcome} after {} ms of simulated \
+        "Scenario {}, {dimension}, {} particles of {spacing} \u{b5}m; {outcome} after {} ms of simulated \
          time.",
         run.provenance.scenario_name,
         grouped(run.performance.particles as u64),
-        three_digits(run.facts.particle_spacing * UM),
         three_digits(time * 1e3),
     )
 }
