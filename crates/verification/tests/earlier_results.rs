@@ -29,7 +29,15 @@ fn values_of_an_earlier_version_are_named_and_computed_again() {
     case.run(&options, &|_| ());
     assert!(case.judge_stored(&store).unwrap().unwrap().earlier.is_empty());
 
+    // The same text with another spacing: a default has changed.
+    let today = store.read(&case.head.name, name).unwrap().unwrap().spacing;
     stored.results_version = RESULTS_VERSION;
+    stored.spacing = 2.0 * today;
+    store.write(&case.head.name, &stored).unwrap();
+    case.run(&options, &|_| ());
+    let renewed = store.read(&case.head.name, name).unwrap().unwrap();
+    assert_eq!(renewed.spacing.to_bits(), today.to_bits());
+
     stored.scenario.push('\n');
     store.write(&case.head.name, &stored).unwrap();
     assert_eq!(case.judge_stored(&store), Ok(None));
