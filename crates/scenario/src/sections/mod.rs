@@ -138,7 +138,7 @@ pub(crate) fn resolution() -> Section {
             Field::optional("preset", choice(PRESETS.iter().map(|preset| preset.0)), "spacing relative to the uncut chip thickness: draft h/7, standard h/10, fine h/14. In a plane cut with a round edge it grades as `[resolution.grading]` says, halved around the edge at most twice until 1.8 particles lie across its radius; `particles_across_chip` is uniform"),
             Field::optional("particles_across_chip", Kind::Quantity(Quantity::Dimensionless, Range::closed(1.0, 1000.0)), "uncut chip thickness over spacing, as a preset but of your choice")
             .example("12"),
-            Field::optional("particles_across_edge", Kind::Quantity(Quantity::Dimensionless, Range::closed(0.5, 1000.0)), "edge radius over spacing, alone or beside the two above, which look at the chip alone; ploughing is resolved from 5 on, and a sharp edge then makes many particles")
+            Field::optional("particles_across_edge", Kind::Quantity(Quantity::Dimensionless, Range::closed(0.5, 1000.0)), "edge radius over spacing, alone or beside one of the two above; ploughing is resolved from 5 on, and a sharp edge then makes many particles")
             .example("5"),
             Field::with_default("kernel", choice(KernelChoice::ALL.iter().map(|kernel| kernel.0)), "wendland_c2", "smoothing kernel"),
             Field::with_default("lattice", choice(LATTICES.iter().map(|lattice| lattice.0)), "square", "initial arrangement of the particles"),
