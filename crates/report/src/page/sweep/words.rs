@@ -20,8 +20,9 @@ pub fn sweep_words(table: &SweepTable, measured: &[[f64; 4]]) -> Vec<String> {
     let steady = |row: &&sphcut_sweep::SweepRow| row.summary.get("steady.reached") == Some(&0.0);
     let unsteady = table.rows.iter().filter(steady).count();
     if unsteady > 0 {
+        let runs = if unsteady == 1 { "run" } else { "runs" };
         words.push(format!(
-            "In {unsteady} runs the cutting force was not steady: their means are those of the travel they had."
+            "In {unsteady} {runs} the cutting force was not steady: the means are those of the travel there was."
         ));
     }
     if words.is_empty() {
