@@ -181,6 +181,10 @@ impl Mistake {
             }
             Self::Missing { example, .. } => format!("for example {example}"),
             Self::Quantity { units, error, .. } => quantity_help(units, error),
+            Self::NotAChoice { key, allowed, .. } if key == "material" => format!(
+                "a file beside the scenario, such as \"my_steel.toml\", or one of {}",
+                allowed.join(", ")
+            ),
             Self::NotAChoice { allowed, .. } => format!("choices: {}", allowed.join(", ")),
             Self::Contradiction { help, .. }
             | Self::File { help, .. }

@@ -70,7 +70,12 @@ fn refuse_unknown_keys(
     for key in raw.keys() {
         let name = key.get_ref().as_ref();
         if section.field(name).is_none() {
-            let nearest = spelling::nearest(name, section.keys());
+            // The symbol of a textbook, such as A of Johnson and Cook, stands in brackets after the meaning.
+            let symbol = format!("({name})");
+            let by_symbol = section.fields.iter().find(|field| field.meaning.ends_with(&symbol));
+            let nearest = by_symbol
+                .map(|field| field.key)
+                .or_else(|| spelling::nearest(name, section.keys()));
             meant.extend(section.keys().find(|known| Some(*known) == nearest));
             let mistake = Mistake::UnknownKey {
                 section: section.name.clone(),
