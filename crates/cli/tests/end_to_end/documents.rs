@@ -28,6 +28,10 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("sphcut catalogue johnson_cook", AsItStands),
     ("sphcut materials", AsItStands),
     (
+        "sphcut materials my_steel.toml",
+        Instead("sphcut materials ti6al4v_seo_2005 --out steel.html"),
+    ),
+    (
         "sphcut materials ti6al4v_seo_2005 johnson_cook.toml --out mine.html",
         Instead("sphcut materials ti6al4v_seo_2005 --out mine.html"),
     ),
@@ -57,6 +61,7 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("sphcut export out/quickstart --force", AsItStands),
     ("sphcut verify out/quickstart", AsItStands),
     ("sphcut run cut.toml", AsItStands),
+    ("sphcut check mine.toml", AsItStands),
     ("sphcut run mine.toml", AsItStands),
     (
         "sphcut run cut.toml --patch missing/scenario.patch.toml",
@@ -112,6 +117,15 @@ const COMMANDS: &[(&str, Trial)] = &[
     (
         "sphcut calibrate-friction cut.toml --measured turning.csv --out mu --points 4 --refine 3",
         Elsewhere("calibrate_friction"),
+    ),
+    (
+        "sphcut greybox fit --simulated out/ti6al4v_sweep/simulated.csv --measured table.csv",
+        Elsewhere("greybox"),
+    ),
+    ("sphcut greybox predict --model out/table_greybox --simulated FILE", Elsewhere("greybox")),
+    (
+        "sphcut sweep scenarios/ti6al4v_sweep.toml --dry-run",
+        Instead("sphcut sweep scenarios/ti6al4v_sweep.toml --dry-run --no-measure"),
     ),
     (
         "sphcut greybox fit --simulated sweep.csv --measured forces.csv --out grey",

@@ -249,7 +249,13 @@ fn an_interrupted_sweep_goes_on() {
     shop.write("tiny.toml", TINY);
     shop.write("sweep.toml", SWEEP);
     let child = shop.command(&OUT).stderr(Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(Duration::from_millis(400));
+    // Until it has claimed a run: from then on it heeds an interruption.
+    let claims = shop.path("out/store/work");
+    let start = std::time::Instant::now();
+    while std::fs::read_dir(&claims).map_or(true, |mut claims| claims.next().is_none()) {
+        assert!(start.elapsed() < Duration::from_secs(120), "no run was claimed");
+        std::thread::sleep(Duration::from_millis(5));
+    }
     let id = child.id().to_string();
     let sent = std::process::Command::new("kill").args(["-INT", &id]).status().unwrap();
     assert!(sent.success());
