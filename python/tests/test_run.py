@@ -113,8 +113,10 @@ def test_other_threads_go_on_while_it_steps(cut: sphcut.Scenario, tmp_path: Path
     assert counted > 100 * seconds
 
 
+# Where the tests run in the background of a shell, SIGINT is ignored until it is asked for.
 LONG = """
-import sphcut, sys
+import signal, sphcut, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
 cut = sphcut.Scenario.load(sys.argv[1])
 cut.update({"workpiece.length": "6 mm", "stop.travel": "4 mm"})
 print("begun", flush=True)

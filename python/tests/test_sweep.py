@@ -50,8 +50,10 @@ def test_values_that_make_no_scenario_are_refused_first(cut: sphcut.Scenario, tm
     assert not list(tmp_path.rglob("run.h5"))
 
 
+# Where the tests run in the background of a shell, SIGINT is ignored until it is asked for.
 LONG = """
-import sphcut, sys
+import signal, sphcut, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
 cut = sphcut.Scenario.load(sys.argv[1])
 cut.update({"workpiece.length": "6 mm", "stop.travel": "4 mm"})
 print("begun", flush=True)
