@@ -109,6 +109,23 @@ fn a_preset_is_uniform_around_a_sharp_edge_and_so_is_a_count_of_particles() {
     }
 }
 
+/// Held ends are three rows of the coarsest spacing deep: 86 um with 28.6 um instead of 43 um with 14.3 um.
+#[test]
+fn a_graded_window_ends_as_much_farther_ahead_as_its_ends_are_held_deeper() {
+    let uniform = QUICK.replace("preset = \"draft\"", "particles_across_chip = 7");
+    for (text, ahead) in [(QUICK, 0.4e-3 + 0.3e-3 / 7.0), (&uniform, 0.4e-3)] {
+        let setup = parse(text, "cut.toml", None, &LoadOptions::default()).unwrap().setup;
+        assert_relative_eq!(setup.window.unwrap().ahead, ahead, max_relative = 1e-12);
+    }
+    let short = |text: &str| {
+        let text = text.replace("[window]\n", "[window]\nahead = \"0.3 mm\"\n");
+        parse(&text, "cut.toml", None, &LoadOptions::default())
+    };
+    assert!(short(&uniform).is_ok());
+    let told = short(QUICK).unwrap_err()[0].mistake.help();
+    assert!(told.contains("held rows") && told.contains("0.342857 mm"), "{told}");
+}
+
 #[test]
 fn the_spacing_follows_from_particles_across_the_chip_or_the_edge() {
     // h is 0.1 mm, the edge radius 20 um.

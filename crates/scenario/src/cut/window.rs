@@ -58,7 +58,8 @@ pub(crate) fn window(
                     significant(length * 1e3)
                 ),
                 help: format!(
-                    "at this uncut chip thickness it must be {} mm at least",
+                    "at this uncut chip thickness{} it must be {} mm at least",
+                    if held > 0.0 { ", with held rows as deep as this grading's," } else { "" },
                     significant(least * 1e3)
                 ),
             };
