@@ -58,7 +58,7 @@ pub(crate) struct SnapshotView<'a> {
 /// The context of a run.
 ///
 /// # Errors
-/// Several passes, no cut, no snapshots, a cut that leaves too little machined surface.
+/// Several passes, no cut, no snapshots, a cut or a moving window that leaves too little machined surface.
 pub(super) fn context(
     run: &Run,
     window_start: f64,
@@ -72,15 +72,29 @@ pub(super) fn context(
         return Err(SpringbackError::NoCut);
     };
     let last = run.snapshots.last()?.ok_or(SpringbackError::NoSnapshots)?;
+    let begin = run.snapshots.get(0)?;
     let (plane, spacing) = (CutPlane::new(facts.frame), facts.particle_spacing);
     let corners: Vec<PlanePoint> = last.tool.iter().map(|c| plane.project(c)).collect();
     let lowest = Lowest::of(&corners, spacing).ok_or(SpringbackError::NoCut)?;
     let cloud = CutParticles::new(&last, plane);
-    let first = cloud.points.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
+    let rearmost =
+        |cloud: &CutParticles| cloud.points.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
+    let mut first = rearmost(&cloud);
+    let at_begin = rearmost(&CutParticles::new(&begin, plane));
+    // What a moving window has given up behind the tool, a cut does not push so far.
+    let windowed = first > at_begin + ENTRY * spacing;
+    let kept = lowest.rear - first;
+    if windowed {
+        first = at_begin;
+    }
     let travel = run.samples.channel(ChannelId::Travel).last().copied().unwrap_or(0.0);
     let origin = first.max(lowest.rear - travel);
     let radius = facts.edge_radius.unwrap_or(0.0);
     let clear_distance = radius.max(3.0 * spacing) + thickness;
+    let least_kept = clear_distance + ENTRY * spacing;
+    if windowed && kept < least_kept {
+        return Err(SpringbackError::WindowTooShort { kept, needed: least_kept });
+    }
     let start = window_start.max(ENTRY * spacing);
     let end = lowest.rear - clear_distance - origin;
     let least = (ENTRY + least_window) * spacing;

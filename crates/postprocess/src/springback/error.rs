@@ -79,6 +79,17 @@ pub enum SpringbackError {
         /// Travel from which on there is enough.
         needed: f64,
     },
+    /// A moving window that gives up the surface before it is clear of the tool. Lengths in m.
+    #[error(
+        "the moving window keeps {:.3} mm behind the tool; {:.3} mm are needed: `behind` in [window]",
+        .kept * 1e3, .needed * 1e3
+    )]
+    WindowTooShort {
+        /// Workpiece behind the tool at the end.
+        kept: f64,
+        /// What is needed.
+        needed: f64,
+    },
     /// The record cannot be read.
     #[error("{0}")]
     Record(#[from] RunError),

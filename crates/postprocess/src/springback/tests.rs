@@ -163,6 +163,49 @@ fn runs_without_a_machined_surface_are_refused() {
     assert!(refused(&SyntheticCut::default().run(1e-3, 0)).contains("no snapshots"));
 }
 
+/// `run` as if a window had given up what lies more than `behind` behind the edge.
+fn windowed(mut run: Run, behind: f64) -> Run {
+    let snapshots = (0..run.snapshots.len()).map(|number| {
+        let mut snapshot = (*run.snapshots.get(number).unwrap()).clone();
+        let edge = snapshot.tool.iter().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap()[0];
+        let kept: Vec<bool> =
+            snapshot.position.iter().map(|place| place[0] >= edge - behind).collect();
+        let mut keep = kept.iter();
+        snapshot.position.retain(|_| *keep.next().unwrap());
+        let mut keep = kept.iter();
+        snapshot.id.retain(|_| *keep.next().unwrap());
+        let mut keep = kept.iter();
+        snapshot.stress.retain(|_| *keep.next().unwrap());
+        let mut keep = kept.iter();
+        snapshot.contact_force.retain(|_| *keep.next().unwrap());
+        snapshot
+    });
+    run.snapshots = sphcut_record::Snapshots::in_memory(snapshots.collect());
+    run
+}
+
+#[test]
+fn a_window_that_keeps_the_surface_until_it_is_clear_gives_the_same_springback() {
+    let cut = SyntheticCut {
+        springback: 1e-6,
+        disorder: 0.0,
+        length: 1.5e-3,
+        height: 0.3e-3,
+        flank_force: 14e3,
+        ..SyntheticCut::default()
+    };
+    let measure = |run: &Run| measure(run, &evaluate(&cut.run(1.2e-3, 41)).unwrap());
+    let whole = measure(&cut.run(1.2e-3, 41)).unwrap();
+    let kept = measure(&windowed(cut.run(1.2e-3, 41), 0.4e-3)).unwrap();
+    assert!((kept.mean.unwrap().mean - 1e-6).abs() < 1e-11, "{:?}", kept.mean);
+    assert_eq!(kept.window, whole.window);
+    // Clear of the tool are 150 um, and four spacings of 10 um for the particles to be seen.
+    let short = measure(&windowed(cut.run(1.2e-3, 41), 0.12e-3));
+    let refused = short.err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(refused.starts_with("the moving window keeps 0.1"), "{refused}");
+    assert!(refused.ends_with("0.190 mm are needed: `behind` in [window]"), "{refused}");
+}
+
 #[test]
 fn a_wear_land_has_two_ends() {
     let corners = [[0.0, -1e-4], [-2e-4, -1e-4], [-1e-3, 0.0], [0.0, 1e-3]];
