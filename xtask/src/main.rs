@@ -52,9 +52,12 @@ enum Chore {
         /// Other seeds give other inputs.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Only this reader.
+        /// Only this reader or command.
         #[arg(long)]
         target: Option<String>,
+        /// Whole commands on changed files, not the readers alone.
+        #[arg(long)]
+        commands: bool,
     },
     /// Draw blind cases for the diagnosis, and score what was claimed of them.
     #[command(alias = "conceal")]
@@ -72,8 +75,8 @@ fn main() -> ExitCode {
         Chore::Schema => docs::schema(&root()),
         Chore::Inspect { folder } => inspect::inspect(&folder),
         Chore::Blind { what } => blind::run(&what),
-        Chore::Fuzz { minutes, seed, target } => {
-            fuzz::run(&root(), minutes, seed, target.as_deref())
+        Chore::Fuzz { minutes, seed, target, commands } => {
+            fuzz::run(&root(), (minutes, commands), seed, target.as_deref())
         }
         Chore::Bench { peers } => bench::run(&root(), peers.as_deref()),
     };

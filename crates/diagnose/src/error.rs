@@ -101,6 +101,14 @@ pub enum DiagnoseError {
         /// Those needed.
         needed: usize,
     },
+    /// Segments over a life of which a column says nothing.
+    #[error("{column} {what}: was it measured?")]
+    NoSeries {
+        /// The column.
+        column: &'static str,
+        /// What it does.
+        what: &'static str,
+    },
     /// The closed-form model does not have what a scenario has.
     #[error("the closed-form model cannot take the scenario: {what}")]
     Scenario {

@@ -1,8 +1,10 @@
-//! `cargo xtask fuzz`: changed files through every reader; a panic, a long wait or much memory is a finding.
+//! `cargo xtask fuzz`: changed files through every reader, or through whole commands; a panic, a long wait or much memory is a finding.
 
+mod commands;
 mod mutation;
 mod targets;
 
+use commands::{JOBS, Job};
 use sphcut_greybox::Random;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -26,24 +28,44 @@ const EXAMPLES: &[&str] = &[
     "sweep tiny_sweep.toml --quiet --out sweep",
     "recordings scenarios/recordings/example.toml --out recordings",
     "greybox fit --simulated simulated.csv --measured measured.csv --out greybox",
+    "run behind.toml --quiet --out behind",
+    "diagnose scenarios/diagnosis/example.toml --closed-form --out diagnosed",
 ];
 
-/// Fuzzes the target `only`, or all in turns, for `minutes`.
-pub fn run(root: &Path, minutes: f64, seed: u64, only: Option<&str>) -> Result<(), String> {
+/// Fuzzes the target `only`, or all in turns, for `minutes`: the readers, or if `whole` the commands.
+pub fn run(
+    root: &Path,
+    (minutes, whole): (f64, bool),
+    seed: u64,
+    only: Option<&str>,
+) -> Result<(), String> {
     let memory = Path::new("/dev/shm");
     let found = root.join("target/fuzz");
     let work = if memory.is_dir() { memory.join("sphcut-fuzz") } else { found.clone() };
-    let corpus = corpus(root, &work)?;
+    let chosen = |name: &str| only.is_none_or(|only| name == only);
     let targets: Vec<&Target> =
-        TARGETS.iter().filter(|target| only.is_none_or(|name| name == target.name)).collect();
-    if targets.is_empty() {
-        let names: Vec<&str> = TARGETS.iter().map(|target| target.name).collect();
+        TARGETS.iter().filter(|target| !whole && chosen(target.name)).collect();
+    let jobs: Vec<&Job> = JOBS.iter().filter(|job| whole && chosen(job.name)).collect();
+    if targets.is_empty() && jobs.is_empty() {
+        let names: Vec<&str> = match whole {
+            true => JOBS.iter().map(|job| job.name).collect(),
+            false => TARGETS.iter().map(|target| target.name).collect(),
+        };
         return Err(format!("no such target; there are {}", names.join(", ")));
+    }
+    let program = program(root)?;
+    let corpus = corpus(root, &program, &work)?;
+    let share = Duration::from_secs_f64(60.0 * minutes / (targets.len() + jobs.len()) as f64);
+    let (mut inputs, mut findings) = (0, 0);
+    for job in jobs {
+        let place = (work.join("corpus"), &found);
+        let (tried, answered, found) =
+            commands::fuzz(job, &program, (&place.0, place.1), seed, share)?;
+        println!("{}: {tried} inputs, {answered} answered, {found} findings", job.name);
+        (inputs, findings) = (inputs + tried, findings + found);
     }
     // A panic is noted below.
     std::panic::set_hook(Box::new(|_| ()));
-    let share = Duration::from_secs_f64(60.0 * minutes / targets.len() as f64);
-    let (mut inputs, mut findings) = (0, 0);
     for target in targets {
         let (tried, found) =
             fuzz(target, &inputs_of(target, &corpus), (&work, &found), seed, share)?;
@@ -54,11 +76,32 @@ pub fn run(root: &Path, minutes: f64, seed: u64, only: Option<&str>) -> Result<(
     if findings == 0 { Ok(()) } else { Err(format!("see {}", found.display())) }
 }
 
+/// The program, optimised, of today's code.
+fn program(root: &Path) -> Result<PathBuf, String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let mut build = Command::new(cargo);
+    build.args(["build", "--quiet", "--release", "-p", "sphcut-cli", "--manifest-path"]);
+    let built = build.arg(root.join("Cargo.toml")).status();
+    if !built.as_ref().is_ok_and(std::process::ExitStatus::success) {
+        return Err(format!("{build:?}: {built:?}"));
+    }
+    // This chore lies beside it: target/debug/xtask, target/release/sphcut.
+    let own = std::env::current_exe().map_err(|error| error.to_string())?;
+    let folder = own.ancestors().nth(2).unwrap_or(Path::new("."));
+    Ok(folder.join("release/sphcut"))
+}
+
+/// Part of the seed that differs from name to name.
+fn tag(name: &str) -> u64 {
+    let add = |sum: u32, byte: u8| sum.wrapping_mul(31) + u32::from(byte);
+    u64::from(name.bytes().fold(7, add))
+}
+
 /// Files that are changed: those of the repository, and what the program makes of its examples.
-fn corpus(root: &Path, work: &Path) -> Result<Vec<PathBuf>, String> {
+fn corpus(root: &Path, program: &Path, work: &Path) -> Result<Vec<PathBuf>, String> {
     let made = work.join("corpus");
-    if !made.join("greybox").exists() {
-        make_examples(root, &made)?;
+    if !made.join("whole_corpus").exists() {
+        make_examples(root, program, &made)?;
     }
     let mut files = Vec::new();
     let mut folders = vec![made];
@@ -77,25 +120,35 @@ fn corpus(root: &Path, work: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(files)
 }
 
-fn make_examples(root: &Path, made: &Path) -> Result<(), String> {
+fn make_examples(root: &Path, program: &Path, made: &Path) -> Result<(), String> {
     let told = |error: std::io::Error| format!("{}: {error}", made.display());
     // What an attempt that failed has left.
     let _ = std::fs::remove_dir_all(made);
     std::fs::create_dir_all(made).map_err(told)?;
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let mut copy = Command::new("cp");
-    copy.arg("-r").arg(root.join("scenarios")).arg(made);
-    // A short cut on few particles; a sweep of it; a model of a known correction.
+    let copied = copy.arg("-r").arg(root.join("scenarios")).arg(made).status().map_err(told)?;
+    if !copied.success() {
+        return Err(format!("{copy:?}: {copied}"));
+    }
+    // Two short cuts on few particles, of which one leaves a surface behind the tool.
     let text = std::fs::read_to_string(root.join("scenarios/quickstart.toml")).map_err(told)?;
-    let short: Vec<&str> = text
-        .lines()
-        .filter(|line| !line.starts_with("steady"))
-        .map(|line| if line.starts_with("travel") { "travel = \"10 um\"" } else { line })
-        .map(|line| if line.starts_with("snapshots") { "snapshots = 2" } else { line })
-        .collect();
-    std::fs::write(made.join("tiny.toml"), short.join("\n")).map_err(told)?;
+    for (name, travel, snapshots) in [("tiny", "10 um", 2), ("behind", "1.75 mm", 70)] {
+        let short = text.lines().filter(|line| !line.starts_with("steady")).map(|line| match line
+            .split(' ')
+            .next()
+        {
+            Some("travel") => format!("travel = \"{travel}\""),
+            Some("snapshots") => format!("snapshots = {snapshots}"),
+            Some("preset") if name == "behind" => "particle_spacing = \"40 um\"".to_owned(),
+            Some("length") if name == "behind" => "length = \"2 mm\"".to_owned(),
+            _ => line.to_owned(),
+        });
+        let short: Vec<String> = short.collect();
+        std::fs::write(made.join(format!("{name}.toml")), short.join("\n")).map_err(told)?;
+    }
     let sweep = "title = \"t\"\nbase = \"tiny.toml\"\n[[vary]]\nkey = \"process.cutting_speed\"\nvalues = [\"90 m/min\"]\n";
     std::fs::write(made.join("tiny_sweep.toml"), sweep).map_err(told)?;
+    // Forces of a known correction; conditions without; springback of two speeds; forces over the life of tools.
     for (name, share) in [("simulated.csv", 0.0), ("measured.csv", 0.2)] {
         let mut table = "v_c [m/min],h [mm],F_c [N],F_f [N]\n".to_owned();
         for (speed, thickness) in
@@ -106,22 +159,26 @@ fn make_examples(root: &Path, made: &Path) -> Result<(), String> {
         }
         std::fs::write(made.join(name), table).map_err(told)?;
     }
-    let manifest = root.join("Cargo.toml");
-    let mut commands = vec![copy];
+    let springback = "v_c [m/min],springback [um],uncertainty [um],F_c [N]\n150,1.2,0.85,600\n300,1.4,0.85,580\n";
+    std::fs::write(made.join("springback.csv"), springback).map_err(told)?;
+    let conditions = "v_c [m/min],h [mm]\n100,0.05\n150,0.08\n300,0.12\n";
+    std::fs::write(made.join("new_cuts.csv"), conditions).map_err(told)?;
+    let wear = root.join("validation/diagnosis_wear/reference.csv");
+    std::fs::copy(wear, made.join("wear.csv")).map_err(told)?;
     for example in EXAMPLES {
-        let mut command = Command::new(&cargo);
-        command.args(["run", "--quiet", "-p", "sphcut-cli", "--manifest-path"]).arg(&manifest);
-        command.arg("--").args(example.split_whitespace()).current_dir(made);
-        commands.push(command);
-    }
-    for mut command in commands {
-        let status = command.status().map_err(told)?;
+        let mut command = Command::new(program);
+        let status = command
+            .args(example.split_whitespace())
+            .stdout(std::process::Stdio::null())
+            .current_dir(made)
+            .status()
+            .map_err(told)?;
         // A run that its time limit ends has left a checkpoint.
         if !matches!(status.code(), Some(0 | 130)) {
             return Err(format!("{command:?}: {status}"));
         }
     }
-    Ok(())
+    std::fs::write(made.join("whole_corpus"), "").map_err(told)
 }
 
 fn inputs_of(target: &Target, corpus: &[PathBuf]) -> Vec<Vec<u8>> {
@@ -151,12 +208,9 @@ fn fuzz(
     let path = folder.join(format!("fuzz_{}.toml", target.name));
     std::fs::create_dir_all(found).map_err(told)?;
     let (start, mut number, mut findings) = (Instant::now(), 0, 0);
-    let tag = u64::from(
-        target.name.bytes().fold(7, |sum: u32, byte| sum.wrapping_mul(31) + u32::from(byte)),
-    );
     let mut most = MOST_MEMORY;
     while start.elapsed() < share && findings < MOST_FINDINGS {
-        let mut random = Random::new(seed, &[tag, number]);
+        let mut random = Random::new(seed, &[tag(target.name), number]);
         let input = mutation::mutated(&corpus[random.below(corpus.len())], corpus, &mut random);
         // Before it is read: it is there if the process is killed.
         std::fs::write(&path, &input).map_err(told)?;

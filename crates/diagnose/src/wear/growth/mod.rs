@@ -36,6 +36,8 @@ const PARTS: usize = 6;
 const FEWEST_SEGMENTS: usize = 2 * PARTS;
 /// Tools that are needed.
 const FEWEST_TOOLS: usize = 3;
+/// Less scatter than this share of the mean force is none: a column of one value, or of rounded ones.
+const LEAST_NOISE: f64 = 1e-6;
 /// How far a change may point beside its direction.
 const BESIDE: [f64; 4] = [0.05, 0.1, 0.2, 0.3];
 /// Deviations of amounts, as shares of the root mean square of the changes.
@@ -266,7 +268,7 @@ struct Change {
 /// What grows over the lives of some tools, whose first `fresh` segments are taken as the state in which nothing has grown.
 ///
 /// # Errors
-/// Fewer than three tools or a tool with too few segments.
+/// Fewer than three tools, a tool with too few segments, a force without scatter, times that do not go on.
 pub fn grows(segments: &[WearSegment], fresh: usize) -> Result<WearGrowth, DiagnoseError> {
     let (tools, noise) = tools(segments, fresh.max(1))?;
     let all: Vec<&Tool> = tools.iter().collect();
@@ -316,7 +318,18 @@ fn tools(
             count += 1.0;
         }
     }
-    let noise = squares / count;
+    let noise: Vector3<f64> = squares / count;
+    let total: Vector3<f64> = segments.iter().map(forces).sum();
+    for (k, column) in ["F_c", "F_f", "F_p"].into_iter().enumerate() {
+        if noise[k].sqrt() <= LEAST_NOISE * total[k] / segments.len() as f64 {
+            let what = "does not scatter from segment to segment";
+            return Err(DiagnoseError::NoSeries { column, what });
+        }
+    }
+    if lives.iter().any(|life| life.windows(2).any(|pair| pair[0].time >= pair[1].time)) {
+        let what = "is the same in two segments of a tool";
+        return Err(DiagnoseError::NoSeries { column: "time", what });
+    }
     let made = lives.into_iter().zip(names).map(|(segments, name)| {
         let (first, rest) = segments.split_at(fresh);
         let start = mean(first);

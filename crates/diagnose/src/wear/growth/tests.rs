@@ -92,4 +92,18 @@ fn too_little_is_refused() {
         all.iter().filter(|s| s.tool != "0" || s.time < 9.0).cloned().collect();
     let error = grows(&short, 4).unwrap_err();
     assert_eq!(error, DiagnoseError::TooFewSegments { tool: "0".to_owned(), found: 9, needed: 16 });
+
+    for (k, column) in ["F_c", "F_f", "F_p"].into_iter().enumerate() {
+        let mut same = all.clone();
+        same.iter_mut().for_each(|segment| segment.forces[k] = 207.7);
+        let error = grows(&same, 4).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            format!("{column} does not scatter from segment to segment: was it measured?")
+        );
+    }
+    let mut still = all;
+    still.iter_mut().for_each(|segment| segment.time = 5.0);
+    let error = grows(&still, 4).unwrap_err().to_string();
+    assert_eq!(error, "time is the same in two segments of a tool: was it measured?");
 }
