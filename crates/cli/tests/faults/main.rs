@@ -126,6 +126,36 @@ fn a_sweep_on_a_failing_disk() {
     );
 }
 
+/// What no sweep needs is removed as a whole folder; what one needs stays, and what is half removed is removed by the next.
+#[test]
+fn a_cleaning_of_a_store_on_a_failing_disk() {
+    let Some((shop, shim)) = shop("faults_gc") else { return };
+    shop.write("sweep.toml", SWEEP);
+    let command = ["sweep", "sweep.toml", "--quiet", "--threads", "1", "--out", "kept"];
+    shop.sphcut(&command).expect_code(0);
+    shop.write("sweep.toml", &SWEEP.replace("150 m/min\", \"300", "300"));
+    shop.sphcut(&command).expect_code(0);
+    let (kept, out) = (shop.path("kept"), shop.path("out"));
+    let needed = shop.sphcut(&["store", "gc", "kept/store"]).expect_code(0).out;
+    assert!(needed.contains("1 not needed"), "{needed}");
+    let shown = out.join("store").to_string_lossy().into_owned();
+    at_every_place(
+        ("faults_gc", &shim, &[4]),
+        || {
+            let _ = std::fs::remove_dir_all(&out);
+            copy(&kept, &out);
+        },
+        |fault| shim.run(shop.command(&["store", "gc", &shown, "--remove"]), &out, fault),
+        || {
+            shop.sphcut(&["store", "verify", "out/store"]).expect_code(0);
+            let left = results(&out.join("store/results"));
+            left.into_iter()
+                .map(|result| std::fs::read(result.join("run.h5")).unwrap())
+                .collect::<Vec<_>>()
+        },
+    );
+}
+
 /// The process of one run is killed in its middle: it is told, and the other run is done.
 #[test]
 fn a_run_that_aborts_does_not_end_its_sweep() {

@@ -27,7 +27,8 @@ static const char *root = "", *kind = "";
 /* Files that were written: their descriptor (-1: closed), path, and the bytes that are safe. */
 static struct { int fd; char path[1024]; off_t safe; } files[MOST];
 static int count;
-/* Renames (from `from`; "" for a removal) of what is now at `to`, not yet synced, and where the old one is kept ("": none). */
+/* Renames (from `from`; "" for a removal, "/" for that of a folder) of what is now at `to`, not yet synced, and where the old one is
+ * kept ("": none). */
 static struct { char from[1024], to[1024], kept[1024]; } changes[MOST];
 static int changed;
 /* Folders that are open: their descriptors and paths. */
@@ -64,12 +65,14 @@ static void note(const char *from, const char *to) {
     changed++;
 }
 
-/* What happened in `folder` is safe. */
+/* What happened in `folder` is safe, and in folders that were removed from it. */
 static void settled(const char *folder) {
     size_t length = strlen(folder);
-    for (int i = 0; i < changed; i++) {
+    for (int i = changed - 1; i >= 0; i--) {
         const char *to = changes[i].to;
-        if (!strncmp(to, folder, length) && to[length] == '/' && !strchr(to + length + 1, '/')) changes[i].to[0] = 0;
+        if (strncmp(to, folder, length) || to[length] != '/' || strchr(to + length + 1, '/')) continue;
+        if (!strcmp(changes[i].from, "/")) settled(to);
+        changes[i].to[0] = 0;
     }
 }
 
@@ -78,7 +81,10 @@ static void die(void) {
         for (int i = 0; i < count; i++) REAL(truncate, int (*)(const char *, off_t))(files[i].path, files[i].safe);
         for (int i = changed - 1; i >= 0; i--) {
             if (!changes[i].to[0]) continue;
-            if (changes[i].from[0]) move(changes[i].to, changes[i].from);
+            if (!strcmp(changes[i].from, "/"))
+                REAL(mkdir, int (*)(const char *, mode_t))(changes[i].to, 0777);
+            else if (changes[i].from[0])
+                move(changes[i].to, changes[i].from);
             if (changes[i].kept[0]) move(changes[i].kept, changes[i].to);
         }
     }
@@ -116,11 +122,20 @@ static int opened(int fd, const char *path, int flags) {
     return fd;
 }
 
-static int open_any(const char *name, int dir, const char *path, int flags, mode_t mode) {
+/* `path` in the open folder `dir`. */
+static const char *whole(int dir, const char *path, char *place) {
+    if (path[0] == '/' || dir <= 0 || dir >= 64 || folders[dir].fd != dir) return path;
+    snprintf(place, 2048, "%s/%s", folders[dir].path, path);
+    return place;
+}
+
+static int open_any(const char *name, int dir, const char *given, int flags, mode_t mode) {
     int (*real)(int, const char *, int, ...) = REAL(openat64, int (*)(int, const char *, int, ...));
+    char place[2048];
+    const char *path = whole(dir, given, place);
     (void)name;
     if ((flags & O_ACCMODE) == O_RDONLY || !below(path)) {
-        int fd = real(dir, path, flags, mode);
+        int fd = real(dir, given, flags, mode);
         struct stat found;
         if (fd >= 0 && fd < 64 && below(path) && strlen(path) < 1024 && fstat(fd, &found) == 0 && S_ISDIR(found.st_mode)) {
             folders[fd].fd = fd;
@@ -128,7 +143,7 @@ static int open_any(const char *name, int dir, const char *path, int flags, mode
         }
         return fd;
     }
-    return failing() ? -1 : opened(real(dir, path, flags, mode), path, flags);
+    return failing() ? -1 : opened(real(dir, given, flags, mode), path, flags);
 }
 
 #define OPEN(name, ...) \
@@ -203,6 +218,21 @@ int unlink(const char *path) {
     if (below(path) && failing()) return -1;
     if (below(path)) note("", path);
     return REAL(unlink, int (*)(const char *))(path);
+}
+
+/* Whole folders are removed by these. */
+int unlinkat(int dir, const char *given, int flags) {
+    char place[2048];
+    const char *path = whole(dir, given, place);
+    if (below(path) && failing()) return -1;
+    if (below(path)) note(flags & AT_REMOVEDIR ? "/" : "", path);
+    return REAL(unlinkat, int (*)(int, const char *, int))(dir, given, flags);
+}
+
+int rmdir(const char *path) {
+    if (below(path) && failing()) return -1;
+    if (below(path)) note("/", path);
+    return REAL(rmdir, int (*)(const char *))(path);
 }
 
 int mkdir(const char *path, mode_t mode) {

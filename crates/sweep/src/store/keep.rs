@@ -2,18 +2,22 @@
 
 use super::entry::StoredFile;
 use super::{
-    Durability, MARK, ResultEntry, RunFailure, Store, StoreError, at, read_json, write_json,
+    Durability, MARK, ResultEntry, RunFailure, Store, StoreError, at, read_json, sync_folder,
+    write_json,
 };
 use crate::Address;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Endings of the notes of what a sweep needs: the note and its backup.
 const NEEDS: [&str; 2] = ["json", "backup"];
+/// Ending of a folder that is being removed.
+const REMOVED: &str = "removed";
 
 /// What a store holds.
 #[derive(Debug, Default)]
@@ -110,16 +114,29 @@ impl Store {
         self.folders("results")
     }
 
-    /// Takes a result out of the store.
+    /// Takes a result out of the store: away from its place first, so that no half of one is left there.
     ///
     /// # Errors
     /// A folder that cannot be removed.
     pub fn remove(&self, folder: &Path) -> Result<(), StoreError> {
-        if folder.is_dir() {
-            at(folder, "remove", fs::remove_dir_all(folder))
-        } else {
-            at(folder, "remove", fs::remove_file(folder))
+        if !folder.is_dir() {
+            return at(folder, "remove", fs::remove_file(folder));
         }
+        let away = match folder.extension().is_some_and(|ending| ending == REMOVED) {
+            true => folder.to_owned(),
+            false => {
+                let name = folder.file_name().unwrap_or_default().to_string_lossy();
+                let away = self.root.join(format!("{name}.{REMOVED}"));
+                if away.exists() {
+                    at(&away, "remove", fs::remove_dir_all(&away))?;
+                }
+                at(folder, "remove", fs::rename(folder, &away))?;
+                sync_folder(&self.root)?;
+                sync_folder(folder.parent().unwrap_or(&self.root))?;
+                away
+            }
+        };
+        at(&away, "remove", fs::remove_dir_all(&away))
     }
 
     /// Notes what the sweep in `folder` needs.
@@ -234,12 +251,12 @@ impl Store {
             }
         }
         for path in self.halves()? {
-            add(path, "half of a file that a crash left");
+            add(path, "half of a file or folder that a crash left");
         }
         Ok(found)
     }
 
-    /// Temporary files of writers that are gone. Those of living ones are younger than a minute.
+    /// Temporary files of writers that are gone, and folders whose removal did not end. Those of living ones are younger than a minute.
     fn halves(&self) -> Result<Vec<PathBuf>, StoreError> {
         let mut found = Vec::new();
         for folder in [self.root.clone(), self.root.join("sweeps")] {
@@ -248,7 +265,8 @@ impl Store {
                     .metadata()
                     .and_then(|metadata| metadata.modified())
                     .is_ok_and(|time| time.elapsed().is_ok_and(|age| age.as_secs() > 60));
-                if old && entry.path().extension().is_some_and(|ending| ending == "tmp") {
+                let is_half = |ending: &OsStr| ending == REMOVED || old && ending == "tmp";
+                if entry.path().extension().is_some_and(is_half) {
                     found.push(entry.path());
                 }
             }

@@ -6,6 +6,7 @@
 //! failed/ab/ADDRESS/         a run that cannot finish: failure.json beside what it left
 //! work/ADDRESS/              a run that is not finished, with the lock of the process that computes it
 //! sweeps/NAME.json           which addresses a sweep needs; NAME.backup the same once more
+//! ADDRESS.removed/           what `gc` is removing
 //! ```
 //!
 //! A result appears by one rename of its complete, synced folder: it is there whole or not at all. `ab` are
