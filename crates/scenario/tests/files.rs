@@ -352,7 +352,8 @@ fn shipped_materials_have_the_figures_of_their_sources() {
         parsed.unwrap_or_else(|problems| panic!("{}", shown(&problems))).setup.materials.remove(0)
     };
     // Name, density, then A, B in MPa, n, C, m, reference rate, reference and melting temperature.
-    let johnson_cook: [(&str, f64, [f64; 8]); 7] = [
+    let johnson_cook: [(&str, f64, [f64; 8]); 8] = [
+        ("aa7075_t651", 2810.0, [527.0, 676.0, 0.71, 0.017, 1.61, 1.0, 293.0, 908.0]),
         ("aisi1045_table5", 7850.0, [331.0, 614.0, 0.26, 0.07, 1.19, 1.0, 293.15, 1733.0]),
         ("aisi1045_jaspers", 7850.0, [553.1, 600.8, 0.234, 0.0134, 1.0, 1.0, 293.15, 1733.0]),
         ("en_aw_6262a_t8", 2700.0, [340.0, 257.56, 0.3908, 0.011, 1.34, 0.02, 300.0, 855.0]),

@@ -10,6 +10,7 @@ macro_rules! materials {
 }
 
 materials![
+    "aa7075_t651",
     "aisi1045_jaspers",
     "aisi1045_mie_gruneisen",
     "aisi1045_table5",
