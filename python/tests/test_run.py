@@ -183,5 +183,24 @@ def test_a_picture_of_the_particles(run: sphcut.Run, tmp_path: Path) -> None:
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 20
 
 
+def test_the_files_for_paraview_are_a_picture(run: sphcut.Run) -> None:
+    pv = pytest.importorskip("pyvista", reason="skipped: pyvista is not installed")
+    particles, tool = (pv.read(run.folder / name) for name in ("snapshots.vtkhdf", "tool.vtkhdf"))
+    first = run.snapshots[0]
+    assert particles.n_points == len(first) and tool.n_points == len(first.tool) and tool.n_cells == 1
+    # Half the spacing of 25 um.
+    assert np.allclose(particles["radius"], 12.5e-6)
+    try:
+        plotter = pv.Plotter(off_screen=True, window_size=(300, 200))
+        spheres = particles.glyph(scale="radius", orient=False, geom=pv.Sphere(radius=1.0))
+        plotter.add_mesh(spheres, scalars="pressure", show_scalar_bar=False)
+        plotter.add_mesh(tool, color="grey")
+        plotter.view_xy()
+        picture = plotter.screenshot(return_img=True)
+    except Exception as error:  # no graphics on this machine
+        pytest.skip(f"skipped: pyvista cannot draw here: {error}")
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 20
+
+
 def test_tiny_is_the_scenario_of_its_run(run: sphcut.Run) -> None:
     assert run.scenario_text == TINY and run.title == "A tiny cut"

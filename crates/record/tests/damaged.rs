@@ -130,11 +130,11 @@ fn a_run_is_verified_with_its_companions() {
     run(&folder.0, Start::New).unwrap();
     let files = RunFiles::in_dir(&folder.0);
     let found = verify_run(&files);
-    assert_eq!(found.len(), 3);
+    assert_eq!(found.len(), 4);
     assert!(found.iter().all(|(_, found)| matches!(found, Ok(Verified::Whole))), "{found:?}");
     let forces = fs::read_to_string(files.forces()).unwrap();
     fs::write(files.forces(), forces.replacen("0.", "1.", 1)).unwrap();
-    let text = verify_run(&files)[2].1.as_ref().unwrap_err().to_string();
+    let text = verify_run(&files)[3].1.as_ref().unwrap_err().to_string();
     assert!(text.contains("differs from the channels"), "{text}");
 }
 
@@ -185,7 +185,7 @@ fn an_unfinished_run_is_replaced_by_force_only() {
 
 #[test]
 fn force_does_not_replace_what_sphcut_did_not_write() {
-    for name in ["run.h5", "forces.csv", "snapshots.vtkhdf"] {
+    for name in ["run.h5", "forces.csv", "snapshots.vtkhdf", "tool.vtkhdf"] {
         let folder = Folder::new(&format!("not-ours-{name}"));
         fs::write(folder.0.join(name), "mine").unwrap();
         for start in [Start::New, Start::Replace] {
@@ -313,7 +313,7 @@ fn one_bad_byte_loses_no_run_that_has_a_checkpoint() {
             let found = run(&folder.0, Start::Resume)
                 .unwrap_or_else(|error| panic!("{name:?}, byte {place}: {error}"));
             assert_eq!(found.samples, expected.samples, "{name:?}, byte {place}");
-            assert_eq!(verify_run(&RunFiles::in_dir(&folder.0)).len(), 3);
+            assert_eq!(verify_run(&RunFiles::in_dir(&folder.0)).len(), 4);
             tried += 1;
         }
     }

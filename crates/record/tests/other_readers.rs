@@ -103,7 +103,7 @@ fn vtk_reads_points_scalars_and_time_steps() {
     });
     run.snapshots = Snapshots::in_memory(snapshots.collect());
     let path = folder.0.join("changing.vtkhdf");
-    export_vtkhdf(&run, &path).unwrap();
+    export_vtkhdf(&run, &path, &folder.0.join("tool.vtkhdf")).unwrap();
     let Some(seen) = read_back("vtk", &path) else { return };
     let frames = seen["frames"].as_array().unwrap();
     assert_eq!(frames.len(), counts.len());
@@ -127,6 +127,41 @@ fn vtk_reads_points_scalars_and_time_steps() {
 }
 
 #[test]
+fn vtk_reads_the_tool_step_by_step() {
+    let folder = Folder::new("vtk-tool");
+    let mut run = finished_run(&folder);
+    // An outline of three corners, one of five, none, a heated mesh of two triangles.
+    let snapshots = [3, 5, 0, 4].into_iter().enumerate().map(|(step, corners)| {
+        let mut snapshot = snapshot_of(&[1.0, 2.0], step as f64 * 1e-4, step as u64 * 10);
+        snapshot.dimension = 2;
+        snapshot.tool_nodes.clear();
+        snapshot.tool_elements.clear();
+        snapshot.tool_temperature.clear();
+        snapshot.tool = (0..corners).map(|k| [f64::from(k), step as f64, 0.0]).collect();
+        if corners == 4 {
+            snapshot.tool_nodes = snapshot.tool.clone();
+            snapshot.tool_elements = vec![0, 1, 2, 1, 3, 2];
+            snapshot.tool_temperature = vec![300.0, 301.0, 302.0, 303.0];
+        }
+        snapshot
+    });
+    run.snapshots = Snapshots::in_memory(snapshots.collect());
+    let path = folder.0.join("tool.vtkhdf");
+    assert!(export_vtkhdf(&run, &folder.0.join("particles.vtkhdf"), &path).unwrap());
+    let Some(seen) = read_back("vtk", &path) else { return };
+    let frames = seen["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 4);
+    let expected: [&[f64]; 4] =
+        [&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0, 3.0, 4.0], &[], &[0.0, 1.0, 2.0, 1.0, 3.0, 2.0]];
+    for (number, (frame, corners)) in frames.iter().zip(expected).enumerate() {
+        let snapshot = run.snapshots.get(number).unwrap();
+        assert_eq!(frame["time"].as_f64().unwrap(), snapshot.time);
+        assert_eq!(numbers(&frame["points"]), snapshot.tool.as_flattened(), "frame {number}");
+        assert_eq!(numbers(&frame["polygons"]), corners, "frame {number}");
+    }
+}
+
+#[test]
 fn vtk_reads_what_a_run_leaves() {
     let folder = Folder::new("vtk-run");
     let run = finished_run(&folder);
@@ -136,6 +171,14 @@ fn vtk_reads_what_a_run_leaves() {
     for (frame, info) in frames.iter().zip(run.snapshots.index()) {
         assert_eq!(frame["time"].as_f64().unwrap(), info.time);
         assert_eq!(frame["vertices"], 3000);
+    }
+    let tool = read_back("vtk", &RunFiles::in_dir(&folder.0).tool()).unwrap();
+    let frames = tool["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), run.snapshots.len());
+    for frame in frames {
+        assert_eq!(numbers(&frame["polygons"]), [0.0, 1.0, 2.0, 0.0, 2.0, 3.0]);
+        let temperature = numbers(&frame["arrays"]["temperature"]);
+        assert_eq!(temperature, [300.0, 310.5, 320.0, 330.25]);
     }
 }
 

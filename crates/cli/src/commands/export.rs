@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub struct ExportArguments {
     /// Folder of the run, with `run.h5` inside.
     run: PathBuf,
-    /// File to write [default: RUN/snapshots.vtkhdf].
+    /// File to write [default: RUN/snapshots.vtkhdf]; the tool goes beside it into tool.vtkhdf.
     #[arg(long, value_name = "FILE")]
     to: Option<PathBuf>,
     /// Replace an existing file.
@@ -24,10 +24,15 @@ pub struct ExportArguments {
 pub fn export(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
     let files = RunFiles::in_dir(&arguments.run);
     let target = arguments.to.clone().unwrap_or_else(|| files.vtkhdf());
-    files::unless_there([target.clone()], arguments.force)?;
+    let tool = target.with_file_name("tool.vtkhdf");
+    files::unless_there([target.clone(), tool.clone()], arguments.force)?;
     let run = loading::run(&arguments.run)?;
-    export_vtkhdf(&run, &target).map_err(|error| Failure::of_run(&error, &arguments.run))?;
+    let has_tool = export_vtkhdf(&run, &target, &tool)
+        .map_err(|error| Failure::of_run(&error, &arguments.run))?;
     note(&format!("{} snapshots in {}", run.snapshots.len(), target.display()));
-    note("next               open it in ParaView, or with pyvista.read");
+    if has_tool {
+        note(&format!("tool               {}", tool.display()));
+    }
+    note("next               open them in ParaView, or with pyvista.read");
     Ok(ExitCode::Done)
 }

@@ -17,7 +17,9 @@ fn a_run_leaves_its_files_in_the_default_folder() {
     let ended = shop.sphcut(&["run", "tiny.toml"]).expect_code(0);
     assert!(ended.err.contains("100 %"), "plain progress lines: {}", ended.err);
     assert!(ended.out.contains("391 particles"), "{}", ended.out);
-    for name in ["run.h5", "forces.csv", "snapshots.vtkhdf", "summary.json", "report.html"] {
+    for name in
+        ["run.h5", "forces.csv", "snapshots.vtkhdf", "tool.vtkhdf", "summary.json", "report.html"]
+    {
         assert!(shop.path("out/tiny").join(name).exists(), "{name}");
     }
     assert!(!shop.path("out/tiny/run.partial").exists(), "nothing half done is left");

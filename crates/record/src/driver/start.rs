@@ -64,7 +64,7 @@ fn refuse_existing(files: &RunFiles) -> Result<(), RunError> {
     if partial::exists(files) {
         return Err(RunError::Exists { path: files.partial(), resumable: true });
     }
-    for path in [files.record(), files.vtkhdf(), files.forces()] {
+    for path in [files.record(), files.vtkhdf(), files.tool(), files.forces()] {
         if path.exists() {
             return Err(RunError::Exists { path, resumable: false });
         }

@@ -41,7 +41,7 @@ pub use verify::{Verified, has_checksums, verify_h5, verify_run};
 /// What is written beside `run.h5` and `forces.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Export {
-    /// `snapshots.vtkhdf` for ParaView.
+    /// `snapshots.vtkhdf` and `tool.vtkhdf` for ParaView.
     Vtkhdf,
     /// Nothing: [`crate::export_vtkhdf`] writes it from the record when it is wanted.
     Nothing,
@@ -58,12 +58,14 @@ pub(crate) fn assemble(
 ) -> Result<(), RunError> {
     forces_csv::write(&files.forces(), body.facts, body.samples)?;
     if export == Export::Vtkhdf {
-        vtkhdf::write(&files.vtkhdf(), &saved.index(), &|place, field: &SnapshotField| {
+        let columns = |place: usize, field: &SnapshotField| {
             let segment = Segment::open(&partial.snapshot_path(saved.whole[place].0))?;
             let mut snapshot = segment.head()?;
             segment.fill(field, &mut snapshot)?;
             Ok(snapshot)
-        })?;
+        };
+        vtkhdf::write(&files.vtkhdf(), &saved.index(), &columns)?;
+        vtkhdf::write_tool(&files.tool(), &saved.index(), &columns)?;
     }
     let snapshots = saved.whole.iter().map(|(number, _)| -> Result<Snapshot, RunError> {
         Segment::open(&partial.snapshot_path(*number))?.read()
@@ -137,8 +139,10 @@ pub(crate) fn refuse_foreign(files: &RunFiles) -> Result<(), RunError> {
     if files.record().exists() && !run_h5::is_ours(&files.record()) {
         return refuse(files.record(), "a record of a run");
     }
-    if files.vtkhdf().exists() && !hdf::looks_like_hdf5(&files.vtkhdf()) {
-        return refuse(files.vtkhdf(), "a VTKHDF file");
+    for path in [files.vtkhdf(), files.tool()] {
+        if path.exists() && !hdf::looks_like_hdf5(&path) {
+            return refuse(path, "a VTKHDF file");
+        }
     }
     if files.forces().exists() && !forces_csv::is_ours(&files.forces()) {
         return refuse(files.forces(), "a force history");
@@ -146,12 +150,14 @@ pub(crate) fn refuse_foreign(files: &RunFiles) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Writes the snapshots of `run` for ParaView.
+/// Writes the snapshots of `run` for ParaView, and its tool to the file `tool`: whether there is one.
 ///
 /// # Errors
 /// A `run.h5` that cannot be read any more, a file that cannot be written.
-pub fn export_vtkhdf(run: &Run, path: &Path) -> Result<(), RunError> {
-    vtkhdf::write(path, run.snapshots.index(), &|number, _| {
+pub fn export_vtkhdf(run: &Run, path: &Path, tool: &Path) -> Result<bool, RunError> {
+    let columns = |number: usize, _: &SnapshotField| {
         run.snapshots.get(number).map(|snapshot| snapshot.as_ref().clone())
-    })
+    };
+    vtkhdf::write(path, run.snapshots.index(), &columns)?;
+    vtkhdf::write_tool(tool, run.snapshots.index(), &columns)
 }

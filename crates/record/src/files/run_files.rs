@@ -31,6 +31,12 @@ impl RunFiles {
         self.dir.join("snapshots.vtkhdf")
     }
 
+    /// The tool for ParaView.
+    #[must_use]
+    pub fn tool(&self) -> PathBuf {
+        self.dir.join("tool.vtkhdf")
+    }
+
     /// The force history as text.
     #[must_use]
     pub fn forces(&self) -> PathBuf {
@@ -50,7 +56,7 @@ impl RunFiles {
             .map_err(|error| RunError::io(&self.dir, "create the folder", error))?;
         let probe = self.dir.join("run.h5");
         atomic::stage(&probe, |_| Ok(()))?;
-        for path in [self.record(), self.vtkhdf(), self.forces()] {
+        for path in [self.record(), self.vtkhdf(), self.tool(), self.forces()] {
             atomic::remove_if_there(&atomic::temporary(&path))?;
         }
         Ok(())

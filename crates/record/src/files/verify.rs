@@ -31,7 +31,7 @@ pub fn has_checksums(path: &Path) -> Result<bool, RunError> {
     Ok(HdfReader::open(path, "a file of sphcut")?.has_checksums())
 }
 
-/// Checks the record of a run, and its companions where they are there: `snapshots.vtkhdf` by its
+/// Checks the record of a run, and its companions where they are there: `snapshots.vtkhdf` and `tool.vtkhdf` by their
 /// checksums, `forces.csv` by the channels of the record. One result per file.
 pub fn verify_run(files: &RunFiles) -> Vec<(PathBuf, Result<Verified, RunError>)> {
     let record = files.record();
@@ -42,8 +42,9 @@ pub fn verify_run(files: &RunFiles) -> Vec<(PathBuf, Result<Verified, RunError>)
         Err(error) => (Err(error), None),
     };
     let mut found = vec![(record, checked)];
-    if files.vtkhdf().exists() {
-        found.push((files.vtkhdf(), verify_h5(&files.vtkhdf())));
+    for path in [files.vtkhdf(), files.tool()].into_iter().filter(|path| path.exists()) {
+        let checked = verify_h5(&path);
+        found.push((path, checked));
     }
     if let Some(run) = run.filter(|_| files.forces().exists()) {
         found.push((files.forces(), compare_forces(&files.forces(), &run)));

@@ -97,6 +97,9 @@ def with_vtk(path):
                 "connectivity": vtk_to_numpy(vertices.GetConnectivityArray()).tolist()
                 if vertices.GetNumberOfCells()
                 else [],
+                "polygons": vtk_to_numpy(data.GetPolys().GetConnectivityArray()).tolist()
+                if data.GetNumberOfPolys()
+                else [],
                 "arrays": {
                     arrays.GetArrayName(i): vtk_to_numpy(arrays.GetArray(i)).tolist()
                     for i in range(arrays.GetNumberOfArrays())
