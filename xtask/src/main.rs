@@ -1,7 +1,8 @@
-//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench | blind | fuzz`.
+//! Chores of the repository: `cargo xtask tidy | docs | schema | inspect | bench | blind | fuzz | dist`.
 
 mod bench;
 mod blind;
+mod dist;
 mod docs;
 mod fuzz;
 mod inspect;
@@ -59,6 +60,8 @@ enum Chore {
         #[arg(long)]
         commands: bool,
     },
+    /// Make the archive for Linux: static program, manual pages, completions, scenarios.
+    Dist,
     /// Draw blind cases for the diagnosis, and score what was claimed of them.
     #[command(alias = "conceal")]
     Blind {
@@ -74,6 +77,7 @@ fn main() -> ExitCode {
         Chore::Docs { check: false } => docs::docs(&root(), docs::Mode::Renew),
         Chore::Schema => docs::schema(&root()),
         Chore::Inspect { folder } => inspect::inspect(&folder),
+        Chore::Dist => dist::run(&root()),
         Chore::Blind { what } => blind::run(&what),
         Chore::Fuzz { minutes, seed, target, commands } => {
             fuzz::run(&root(), (minutes, commands), seed, target.as_deref())

@@ -101,7 +101,18 @@ pub enum Command {
         /// The shell.
         shell: clap_complete::Shell,
     },
+    /// Print the manual page of a command.
+    #[command(after_help = MAN_HELP)]
+    Man {
+        /// The command, such as `run` or `greybox fit`; without one, the page of sphcut.
+        command: Vec<String>,
+    },
 }
+
+const MAN_HELP: &str = "\
+Examples:
+  sphcut man run > sphcut-run.1
+  man ./sphcut-run.1";
 
 const COMPLETIONS_HELP: &str = "\
 Examples:

@@ -72,5 +72,29 @@ fn execute(command: Command) -> Result<ExitCode, Failure> {
             clap_complete::generate(shell, &mut Arguments::command(), "sphcut", &mut script);
             terminal::answer(&String::from_utf8_lossy(&script))
         }
+        Command::Man { command } => manual(&command),
     }
+}
+
+/// Prints the manual page of a command, named by its words.
+fn manual(words: &[String]) -> Result<ExitCode, Failure> {
+    let mut command = Arguments::command();
+    command.build();
+    let mut name = "sphcut".to_owned();
+    for word in words {
+        let known = command.get_subcommands().find(|known| known.get_name() == word).cloned();
+        let Some(known) = known else {
+            let message = format!("`{name}` has no command `{word}`");
+            return Err(
+                Failure::new(ExitCode::BadInput, message).advise("`sphcut --help` names all")
+            );
+        };
+        name = format!("{name}-{word}");
+        command = known;
+    }
+    let mut page = Vec::new();
+    let version = env!("CARGO_PKG_VERSION");
+    let written = clap_mangen::Man::new(command.version(version)).render(&mut page);
+    written.map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
+    terminal::answer(&String::from_utf8_lossy(&page))
 }

@@ -129,6 +129,18 @@ fn materials_are_compared() {
 }
 
 #[test]
+fn every_command_has_a_manual_page() {
+    let shop = Workshop::new("commands_man");
+    let page = |words: &[&str]| shop.sphcut(&[&["man"], words].concat()).expect_code(0).out;
+    let all = page(&[]);
+    assert!(all.contains(".TH sphcut 1") && all.contains("sphcut\\-diagnose"), "{all}");
+    let run = page(&["run"]);
+    assert!(run.contains(".TH sphcut-run 1") && run.contains("\\-\\-resume"), "{run}");
+    assert!(page(&["greybox", "fit"]).contains("\\-\\-simulated"));
+    shop.sphcut(&["man", "fly"]).expect_code(2).expect_err("has no command `fly`");
+}
+
+#[test]
 fn completions_are_scripts() {
     let shop = Workshop::new("commands_completions");
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {

@@ -38,6 +38,8 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("sphcut completions bash", AsItStands),
     ("sphcut completions zsh", AsItStands),
     ("sphcut completions fish", AsItStands),
+    ("sphcut man", AsItStands),
+    ("sphcut man run", AsItStands),
     ("sphcut schema", AsItStands),
     ("sphcut schema --write", AsItStands),
     ("sphcut validate --list", AsItStands),
