@@ -8,6 +8,7 @@ use crate::inference::commissioning::{Batch, ReferenceComparison};
 use crate::inference::problem::InstrumentPriors;
 use crate::model::predictor::Predictor;
 use crate::session::{Diagnosis, DiagnosisRequest, diagnose};
+use crate::told::Told;
 use sphcut_input::CutTableRow;
 
 /// The recordings of a case and what they say against `model`.
@@ -18,16 +19,17 @@ pub fn diagnose_case(
     case: &DiagnosisCase,
     model: &dyn Predictor,
 ) -> Result<(Recordings, Diagnosis), DiagnoseError> {
-    diagnose_case_as(case, model, |_| {})
+    diagnose_case_as(case, model, Told::NOBODY, |_| {})
 }
 
-/// The same with a request that `change` has changed: what is not wanted is left out there.
+/// The same, of which `told` hears, with a request that `change` has changed: what is not wanted is left out there.
 ///
 /// # Errors
 /// As [`diagnose_case`].
 pub fn diagnose_case_as(
     case: &DiagnosisCase,
     model: &dyn Predictor,
+    told: Told<'_>,
     change: impl FnOnce(&mut DiagnosisRequest<'_>),
 ) -> Result<(Recordings, Diagnosis), DiagnoseError> {
     let measured = recordings(&case.measured, model, "measured")?;
@@ -53,6 +55,7 @@ pub fn diagnose_case_as(
         batch: case.next_cuts,
         range: range(case),
         seed: case.seed,
+        told,
     };
     change(&mut request);
     let found = diagnose(&request, model)?;

@@ -40,6 +40,7 @@ pub mod series;
 mod session;
 #[cfg(test)]
 mod tests;
+mod told;
 mod wear;
 
 pub use case::{diagnose_case, diagnose_case_as};
@@ -76,5 +77,6 @@ pub use model::predictor::{Active, CandidateEffect, EffectParameter, Nuisance, P
 pub use patch::{patch, scenario_patch};
 pub use plan::next_experiment::{NextExperiment, Rival, next_experiment};
 pub use session::{Diagnosis, DiagnosisRequest, ParameterEstimate, diagnose};
+pub use told::Told;
 pub use wear::files::{growth_csv, growth_json, growth_words};
 pub use wear::growth::{Amount, Cause, Direction, LeftOutTool, WearGrowth, WearSegment, grows};

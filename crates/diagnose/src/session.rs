@@ -16,6 +16,7 @@ use crate::inference::templates::Templates;
 use crate::inference::verdict::{ClaimVerdict, Conclusion, judge};
 use crate::model::predictor::{Active, Predictor};
 use crate::plan::next_experiment::{NextExperiment, Rival, next_experiment};
+use crate::told::{Stages, Told};
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::{Channel, CuttingCondition, ToolGeometry};
 
@@ -28,6 +29,12 @@ const MOST_RIVALS: usize = 5;
 /// What may differ between the batch of the reference and that of the recordings beside the nuisances, as shares of the bias of each
 /// channel; equally probable before the data.
 const DISCREPANCIES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
+/// Share of the time that parts take beside each other: a law of the data, the left-out conditions, a simulated recording, the next
+/// experiment.
+const LAW: f64 = 10.0;
+const HELD_OUT: f64 = 10.0;
+const TRIAL: f64 = 0.25;
+const NEXT: f64 = 3.0;
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
@@ -55,6 +62,8 @@ pub struct DiagnosisRequest<'a> {
     pub range: Option<[[f64; 2]; 2]>,
     /// Seed.
     pub seed: u64,
+    /// Who is told how far it is.
+    pub told: Told<'a>,
 }
 
 /// A parameter with its 95 % interval. SI units.
@@ -140,9 +149,18 @@ pub fn diagnose(
     predictor: &dyn Predictor,
 ) -> Result<Diagnosis, DiagnoseError> {
     let (problems, setups) = problems(request, predictor)?;
+    let laws = problems.len();
+    let [tests, controls] = [request.self_test, request.control].map(|count| count as f64);
+    let whole = LAW * laws as f64 + HELD_OUT + TRIAL * (tests + controls) + NEXT;
+    let mut stages = Stages::new(request.told, whole);
+    let part = stages.begin(LAW * laws as f64, "candidate effects");
     let compared: Result<Vec<Compared>, DiagnoseError> = problems
         .into_iter()
-        .map(|(problem, biases)| Ok(Compared { biases, ..Compared::new(problem, predictor)? }))
+        .map(|(problem, biases)| {
+            let found = Compared { biases, ..Compared::new(problem, predictor)? };
+            part.one_of(laws);
+            Ok(found)
+        })
         .collect();
     let Compared { problem, biases, null, templates, signal, gains, attribution, fits } =
         Compared::mixed(compared?);
@@ -154,6 +172,7 @@ pub fn diagnose(
     let finding = judge(&problem, predictor, best, &attribution, (&templates, &signal));
     let location = locate(&problem, &templates, &signal);
     let repair = repair(&finding, &fits);
+    let _part = stages.begin(HELD_OUT, "left-out conditions");
     let help = match repair.filter(|_| request.held_out) {
         Some(k) => {
             let is_other =
@@ -165,11 +184,14 @@ pub fn diagnose(
     };
     let simulator = Simulator::new(&problem, predictor, (&templates, &gains), &null);
     let tested = simulator.as_ref().filter(|_| request.self_test > 0);
-    let false_alarms = tested.map(|s| s.false_alarms(request.self_test, request.seed));
+    let part = stages.begin(TRIAL * tests, "simulated recordings without an effect");
+    let false_alarms = tested.map(|s| s.false_alarms(request.self_test, request.seed, &part));
+    let part = stages.begin(TRIAL * controls, "simulated recordings with the effect");
     let control = simulator.as_ref().zip(repair).filter(|_| request.control > 0).map(|(s, k)| {
         let active: Vec<Active> = fits[k].active(predictor, problem.unknowns());
-        s.concealed(&active, request.control, request.seed)
+        s.concealed(&active, request.control, request.seed, &part)
     });
+    let _part = stages.begin(NEXT, "next experiment");
     let next = (request.batch > 0)
         .then(|| next(request, (&problem, predictor), &null, &fits, &attribution))
         .flatten();

@@ -2,6 +2,7 @@
 
 use crate::common_arguments::FileArguments;
 use crate::failure::{ExitCode, Failure};
+use crate::progress::ShareDisplay;
 use crate::{files, loading, terminal};
 use clap::Args;
 use sphcut_identify::{
@@ -51,6 +52,8 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.file.folder("identify");
     files::unless_there(FILES.map(|name| out.join(name)), arguments.file.force)?;
     let plan = loading::identification(&arguments.file.scene)?;
+    let display = ShareDisplay::new(false);
+    display.update(0.0, "curves");
     let curves: Vec<Curve> = plan.tests.iter().map(|test| curve(test, &plan)).collect();
     let points = points_of(&curves, plan.smallest_strain)
         .map_err(|error| Failure::input(error.to_string()))?;
@@ -59,13 +62,17 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
         temperature: plan.reference_temperature,
         melting: plan.melting_temperature,
     };
+    display.update(0.1, "Johnson-Cook");
     let by_sequence = sequence(&points, references);
     let start = by_sequence.as_ref().map_or_else(|_| plain_start(&points), |s| s.parameters);
     let undetermined = || Failure::input("these curves do not determine a law");
     let base = fit(LawChoice::JohnsonCook, references, &points, &start).ok_or_else(undetermined)?;
+    display.update(0.3, "softening by tanh");
     let tanh = with_tanh(&base, references, &points).ok_or_else(undetermined)?;
     let table = tabulate(&points, &base).ok_or_else(undetermined)?;
+    display.update(0.6, "curves left out in turn");
     let comparison = compare(&points, references, &base, &tanh).ok_or_else(undetermined)?;
+    display.finish();
     let page = IdentificationPage {
         title: &plan.title,
         source: &plan.source,

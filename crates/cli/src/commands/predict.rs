@@ -3,10 +3,11 @@
 use super::diagnose::{CLOSED_FORM, NUMBERS};
 use crate::common_arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
+use crate::progress::ShareDisplay;
 use crate::{files, loading, terminal};
 use clap::Args;
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, closed_form_cut, diagnose_case_as, forecast, forecasts_csv,
+    ClosedForm, DiagnoseError, Told, closed_form_cut, diagnose_case_as, forecast, forecasts_csv,
 };
 use sphcut_input::read_condition_table;
 use std::path::PathBuf;
@@ -72,11 +73,14 @@ pub fn predict(arguments: &PredictForcesArguments) -> Result<ExitCode, Failure> 
     let conditions: Vec<_> = rows.iter().map(|row| row.condition()).collect();
     let mistaken = |error: DiagnoseError| Failure::input(error.to_string());
     let model = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
-    let (recordings, diagnosis) = diagnose_case_as(&case, &model, |request| {
+    let display = ShareDisplay::new(false);
+    let told = |share: f64, what: &str| display.update(share, what);
+    let again = diagnose_case_as(&case, &model, Told(&told), |request| {
         (request.self_test, request.control, request.batch) = (0, 0, 0);
         request.held_out = false;
-    })
-    .map_err(mistaken)?;
+    });
+    display.finish();
+    let (recordings, diagnosis) = again.map_err(mistaken)?;
     if diagnosis.finding.verdict.key() != found["verdict"] {
         return Err(damaged(
             "is of other measurements or another version: make the diagnosis again",

@@ -1,6 +1,7 @@
 //! `sphcut springback`: springback and residual stress of finished cuts, beside measurements.
 
 use crate::failure::{ExitCode, Failure};
+use crate::progress::ShareDisplay;
 use crate::{files, loading, terminal, text};
 use clap::Args;
 use sphcut_postprocess::springback::{
@@ -53,9 +54,15 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
     // The table first: a mistake in it is told at once.
     let measurements = arguments.measured.as_deref().map(read).transpose()?.unwrap_or_default();
     let mut runs = Vec::new();
-    for folder in &arguments.runs {
+    let display = ShareDisplay::new(false);
+    for (place, folder) in arguments.runs.iter().enumerate() {
+        let share = |part: f64| (place as f64 + part) / arguments.runs.len() as f64;
+        display.update(share(0.0), &folder.display().to_string());
         match sweep_in(folder)? {
-            Some(results) => runs.extend(measured_in_sweep(folder, &results)?),
+            Some(results) => {
+                let told = |part: f64, run: &str| display.update(share(part), run);
+                runs.extend(measured_in_sweep(folder, &results, &told)?);
+            }
             None => {
                 let name = folder.display().to_string();
                 let refused = |refused| Failure::input(format!("`{name}`: {refused}"));
@@ -64,6 +71,7 @@ pub fn springback(arguments: &SpringbackArguments) -> Result<ExitCode, Failure> 
             }
         }
     }
+    display.finish();
     let entries: Vec<SpringbackEntry<'_>> = runs
         .iter()
         .map(|run| SpringbackEntry {
@@ -130,9 +138,11 @@ fn sweep_in(folder: &Path) -> Result<Option<Vec<(String, PathBuf)>>, Failure> {
 fn measured_in_sweep(
     folder: &Path,
     results: &[(String, PathBuf)],
+    told: &dyn Fn(f64, &str),
 ) -> Result<Vec<Measured>, Failure> {
     let mut measured = Vec::new();
-    for (number, result) in results {
+    for (place, (number, result)) in results.iter().enumerate() {
+        told(place as f64 / results.len() as f64, &format!("run {number}"));
         match Measured::load(&format!("run {number}"), &folder.join(result))? {
             Ok(run) => measured.push(run),
             Err(refused) => terminal::note(&format!("run {number} is left out: {refused}")),

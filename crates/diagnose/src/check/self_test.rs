@@ -6,6 +6,7 @@ use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
 use crate::inference::verdict::{EXPLAINED, smallest_set};
 use crate::model::predictor::{Active, Predictor};
+use crate::told::Part;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 use sphcut_greybox::Random;
@@ -92,10 +93,11 @@ impl<'a> Simulator<'a> {
     /// are drawn from their priors, through the same steps. Alarms close to the limit are decided with the model itself, as
     /// those of the diagnosis are.
     #[must_use]
-    pub fn false_alarms(&self, trials: usize, seed: u64) -> Rate {
+    pub(crate) fn false_alarms(&self, trials: usize, seed: u64, part: &Part<'_>) -> Rate {
         let alarms: Vec<Option<bool>> = (0..trials)
             .into_par_iter()
             .map(|k| {
+                part.one_of(trials);
                 let (problem, null) = self.recorded(&[], Random::new(seed, &[1, k as u64]))?;
                 let signal = self.templates.signal(&null);
                 let mut found = attribute(self.templates, &signal, self.gains);
@@ -113,12 +115,19 @@ impl<'a> Simulator<'a> {
 
     /// The positive control: the same with `active` concealed, decided on the templates alone.
     #[must_use]
-    pub fn concealed(&self, active: &[Active], trials: usize, seed: u64) -> PositiveControl {
+    pub(crate) fn concealed(
+        &self,
+        active: &[Active],
+        trials: usize,
+        seed: u64,
+        part: &Part<'_>,
+    ) -> PositiveControl {
         let mut effects: Vec<usize> = active.iter().map(|one| one.effect).collect();
         effects.sort_unstable();
         let found: Vec<Option<[bool; 3]>> = (0..trials)
             .into_par_iter()
             .map(|k| {
+                part.one_of(trials);
                 let (_, null) = self.recorded(active, Random::new(seed, &[2, k as u64]))?;
                 let signal = self.templates.signal(&null);
                 let found = attribute(self.templates, &signal, self.gains);

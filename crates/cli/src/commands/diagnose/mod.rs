@@ -5,14 +5,15 @@ mod series;
 
 use crate::common_arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
+use crate::progress::ShareDisplay;
 use crate::{files, loading, terminal};
 use clap::Args;
 pub(crate) use runs::refused;
 use runs::{Ended, Paired};
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, DiagnosisFile, DiagnosisProvenance, Predictor, closed_form_cut,
-    compare_rerun, diagnose_case, diagnosis_json, held_out_csv, patch,
+    ClosedForm, DiagnoseError, DiagnosisFile, DiagnosisProvenance, Predictor, Told,
+    closed_form_cut, compare_rerun, diagnose_case_as, diagnosis_json, held_out_csv, patch,
 };
 use sphcut_report::{
     DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
@@ -119,7 +120,11 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         }
         (&paired, "paired runs of the particle solver")
     };
-    let (recordings, mut found) = pool.install(|| diagnose_case(case, model)).map_err(mistaken)?;
+    let display = ShareDisplay::new(false);
+    let told = |share: f64, what: &str| display.update(share, what);
+    let found = pool.install(|| diagnose_case_as(case, model, Told(&told), |_| {}));
+    display.finish();
+    let (recordings, mut found) = found.map_err(mistaken)?;
     if !arguments.closed_form
         && let Some((runs, null, repair)) = Paired::repaired(case, arguments, (&found, model))?
     {
