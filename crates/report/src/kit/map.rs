@@ -1,10 +1,10 @@
 //! Maps over v_c and h: a surface as colours, the measured points on it, the hull around them.
 
 use super::canvas::{Canvas, Rgb};
-use super::numbers::{M_PER_MIN, MM};
+use super::numbers::{M_PER_MIN, MM, three_digits};
 use super::plot::{Axis, Plot, extremes};
 use super::shell::data_uri;
-use super::text::svg_text;
+use super::text::{attribute, name_and_unit, svg_text};
 use super::ticks::Ticks;
 use colorous::{Gradient, RED_BLUE, VIRIDIS};
 use sphcut_greybox::{Hull, Input};
@@ -90,8 +90,12 @@ impl Map<'_> {
         }
         self.border(&mut plot);
         for &(input, value) in &self.points {
-            let style =
-                format!(r##"fill="{}" stroke="#fff" stroke-width="1.2""##, self.colours.css(value));
+            let (name, unit) = name_and_unit(&self.quantity);
+            let style = format!(
+                r##"fill="{}" stroke="#fff" stroke-width="1.2" data-note="{}""##,
+                self.colours.css(value),
+                attribute(&format!("{name} {} {unit}", three_digits(value)))
+            );
             plot.dot(input[0] * M_PER_MIN, input[1] * MM, 6.2, r##"fill="#22262b""##);
             plot.dot(input[0] * M_PER_MIN, input[1] * MM, 5.2, &style);
         }

@@ -1,6 +1,7 @@
 //! A small plot: two axes, linear or logarithmic, for maps and scatter plots.
 
-use super::text::{svg_description, svg_text};
+use super::chart::axis_attributes;
+use super::text::{name_and_unit, svg_description, svg_text};
 use super::ticks::Ticks;
 use std::fmt::Write;
 
@@ -67,6 +68,11 @@ impl Axis {
         self.low + share * (self.high - self.low)
     }
 
+    fn attributes(&self, axis: char, ends: [f64; 2]) -> String {
+        let (name, unit) = name_and_unit(&self.title);
+        axis_attributes(axis, (self.low, self.high), ends, [name, unit], self.logarithmic)
+    }
+
     fn ticks(&self, wanted: usize) -> Vec<(f64, String)> {
         if !self.logarithmic {
             let ticks = Ticks::new(self.low, self.high, wanted);
@@ -103,11 +109,15 @@ pub(crate) struct Plot {
 
 impl Plot {
     pub(crate) fn new(x: Axis, y: Axis, right: f64, description: &str) -> Self {
-        let svg = format!(
-            r#"<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
+        let mut plot = Self { x, y, right, svg: String::new() };
+        let [left, top, right, bottom] = plot.inner();
+        plot.svg = format!(
+            r#"<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" xmlns="http://www.w3.org/2000/svg" {} {}><title>{}</title>"#,
+            plot.x.attributes('x', [left, right]),
+            plot.y.attributes('y', [bottom, top]),
             svg_description(description)
         );
-        Self { x, y, right, svg }
+        plot
     }
 
     /// Left, top, right and bottom of the inner part.
@@ -136,9 +146,12 @@ impl Plot {
         self.put(format_args!(r#"<path d="M{}" fill="none" {style}/>"#, path.join("L")));
     }
 
+    /// A point of the data; `data-note` in its style says what its axes do not.
     pub(crate) fn dot(&mut self, x: f64, y: f64, radius: f64, style: &str) {
         let [x, y] = self.at(x, y);
-        self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#));
+        self.put(format_args!(
+            r#"<circle class="dot" cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#
+        ));
     }
 
     /// Names of colours in the row above, to the right.

@@ -6,6 +6,7 @@ use super::view::View;
 use crate::kit::canvas::{Anchor, Canvas, INK, Rectangle, Rgb, Text, text_width};
 use crate::kit::numbers::three_digits;
 use crate::kit::ticks::Ticks;
+use sphcut_record::TemperatureUnit;
 use sphcut_sph::Snapshot;
 
 /// Fine pixels per pixel and direction.
@@ -20,7 +21,7 @@ pub struct PictureOptions {
     pub width: u32,
     /// The part of the plane shown; `None` shows all particles.
     pub view: Option<View>,
-    /// Ends of the colour bar in the unit of [`ParticleField::title`]; `None` takes [`ParticleField::range`].
+    /// Ends of the colour bar in the unit of [`ParticleField::values`]; `None` takes [`ParticleField::range`].
     pub range: Option<(f64, f64)>,
     /// Particles or material.
     pub style: Style,
@@ -29,6 +30,8 @@ pub struct PictureOptions {
     pub text_scale: f64,
     /// A line of text above the picture; `None` prints the simulated time.
     pub caption: Option<String>,
+    /// The unit of temperatures at the colour bar.
+    pub temperature: TemperatureUnit,
 }
 
 impl Default for PictureOptions {
@@ -40,6 +43,7 @@ impl Default for PictureOptions {
             style: Style::default(),
             text_scale: 1.0,
             caption: None,
+            temperature: TemperatureUnit::Kelvin,
         }
     }
 }
@@ -69,7 +73,12 @@ pub(crate) fn draw(snapshot: &Snapshot, field: ParticleField, options: &PictureO
     let tool = colours(&field.tool_values(snapshot), field, range);
     let material = colours(&values, field, range);
     let mut canvas = draw_scene(&layout, snapshot, [&material, &tool], options);
-    draw_colour_bar(&mut canvas, &layout, &ColourBar { field, range, values: &values });
+    let temperature = options.temperature;
+    draw_colour_bar(
+        &mut canvas,
+        &layout,
+        &ColourBar { field, range, values: &values, temperature },
+    );
     canvas
 }
 
@@ -191,6 +200,7 @@ pub(super) struct ColourBar<'a> {
     pub field: ParticleField,
     pub range: (f64, f64),
     pub values: &'a [f64],
+    pub temperature: TemperatureUnit,
 }
 
 pub(super) fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &ColourBar<'_>) {
@@ -203,7 +213,8 @@ pub(super) fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &Colour
         let colour = bar.field.colour_at(share);
         canvas.fill(Rectangle { x0, y0: y, x1, y1: y + 1 }, colour);
     }
-    let (low, high) = bar.range;
+    let shown = |value: f64| bar.field.shown(value, bar.temperature);
+    let (low, high) = (shown(bar.range.0), shown(bar.range.1));
     let wanted = (height / (3.0 * font)).clamp(2.0, 7.0) as usize;
     let ticks = Ticks::new(low, high, wanted);
     for &value in &ticks.values {
@@ -215,8 +226,11 @@ pub(super) fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &Colour
     }
     let end = layout.width as f64 - 0.5 * font;
     let at = [end, plot.y0 as f64 - 0.6 * font];
-    canvas.text(&Text { at, anchor: Anchor::End, size: *font, text: bar.field.title() }, INK);
-    let largest = bar.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    canvas.text(
+        &Text { at, anchor: Anchor::End, size: *font, text: bar.field.title(bar.temperature) },
+        INK,
+    );
+    let largest = shown(bar.values.iter().copied().fold(f64::NEG_INFINITY, f64::max));
     if largest > high + 1e-3 * (high - low) {
         let text = format!("max. {}", three_digits(largest));
         let at = [end, plot.y1 as f64 + 1.35 * font];
