@@ -70,6 +70,12 @@ fn in_the_table(unit: &str) -> (&str, f64) {
 }
 
 impl SweepRow {
+    /// The folder of the result as seen from the folder `beside`, if it lies in it; absolute otherwise.
+    #[must_use]
+    pub fn folder_from(&self, beside: &Path) -> String {
+        near(&self.folder, beside)
+    }
+
     /// Whether there is a result.
     #[must_use]
     pub fn has_result(&self) -> bool {
@@ -170,7 +176,7 @@ impl SweepTable {
             let mut cells = vec![
                 row.number.to_string(),
                 row.address.to_string(),
-                quoted(&near(&row.folder, beside)),
+                quoted(&row.folder_from(beside)),
                 row.word().to_owned(),
                 quoted(row.reason()),
             ];

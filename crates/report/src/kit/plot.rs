@@ -1,7 +1,7 @@
 //! A small plot: two axes, linear or logarithmic, for maps and scatter plots.
 
 use super::chart::axis_attributes;
-use super::text::{name_and_unit, svg_description, svg_text};
+use super::text::{attribute, name_and_unit, svg_description, svg_text};
 use super::ticks::Ticks;
 use std::fmt::Write;
 
@@ -152,6 +152,14 @@ impl Plot {
         self.put(format_args!(
             r#"<circle class="dot" cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#
         ));
+    }
+
+    /// What `draw` draws, as a link.
+    pub(crate) fn linked(&mut self, target: Option<&str>, draw: impl FnOnce(&mut Self)) {
+        let Some(target) = target else { return draw(self) };
+        self.put(format_args!(r#"<a href="{}">"#, attribute(target)));
+        draw(self);
+        self.put(format_args!("</a>"));
     }
 
     /// Names of colours in the row above, to the right.

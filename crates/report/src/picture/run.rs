@@ -124,8 +124,14 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
     })
 }
 
-/// A small picture of the end of a run, as a data URI; `None` for a run without snapshots or in space.
-pub(crate) fn thumbnail(run: &Run) -> Result<Option<String>, RunError> {
+/// Ends of the colours that suit the small picture of a run, in K; `None` where it has none.
+pub(crate) fn thumbnail_range(run: &Run) -> Result<Option<(f64, f64)>, RunError> {
+    let last = run.snapshots.last()?.filter(|_| run.facts.dimension == 2);
+    Ok(last.map(|last| ParticleField::Temperature.range([&*last])))
+}
+
+/// A small picture of the end of a run by temperature, as a data URI; `None` for a run without snapshots or in space.
+pub(crate) fn thumbnail(run: &Run, range: (f64, f64)) -> Result<Option<String>, RunError> {
     let Some(last) = run.snapshots.last()?.filter(|_| run.facts.dimension == 2) else {
         return Ok(None);
     };
@@ -133,6 +139,7 @@ pub(crate) fn thumbnail(run: &Run) -> Result<Option<String>, RunError> {
         width: THUMBNAIL_WIDTH,
         text_scale: 1.3,
         view: about_edge(run, &last),
+        range: Some(range),
         style: Style::Material,
         temperature: run.provenance.temperature_unit(),
         ..PictureOptions::default()

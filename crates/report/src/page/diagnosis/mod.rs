@@ -7,7 +7,7 @@ mod words;
 pub use series::{SeriesPage, render_series, series_summary};
 pub use words::diagnosis_words;
 
-use crate::kit::map::{ColourScale, Map};
+use crate::kit::map::{ColourScale, Map, ValueAt};
 use crate::kit::numbers::{
     M_PER_MIN, MM, UM, minus, percent, signed, signed_percent, three_digits, with_ends,
 };
@@ -123,7 +123,7 @@ fn map(page: &DiagnosisPage<'_>, points: &[MapPoint], size: f64, title: &str) ->
         hull: &hull,
         inputs: &inputs,
         surface: Some(&surface),
-        points: inputs.iter().map(|&input| (input, surface(input))).collect(),
+        points: inputs.iter().map(|&at| ValueAt { at, value: surface(at), link: None }).collect(),
     }
     .svg()
 }
