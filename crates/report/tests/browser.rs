@@ -2,9 +2,10 @@
 //! Needs Chromium; where there is none the test says so and passes.
 //! (`SPHCUT_PICTURES=folder cargo test -p sphcut-report` keeps the page and a screenshot.)
 
+use sphcut_diagnose::{WearSegment, grows};
 use sphcut_postprocess::evaluate;
 use sphcut_postprocess::synthetic::SyntheticCut;
-use sphcut_report::{render_report, write_report};
+use sphcut_report::{WearPage, render_report, render_wear, write_report};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -159,6 +160,48 @@ fn the_animation_and_the_charts_follow_each_other_and_values_are_read_under_the_
     assert!(values.contains("; Feed force Ff ") && values.ends_with(" N/mm"), "{values}");
     assert_eq!(beside, "beside it hidden true");
     assert_eq!(touch, "after a touch hidden false");
+}
+
+/// Three tools whose forces grow in the direction of a wear land.
+fn wear_page() -> String {
+    let segment = |tool: usize, k: usize| {
+        let wobble = [1.0, -1.0, 0.5, -0.5][k % 4];
+        let forces = [(500.0, 0.25), (350.0, 0.9), (150.0, 0.43)]
+            .map(|(f, d)| f + 4.0 * k as f64 * d + wobble);
+        WearSegment { tool: tool.to_string(), time: 5.0 * k as f64, forces }
+    };
+    let all: Vec<WearSegment> =
+        (0..3).flat_map(|tool| (0..20).map(move |k| segment(tool, k))).collect();
+    let growth = grows(&all, 2).unwrap();
+    render_wear(&WearPage { table: "tools.csv", growth: &growth, version: "1" })
+}
+
+#[test]
+fn a_plot_tells_the_point_next_to_the_pointer_and_elsewhere_the_place() {
+    let Some(browser) = chromium() else {
+        println!("skipped: no Chromium on this machine");
+        return;
+    };
+    let probe = "const dots = [...document.querySelectorAll('svg[data-x]')].map(svg => svg.querySelectorAll('.dot')[19]);
+        const at = (dot, right, down) => {
+            const frame = dot.getBoundingClientRect();
+            dot.closest('svg').dispatchEvent(new PointerEvent('pointermove', { bubbles: true,
+                clientX: frame.left + 0.5 * frame.width + right, clientY: frame.top + 0.5 * frame.height + down }));
+            return [...document.querySelector('.readout').children].map(row => row.textContent).join('; ');
+        };
+        const wide = document.documentElement.scrollWidth > document.documentElement.clientWidth;
+        document.body.dataset.probe = [dots.length, at(dots[0], 3, 2), at(dots[0], -60, 0), wide].join(' | ');";
+    let page = wear_page();
+    for (width, scheme) in [(1300, "light"), (390, "dark")] {
+        let (found, complaints) = probed(browser, (&page, probe), width, scheme);
+        assert_eq!(complaints, "", "{width} {scheme}");
+        let parts: Vec<&str> = found.split(" | ").collect();
+        let [plots, dot, place, wide] = parts[..] else { panic!("{found}") };
+        assert_eq!((plots, wide), ("6", "false"), "{width}");
+        // The last segment: 19 intervals of 5 s.
+        assert!(dot.starts_with("Time in cut 95.0 s; Force 7"), "{width}: {dot}");
+        assert!(!place.contains(" 95.0 s") && place.contains("; Force "), "{width}: {place}");
+    }
 }
 
 #[test]
