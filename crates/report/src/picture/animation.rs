@@ -6,7 +6,7 @@
 
 use super::described::{colours_span, description};
 use super::field::ParticleField;
-use super::plane::{PictureOptions, draw};
+use super::plane::{PictureOptions, Scene};
 use crate::kit::canvas::{Canvas, Rgb};
 use sphcut_record::{RunError, Snapshots};
 use sphcut_sph::Snapshot;
@@ -71,9 +71,10 @@ pub(crate) fn animate(
     for number in spread(snapshots.len()) {
         let snapshot = snapshots.get(number)?;
         times.push(snapshot.time);
+        let options = options(&snapshot);
+        let scene = Scene::new(&snapshot, &options);
         for (palette, range, pictures) in &mut fields {
-            let options = PictureOptions { range: Some(*range), ..options(&snapshot) };
-            let canvas = draw(&snapshot, pictures.field, &options);
+            let canvas = scene.coloured_by(pictures.field, *range);
             pictures.frames.push(canvas.indexed_png(&palette.colours, &palette.indices(&canvas)));
         }
     }
