@@ -65,6 +65,7 @@ fn probed(
     let path = folder.join("probed.html");
     let script = format!(
         "<script>window.addEventListener('load', () => {{
+            const folded = document.documentElement.scrollHeight;
             document.querySelectorAll('details').forEach(one => {{ one.open = true; }});
             {probe}
             parent.document.body.dataset.probe = document.body.dataset.probe;
@@ -98,14 +99,15 @@ fn the_page_shows_every_picture_and_has_no_errors_in_a_browser() {
         const charts = [...document.querySelectorAll('svg.chart')]
             .filter(c => c.getBoundingClientRect().height > 100);
         const wide = document.documentElement.scrollWidth > document.documentElement.clientWidth;
+        const long = innerWidth > 1000 && folded > 4000;
         const dark = getComputedStyle(document.body).backgroundColor !== 'rgb(255, 255, 255)';
         document.body.dataset.probe =
-            `${shown.length}/${images.length} images, ${charts.length} charts, overflow ${wide}, dark ${dark}`;";
+            `${shown.length}/${images.length} images, ${charts.length} charts, overflow ${wide}, long ${long ? folded : false}, dark ${dark}`;";
     let page = page();
     for (width, scheme) in [(1300, "light"), (1300, "dark"), (390, "light"), (390, "dark")] {
         let (found, complaints) = probed(browser, (&page, probe), width, scheme);
         let dark = scheme == "dark";
-        let expected = format!("9/9 images, 9 charts, overflow false, dark {dark}");
+        let expected = format!("9/9 images, 9 charts, overflow false, long false, dark {dark}");
         assert_eq!(found, expected, "{width} {scheme} {complaints}");
         assert_eq!(complaints, "", "{width} {scheme}");
     }
