@@ -37,7 +37,7 @@ def test_summary_and_pages(run: sphcut.Run) -> None:
     assert force["mean_n"] == pytest.approx(3.0 * force["mean_n_per_mm"])  # 3 mm
     assert not summary["steady"]["reached"]
     page = run._repr_html_()
-    assert f"{force['mean_n']:.1f}" in page and "Not steady" in page and "report.html" in page
+    assert f"{force['mean_n']:.1f}" in page and "The cutting force is not steady" in page and "report.html" in page
 
 
 def test_particles_are_arrays(run: sphcut.Run) -> None:

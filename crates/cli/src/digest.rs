@@ -27,13 +27,13 @@ pub fn digest(run: &Run, result: &ProcessResult) -> String {
     page
 }
 
-/// Over which part of the run the means are taken, and why it may be trusted or not.
+/// Over which part of the run the means are taken, and whether the force is steady there; if not, a warning says why.
 fn window(run: &Run, result: &ProcessResult) -> String {
     let (start, end) = (result.window.start * 1e3, result.window.end * 1e3);
     let verdict = match (result.steady.reached, &run.outcome) {
-        (true, Outcome::Steady) => "steady, stopped early".to_owned(),
-        (true, _) => "steady".to_owned(),
-        (false, _) => format!("not steady ({})", result.steady.reason),
+        (true, Outcome::Steady) => "steady, stopped early",
+        (true, _) => "steady",
+        (false, _) => "not steady",
     };
     format!("means from {start:.3} to {end:.3} mm of travel: {verdict}")
 }

@@ -24,7 +24,7 @@ pub(crate) fn warnings(run: &Run, result: &ProcessResult) -> Vec<Warning> {
     let mut warnings = Vec::new();
     outcome(run, &mut warnings);
     if ProcessResult::is_cut(run) {
-        steadiness(result, &mut warnings);
+        steadiness(run, result, &mut warnings);
     }
     books(run, result, &mut warnings);
     particles(run, result, &mut warnings);
@@ -51,11 +51,19 @@ fn outcome(run: &Run, warnings: &mut Vec<Warning>) {
     }
 }
 
-fn steadiness(result: &ProcessResult, warnings: &mut Vec<Warning>) {
+fn steadiness(run: &Run, result: &ProcessResult, warnings: &mut Vec<Warning>) {
+    // What ended before its travel would not go on for a longer one.
+    let advice = match run.outcome {
+        Outcome::Steady => "a smaller half width in [stop.steady] makes the run go on",
+        Outcome::Interrupted => "`--resume` goes on",
+        Outcome::Finished | Outcome::Diverged(_) => "a longer `travel` in [stop] settles it",
+    };
     if !result.steady.reached {
-        warnings.push(Warning::NotSteady { reason: result.steady.reason.to_string() });
+        let reason = result.steady.reason.to_string();
+        warnings.push(Warning::NotSteady { reason, advice });
     } else if !result.feed_steady.reached {
-        warnings.push(Warning::FeedNotSteady { reason: result.feed_steady.reason.to_string() });
+        let reason = result.feed_steady.reason.to_string();
+        warnings.push(Warning::FeedNotSteady { reason, advice });
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a run tells of a force, in one sentence: mean, interval, and the drift that it cannot exclude.
+//! What a run does not tell of a force, in one sentence: the drift that it cannot exclude, and what to do.
 //!
 //! A run ends by its travel or because its cutting force is known. That says nothing of another force:
 //! F_f scatters more and runs in for longer. [`crate::steady::window_drift`] over the window of the means bounds what it may
@@ -82,27 +82,34 @@ impl fmt::Display for KnownForce {
             format!("{force:.digits$}")
         };
         let [start, end] = self.window.map(|travel| travel * 1e3);
-        write!(f, "{} is {}", self.symbol, shown(self.mean))?;
+        let window = format!("from {start:.2} to {end:.2} mm of travel");
         if !(self.half_width.is_finite() && self.drift.half_width.is_finite()) {
             return write!(
                 f,
-                " {unit} from {start:.2} to {end:.2} mm of travel, too few samples to say how well it is known or whether it drifts"
+                "{} has too few samples {window} to say whether it drifts: cut farther",
+                self.symbol
             );
         }
-        write!(
-            f,
-            " \u{b1} {} {unit} (95 %) from {start:.2} to {end:.2} mm of travel; ",
-            shown(self.half_width)
-        )?;
+        let share = match self.possible_share() {
+            share if share.is_finite() => format!(" ({:.0} %)", 100.0 * share),
+            _ => String::new(),
+        };
+        let bound = format!("{} {unit}{share}", shown(self.drift.bound()));
         if self.drift.is_seen() {
             let sign = if self.drift.change > 0.0 { "+" } else { "" };
-            write!(f, "it drifts by {sign}{} {unit} over it, and ", shown(self.drift.change))?;
+            let change = shown(self.drift.change);
+            write!(
+                f,
+                "{} drifts by {sign}{change}, at most {bound}, {window}: cut farther until it settles",
+                self.symbol
+            )
+        } else {
+            write!(
+                f,
+                "{} may drift by up to {bound} {window}: cut farther to narrow it",
+                self.symbol
+            )
         }
-        write!(f, "a drift of up to {} {unit}", shown(self.drift.bound()))?;
-        if self.possible_share().is_finite() {
-            write!(f, " ({:.0} %)", 100.0 * self.possible_share())?;
-        }
-        write!(f, " over it cannot be excluded (95 %)")
     }
 }
 
@@ -121,31 +128,30 @@ mod tests {
     };
 
     #[test]
-    fn the_sentence_has_mean_interval_and_bound() {
+    fn the_sentence_says_what_is_uncertain_and_what_to_do() {
         // 2.0 + 4.82 = 6.82 N/mm, a tenth of 68.2.
         assert_eq!(
             KNOWN.to_string(),
-            "F_f is 68.2 \u{b1} 3.10 N/mm (95 %) from 1.00 to 4.20 mm of travel; a drift of up to 6.82 N/mm (10 %) over it cannot be excluded (95 %)"
+            "F_f may drift by up to 6.82 N/mm (10 %) from 1.00 to 4.20 mm of travel: cut farther to narrow it"
         );
         let in_space = KnownForce { per_width: false, mean: 0.0, ..KNOWN };
         let sentence = in_space.to_string();
-        assert!(sentence.contains("F_f is 0.00 \u{b1} 3100.0 N ("), "{sentence}");
-        assert!(sentence.contains("up to 6820.0 N over it"), "{sentence}");
+        assert!(sentence.contains("up to 6820.0 N from 1.00"), "{sentence}");
     }
 
     #[test]
     fn a_drift_that_is_seen_is_said() {
         let drift = Drift { change: 12e3, half_width: 4e3 };
-        let sentence = KnownForce { drift, ..KNOWN }.to_string();
-        assert!(
-            sentence.contains("it drifts by +12.0 N/mm over it, and a drift of up to 16.0"),
-            "{sentence}"
+        // 16.0 of 68.2 are 23 %.
+        assert_eq!(
+            KnownForce { drift, ..KNOWN }.to_string(),
+            "F_f drifts by +12.0, at most 16.0 N/mm (23 %), from 1.00 to 4.20 mm of travel: cut farther until it settles"
         );
     }
 
     #[test]
     fn too_few_samples_say_nothing_of_drift() {
         let sentence = KnownForce { half_width: f64::INFINITY, ..KNOWN }.to_string();
-        assert!(sentence.ends_with("whether it drifts") && !sentence.contains("inf"), "{sentence}");
+        assert!(sentence.contains("too few samples") && !sentence.contains("inf"), "{sentence}");
     }
 }

@@ -23,16 +23,22 @@ pub enum Warning {
         share: f64,
     },
     /// The means are not those of a steady cut.
-    #[error("Not steady: {reason}. The means are those of this travel only.")]
+    #[error(
+        "The cutting force is not steady: {reason}; its mean holds for this travel only, {advice}."
+    )]
     NotSteady {
         /// Why.
         reason: String,
+        /// What to do.
+        advice: &'static str,
     },
     /// The feed force is not steady though the cutting force is.
-    #[error("The cutting force is steady but the feed force is not: {reason}.")]
+    #[error("The cutting force is steady, the feed force is not: {reason}; {advice}.")]
     FeedNotSteady {
         /// Why.
         reason: String,
+        /// What to do.
+        advice: &'static str,
     },
     /// The energy balance does not close.
     #[error(

@@ -146,7 +146,17 @@ fn turning_the_cut_changes_nothing() {
 fn each_warning_has_its_cause() {
     let code = |run: Run| codes(&evaluate(&run).unwrap());
     let drift = with_channel(run(), ChannelId::CuttingForce, |k, f| f * (1.0 + 2e-4 * k as f64));
-    assert!(code(drift).contains(&"not_steady"));
+    assert!(code(drift.clone()).contains(&"not_steady"));
+    // One sentence: what is uncertain and what to do, which depends on how the run ended.
+    let said = |run: Run| evaluate(&run).unwrap().warnings[0].to_string();
+    let finished = said(drift.clone());
+    assert!(
+        finished.starts_with("The cutting force is not steady: the run-in lasts to "),
+        "{finished}"
+    );
+    assert!(finished.ends_with("a longer `travel` in [stop] settles it."), "{finished}");
+    let stopped = said(Run { outcome: Outcome::Steady, ..drift });
+    assert!(stopped.ends_with("[stop.steady] makes the run go on."), "{stopped}");
     let drift = with_channel(run(), ChannelId::FeedForce, |k, f| f * (1.0 + 2e-4 * k as f64));
     assert_eq!(code(drift)[0], "feed_not_steady");
     let hourglass = with_channel(run(), ChannelId::HourglassWork, |_, w| 2.0 * w);
@@ -340,7 +350,7 @@ fn what_is_known_of_the_feed_force_is_said() {
     let known = result.feed_known;
     let expected = 0.3 * 60e3 * (known.window[1] - known.window[0]) / 2.0e-3;
     assert!((known.drift.change / expected - 1.0).abs() < 0.25, "{known:?} {expected}");
-    assert!(known.drift.is_seen() && known.to_string().contains("it drifts by +"), "{known}");
+    assert!(known.drift.is_seen() && known.to_string().contains("F_f drifts by +"), "{known}");
     let value: Value = serde_json::from_str(&summary_json(&result)).unwrap();
     assert_eq!(value["steady"]["feed_known"], known.to_string());
     let bound = value["steady"]["feed_possible_drift_n_per_mm"].as_f64().unwrap();

@@ -70,6 +70,12 @@ fn in_the_table(unit: &str) -> (&str, f64) {
 }
 
 impl SweepRow {
+    /// The folder of the result as seen from the folder `beside`, if it lies in it; absolute otherwise.
+    #[must_use]
+    pub fn folder_from(&self, beside: &Path) -> String {
+        near(&self.folder, beside)
+    }
+
     /// Whether there is a result.
     #[must_use]
     pub fn has_result(&self) -> bool {
@@ -170,7 +176,7 @@ impl SweepTable {
             let mut cells = vec![
                 row.number.to_string(),
                 row.address.to_string(),
-                quoted(&near(&row.folder, beside)),
+                quoted(&row.folder_from(beside)),
                 row.word().to_owned(),
                 quoted(row.reason()),
             ];
@@ -370,9 +376,9 @@ fn short(number: f64) -> String {
 
 /// `folder` as seen from `beside`, if it lies in it; absolute otherwise.
 fn near(folder: &Path, beside: &Path) -> String {
-    let inside = folder.strip_prefix(beside).map(Path::to_path_buf);
-    let seen = inside.or_else(|_| std::path::absolute(folder));
-    seen.as_deref().unwrap_or(folder).display().to_string()
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let (folder, beside) = (absolute(folder), absolute(beside));
+    folder.strip_prefix(beside).unwrap_or(&folder).display().to_string()
 }
 
 /// The runs with a result in a table as [`SweepTable::csv`] writes it: number and folder. `None` if it is no such table.
@@ -421,6 +427,8 @@ mod tests {
         let read = results_of(&format!("run,folder,state\n1,{folder},finished\n")).unwrap();
         assert_eq!(read, [("1".to_owned(), PathBuf::from("-x, \"y\""))]);
         assert_eq!(near(Path::new("out/store/x"), Path::new("out")), "store/x");
+        let absolute = std::path::absolute("out/store/x").unwrap();
+        assert_eq!(near(&absolute, Path::new("out")), "store/x");
         assert!(Path::new(&near(Path::new("store/x"), Path::new("out"))).is_absolute());
     }
 }

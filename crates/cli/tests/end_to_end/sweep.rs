@@ -332,6 +332,17 @@ fn table_and_page_show_the_runs_and_feed_the_grey_box() {
     ] {
         assert!(page.contains(text), "{text}");
     }
+    // A click on a run leads to the command that makes its page, and to the page once it is there.
+    let stored = format!("out/store/results/{}/{address}", &address[..2]);
+    let made = format!("store/results/{}/{address}/report.html", &address[..2]);
+    assert!(page.contains(&format!("{stored}</code> makes it")), "{stored}");
+    assert_eq!(page.matches("id=\"run-10\"").count(), 1);
+    assert!(page.matches("href=\"#run-10\"").count() >= 1);
+    shop.sphcut(&["report", &stored]).expect_code(0);
+    shop.sphcut(&arguments).expect_code(0);
+    let page = shop.read("out/sweep.html");
+    assert!(shop.path("out").join(&made).is_file() && !page.contains("#run-10\""));
+    assert!(page.matches(&format!("href=\"{made}\"")).count() >= 2, "row and picture");
     let fit = [
         "greybox",
         "fit",

@@ -6,18 +6,18 @@ use super::{ContactState, FrictionEntry, FrictionLaw};
 use crate::{Parameter, Quantity, Range};
 
 /// ```text
-/// tau = min(mu p, m_s k),   mu = mu_0 [1 - (T / T_m)^q],   k = sigma_y / sqrt(3)
+/// tau = min(mu p, m_s k),   mu = mu_0 [1 - (T / T_m)^q_T],   k = sigma_y / sqrt(3)
 /// ```
 /// T is absolute; above the melting temperature T_m there is no friction (the bracket is not let
 /// below 0). The temperature is that of the particle that touches: the thin layer at the interface
-/// is hotter. A large q is Coulomb friction with its cap up to the melting temperature.
+/// is hotter. A large q_T is Coulomb friction with its cap up to the melting temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TemperatureDependent {
     /// mu_0.
     pub friction_coefficient: f64,
     /// T_m in K.
     pub melting_temperature: f64,
-    /// q.
+    /// q_T.
     pub temperature_exponent: f64,
     /// m_s.
     pub shear_friction_factor: f64,
@@ -37,10 +37,10 @@ impl FrictionLaw for TemperatureDependent {
 pub(super) const ENTRY: FrictionEntry = FrictionEntry {
     key: "temperature_dependent",
     title: "Coulomb friction that falls with the temperature, capped",
-    equation: "tau = min(mu p, m_s sigma_y / sqrt(3)), mu = mu_0 [1 - (T/T_m)^q] >= 0",
+    equation: "tau = min(mu p, m_s sigma_y / sqrt(3)), mu = mu_0 [1 - (T/T_m)^q_T] >= 0",
     source: "form: Moufki, Molinari and Dudzinski, J. Mech. Phys. Solids 46 (1998) 2103-2138; values \
              in the open SPH-FEM cutting code of ETH Zurich (2024): Ti6Al4V on carbide, mu_0 = \
-             0.51, q = 5.76, T_m = 1836 K; their calibration is not stated there",
+             0.51, q_T = 5.76, T_m = 1836 K; their calibration is not stated there",
     validity: "sliding contact whose temperature is resolved; the particles do not resolve the \
                hottest layer",
     parameters: &[
@@ -56,7 +56,7 @@ pub(super) const ENTRY: FrictionEntry = FrictionEntry {
         },
         Parameter {
             key: "temperature_exponent",
-            symbol: "q",
+            symbol: "q_T",
             quantity: Quantity::Dimensionless,
             range: Range::above(0.0, 100.0),
             default: None,

@@ -128,7 +128,7 @@ pub enum Reason {
         sample: usize,
     },
     /// Less travel than the minimum.
-    #[error("travel of {:.3} mm is below the minimum of {:.3} mm", .travel * 1e3, .minimum * 1e3)]
+    #[error("{:.3} mm of travel are below the minimum of {:.3} mm", .travel * 1e3, .minimum * 1e3)]
     TooShort {
         /// Travel so far.
         travel: f64,
@@ -136,27 +136,24 @@ pub enum Reason {
         minimum: f64,
     },
     /// The best window begins in the later half of the record.
-    #[error(
-        "the run-in is not over: the best window would begin at {:.3} mm, in the later half of the record",
-        .start * 1e3
-    )]
+    #[error("the run-in lasts to {:.2} mm, into the later half of the record", .start * 1e3)]
     RunIn {
         /// Travel at which it would begin.
         start: f64,
     },
     /// The mean is not above its own uncertainty, so no share of it means anything.
-    #[error("the mean does not differ from zero")]
+    #[error("its mean does not differ from zero")]
     NoForce,
     /// The window holds too few correlation lengths.
     #[error(
-        "the window holds {lengths:.1} correlation lengths; {MINIMUM_CORRELATION_LENGTHS} are needed"
+        "the window holds {lengths:.1} correlation lengths of {MINIMUM_CORRELATION_LENGTHS} that are needed"
     )]
     Correlated {
         /// Their number.
         lengths: f64,
     },
     /// A drift is significant.
-    #[error("the force drifts by {:+.1} % ({test})", .share * 100.0)]
+    #[error("it drifts by {:+.1} % ({test})", .share * 100.0)]
     Drift {
         /// The test that found it.
         test: DriftTest,
@@ -165,7 +162,7 @@ pub enum Reason {
     },
     /// No drift is seen, but one that matters cannot be excluded.
     #[error(
-        "a drift of up to {:.1} % over the window cannot be excluded; {:.1} % is allowed",
+        "it may drift by up to {:.1} % over the window ({:.1} % is allowed)",
         .share * 100.0, .allowed * 100.0
     )]
     PossibleDrift {
@@ -176,7 +173,7 @@ pub enum Reason {
     },
     /// The interval is too wide.
     #[error(
-        "the 95 % interval is \u{b1} {:.1} % wide; \u{b1} {:.1} % is wanted",
+        "its mean is known to \u{b1} {:.1} % (\u{b1} {:.1} % is wanted)",
         .share * 100.0, .wanted * 100.0
     )]
     Imprecise {
@@ -186,7 +183,7 @@ pub enum Reason {
         wanted: f64,
     },
     /// All tests pass now but not on an earlier part of the record.
-    #[error("all tests pass now but not on the first {:.0} % of the record", .part * 100.0)]
+    #[error("it is not yet steady over the first {:.0} % of the record", .part * 100.0)]
     Unsettled {
         /// The part of the record.
         part: f64,

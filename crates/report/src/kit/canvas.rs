@@ -116,13 +116,31 @@ impl Canvas {
 
     /// The image as a PNG file.
     pub fn png(&self) -> Vec<u8> {
+        self.encoded(self.pixels.as_flattened(), |encoder| encoder.set_color(png::ColorType::Rgb))
+    }
+
+    /// The image as a PNG file of at most 256 colours: `indices` says which for each pixel.
+    pub fn indexed_png(&self, palette: &[Rgb], indices: &[u8]) -> Vec<u8> {
+        self.encoded(indices, |encoder| {
+            encoder.set_color(png::ColorType::Indexed);
+            encoder.set_palette(palette.as_flattened().to_vec());
+            encoder.set_compression(png::Compression::High);
+            encoder.set_filter(png::Filter::NoFilter);
+        })
+    }
+
+    fn encoded(
+        &self,
+        data: &[u8],
+        set: impl FnOnce(&mut png::Encoder<'_, &mut Vec<u8>>),
+    ) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
-        encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
+        set(&mut encoder);
         encoder
             .write_header()
-            .and_then(|mut writer| writer.write_image_data(self.pixels.as_flattened()))
+            .and_then(|mut writer| writer.write_image_data(data))
             .expect("writing into memory cannot fail, and the data has the size of the image");
         bytes
     }

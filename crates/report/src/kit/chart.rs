@@ -1,7 +1,8 @@
-//! ChartLine and area charts over travel as SVG, drawn for a page: text stays text, print stays sharp.
+//! Line and area charts as SVG, drawn for a page: text stays text, print stays sharp. What the script of the page (`script.js`)
+//! needs to read values under the pointer are the axes, as attributes, and the paths.
 
 use super::plot::extremes;
-use super::text::{svg_description, svg_text};
+use super::text::{attribute, name_and_unit, svg_description, svg_text};
 use super::ticks::Ticks;
 use std::fmt::Write;
 
@@ -39,6 +40,8 @@ pub(crate) struct Chart<'a> {
     pub y_includes: Vec<f64>,
     /// Vertical lines with a name at the top.
     pub marks: Vec<Mark<'a>>,
+    /// Whether `x` is that of the animation of the page: a mark at the time of its picture, and a click shows the nearest one.
+    pub follows_animation: bool,
 }
 
 /// A place on the x axis.
@@ -117,9 +120,14 @@ impl Chart<'_> {
             top: LEGEND_ROW * rows as f64 + 16.0,
             bottom: self.height - BOTTOM,
         };
+        let ((x_name, x_unit), (y_name, y_unit)) =
+            (name_and_unit(self.x_title), name_and_unit(self.y_title));
         let mut svg = format!(
-            r#"<svg class="chart" viewBox="0 0 {WIDTH} {}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
+            r#"<svg class="chart wide{}" viewBox="0 0 {WIDTH} {}" role="img" xmlns="http://www.w3.org/2000/svg" {} {}><title>{}</title>"#,
+            if self.follows_animation { " follows" } else { "" },
             self.height,
+            axis_attributes('x', axes.x, [LEFT, WIDTH - RIGHT], [x_name, x_unit], false),
+            axis_attributes('y', axes.y, [axes.bottom, axes.top], [y_name, y_unit], false),
             svg_description(&self.description)
         );
         self.shade(&mut svg, &axes);
@@ -203,6 +211,15 @@ impl Chart<'_> {
         );
     }
 
+    /// The attribute by which the value of a line or area is read: its name, which may be empty where none has one.
+    fn named(&self, name: &str) -> String {
+        let mut names = self.lines.iter().map(|line| line.name);
+        if name.is_empty() && names.any(|other| !other.is_empty()) {
+            return String::new();
+        }
+        format!(r#" data-name="{}""#, attribute(name))
+    }
+
     fn draw_lines(&self, svg: &mut String, axes: &Axes) {
         for line in &self.lines {
             let kept = thin_out(&line.values);
@@ -224,8 +241,10 @@ impl Chart<'_> {
             put(
                 svg,
                 format_args!(
-                    r#"<path d="{path}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round"/>"#,
-                    line.colour, line.width
+                    r#"<path class="line"{} d="{path}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round"/>"#,
+                    self.named(line.name),
+                    line.colour,
+                    line.width
                 ),
             );
         }
@@ -242,7 +261,14 @@ impl Chart<'_> {
             let upper = kept.iter().map(|k| point(k, &stack.high));
             let lower = kept.iter().rev().map(|k| point(k, &stack.low));
             let path = upper.chain(lower).collect::<Vec<_>>().join("L");
-            put(svg, format_args!(r#"<path d="M{path}Z" fill="{}"/>"#, area.colour));
+            put(
+                svg,
+                format_args!(
+                    r#"<path class="area"{} d="M{path}Z" fill="{}"/>"#,
+                    self.named(area.name),
+                    area.colour
+                ),
+            );
         }
     }
 
@@ -308,6 +334,22 @@ impl Chart<'_> {
         }
         entries
     }
+}
+
+/// What the script of the page needs to read values at an axis: its ends in values and in the drawing, name and unit.
+pub(super) fn axis_attributes(
+    axis: char,
+    (low, high): (f64, f64),
+    [from, to]: [f64; 2],
+    [name, unit]: [&str; 2],
+    logarithmic: bool,
+) -> String {
+    format!(
+        r#"data-{axis}="{low} {high} {from:.1} {to:.1}{}" data-{axis}-name="{}" data-{axis}-unit="{}""#,
+        if logarithmic { " log" } else { "" },
+        attribute(name),
+        attribute(unit)
+    )
 }
 
 /// One name of the legend and its place.
@@ -419,5 +461,11 @@ mod tests {
         chart.lines[0].values = vec![1.0, f64::NAN];
         let svg = chart.svg().unwrap();
         assert!(svg.contains("a&lt;b") && !svg.contains("NaN"), "{svg}");
+        // A line without a name beside one with it has no value to read.
+        chart.lines.push(ChartLine { name: "", ..chart.lines[0].clone() });
+        let svg = chart.svg().unwrap();
+        assert_eq!(svg.matches("data-name=").count(), 1, "{svg}");
+        chart.lines.remove(0);
+        assert!(chart.svg().unwrap().contains(r#"data-name="""#));
     }
 }

@@ -1,10 +1,10 @@
 //! Maps over v_c and h: a surface as colours, the measured points on it, the hull around them.
 
 use super::canvas::{Canvas, Rgb};
-use super::numbers::{M_PER_MIN, MM};
+use super::numbers::{M_PER_MIN, MM, three_digits};
 use super::plot::{Axis, Plot, extremes};
 use super::shell::data_uri;
-use super::text::svg_text;
+use super::text::{attribute, name_and_unit, svg_text};
 use super::ticks::Ticks;
 use colorous::{Gradient, RED_BLUE, VIRIDIS};
 use sphcut_greybox::{Hull, Input};
@@ -58,6 +58,15 @@ impl ColourScale {
     }
 }
 
+/// A point of a map.
+#[derive(Debug, Clone)]
+pub(crate) struct ValueAt {
+    pub at: Input,
+    pub value: f64,
+    /// Where a click leads.
+    pub link: Option<String>,
+}
+
 /// One map.
 pub(crate) struct Map<'a> {
     pub title: String,
@@ -71,7 +80,15 @@ pub(crate) struct Map<'a> {
     /// The surface, if there is one.
     pub surface: Option<&'a dyn Fn(Input) -> f64>,
     /// Points with their values.
-    pub points: Vec<(Input, f64)>,
+    pub points: Vec<ValueAt>,
+}
+
+/// `F_c 267 N`, or `12.1 N` where the quantity is a unit alone.
+fn note(quantity: &str, value: f64) -> String {
+    match name_and_unit(quantity) {
+        (unit, "") => format!("{} {unit}", three_digits(value)),
+        (name, unit) => format!("{name} {} {unit}", three_digits(value)),
+    }
 }
 
 impl Map<'_> {
@@ -89,11 +106,17 @@ impl Map<'_> {
             ));
         }
         self.border(&mut plot);
-        for &(input, value) in &self.points {
-            let style =
-                format!(r##"fill="{}" stroke="#fff" stroke-width="1.2""##, self.colours.css(value));
-            plot.dot(input[0] * M_PER_MIN, input[1] * MM, 6.2, r##"fill="#22262b""##);
-            plot.dot(input[0] * M_PER_MIN, input[1] * MM, 5.2, &style);
+        for point in &self.points {
+            let [x, y] = [point.at[0] * M_PER_MIN, point.at[1] * MM];
+            let style = format!(
+                r##"fill="{}" stroke="#fff" stroke-width="1.2" data-note="{}""##,
+                self.colours.css(point.value),
+                attribute(&note(&self.quantity, point.value))
+            );
+            plot.linked(point.link.as_deref(), |plot| {
+                plot.dot(x, y, 6.2, r##"fill="#22262b""##);
+                plot.dot(x, y, 5.2, &style);
+            });
         }
         plot.axes(&self.title, false);
         self.bar(&mut plot);
@@ -163,5 +186,16 @@ impl Map<'_> {
             bottom + 36.0,
             svg_text(&self.quantity)
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_says_its_value_with_name_and_unit() {
+        assert_eq!(note("F_c in N", 267.0), "F_c 267 N");
+        assert_eq!(note("N", 12.12), "12.1 N");
     }
 }

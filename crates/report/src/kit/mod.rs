@@ -6,6 +6,7 @@ pub(crate) mod chart;
 pub(crate) mod colours;
 pub(crate) mod map;
 pub(crate) mod numbers;
+pub(crate) mod parity;
 pub(crate) mod plot;
 pub(crate) mod shell;
 pub(crate) mod table;

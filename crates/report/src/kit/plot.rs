@@ -1,11 +1,14 @@
 //! A small plot: two axes, linear or logarithmic, for maps and scatter plots.
 
-use super::text::{svg_description, svg_text};
+use super::chart::axis_attributes;
+use super::text::{attribute, name_and_unit, svg_description, svg_text};
 use super::ticks::Ticks;
 use std::fmt::Write;
 
-pub(crate) const WIDTH: f64 = 520.0;
-pub(crate) const HEIGHT: f64 = 390.0;
+/// Width and height of a plot for half of the page.
+const HALF: [f64; 2] = [520.0, 390.0];
+/// And for a third of it.
+const THIRD: [f64; 2] = [346.0, 236.0];
 const LEFT: f64 = 62.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 46.0;
@@ -67,6 +70,11 @@ impl Axis {
         self.low + share * (self.high - self.low)
     }
 
+    fn attributes(&self, axis: char, ends: [f64; 2]) -> String {
+        let (name, unit) = name_and_unit(&self.title);
+        axis_attributes(axis, (self.low, self.high), ends, [name, unit], self.logarithmic)
+    }
+
     fn ticks(&self, wanted: usize) -> Vec<(f64, String)> {
         if !self.logarithmic {
             let ticks = Ticks::new(self.low, self.high, wanted);
@@ -99,20 +107,36 @@ pub(crate) struct Plot {
     /// Room for a colour bar.
     pub right: f64,
     pub svg: String,
+    /// Width and height.
+    size: [f64; 2],
 }
 
 impl Plot {
     pub(crate) fn new(x: Axis, y: Axis, right: f64, description: &str) -> Self {
-        let svg = format!(
-            r#"<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" xmlns="http://www.w3.org/2000/svg"><title>{}</title>"#,
+        Self::sized(x, y, right, description, HALF)
+    }
+
+    /// One of several side by side that share their axes.
+    pub(crate) fn small(x: Axis, y: Axis, description: &str) -> Self {
+        Self::sized(x, y, 10.0, description, THIRD)
+    }
+
+    fn sized(x: Axis, y: Axis, right: f64, description: &str, size: [f64; 2]) -> Self {
+        let mut plot = Self { x, y, right, svg: String::new(), size };
+        let [width, height] = size;
+        let [left, top, right, bottom] = plot.inner();
+        plot.svg = format!(
+            r#"<svg class="chart" viewBox="0 0 {width} {height}" role="img" xmlns="http://www.w3.org/2000/svg" {} {}><title>{}</title>"#,
+            plot.x.attributes('x', [left, right]),
+            plot.y.attributes('y', [bottom, top]),
             svg_description(description)
         );
-        Self { x, y, right, svg }
+        plot
     }
 
     /// Left, top, right and bottom of the inner part.
     pub(crate) fn inner(&self) -> [f64; 4] {
-        [LEFT, TOP, WIDTH - self.right, HEIGHT - BOTTOM]
+        [LEFT, TOP, self.size[0] - self.right, self.size[1] - BOTTOM]
     }
 
     pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
@@ -136,15 +160,27 @@ impl Plot {
         self.put(format_args!(r#"<path d="M{}" fill="none" {style}/>"#, path.join("L")));
     }
 
+    /// A point of the data; `data-note` in its style says what its axes do not.
     pub(crate) fn dot(&mut self, x: f64, y: f64, radius: f64, style: &str) {
         let [x, y] = self.at(x, y);
-        self.put(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#));
+        self.put(format_args!(
+            r#"<circle class="dot" cx="{x:.1}" cy="{y:.1}" r="{radius}" {style}/>"#
+        ));
+    }
+
+    /// What `draw` draws, as a link.
+    pub(crate) fn linked(&mut self, target: Option<&str>, draw: impl FnOnce(&mut Self)) {
+        let Some(target) = target else { return draw(self) };
+        self.put(format_args!(r#"<a href="{}">"#, attribute(target)));
+        draw(self);
+        self.put(format_args!("</a>"));
     }
 
     /// Names of colours in the row above, to the right.
     pub(crate) fn legend(&mut self, entries: &[(&str, &str)]) {
         let width = |name: &str| 7.0 * name.chars().count() as f64 + 24.0;
-        let mut x = WIDTH - self.right - entries.iter().map(|(_, name)| width(name)).sum::<f64>();
+        let mut x =
+            self.size[0] - self.right - entries.iter().map(|(_, name)| width(name)).sum::<f64>();
         for (colour, name) in entries {
             self.put(format_args!(
                 r#"<circle cx="{:.1}" cy="12" r="4.5" fill="{colour}"/><text class="legend" x="{:.1}" y="16">{}</text>"#,
@@ -175,7 +211,8 @@ impl Plot {
     /// Grid, axes and titles.
     pub(crate) fn axes(&mut self, title: &str, grid: bool) {
         let [left, top, right, bottom] = self.inner();
-        for (value, label) in self.y.ticks(6) {
+        let wanted = |length: f64, each: f64| (length / each) as usize;
+        for (value, label) in self.y.ticks(wanted(bottom - top, 52.0)) {
             let [_, y] = self.at(self.x.low, value);
             let line = if grid {
                 format!(r#"<line class="grid" x1="{left}" x2="{right}" y1="{y:.1}" y2="{y:.1}"/>"#)
@@ -189,7 +226,7 @@ impl Plot {
                 y + 4.0
             ));
         }
-        for (value, label) in self.x.ticks(7) {
+        for (value, label) in self.x.ticks(wanted(right - left, 60.0)) {
             let [x, _] = self.at(value, self.y.low);
             self.put(format_args!(
                 r#"<line class="axis" x1="{x:.1}" x2="{x:.1}" y1="{bottom}" y2="{:.1}"/><text class="tick" x="{x:.1}" y="{:.1}" text-anchor="middle">{label}</text>"#,
@@ -203,8 +240,8 @@ impl Plot {
             right - left,
             bottom - top,
             (left + right) / 2.0,
-            HEIGHT - 8.0,
-            WIDTH - 4.0,
+            self.size[1] - 8.0,
+            self.size[0] - 4.0,
             svg_text(title)
         ));
     }

@@ -6,6 +6,8 @@ use base64::prelude::BASE64_STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("style.css");
+/// Values under the pointer, and the animation; without it a page still shows everything else.
+const SCRIPT: &str = include_str!("script.js");
 
 /// A page around its content.
 pub(crate) struct Shell<'a> {
@@ -41,6 +43,7 @@ impl Shell<'_> {
                         (self.body)
                         footer { "Written by sphcut " (self.version) "." }
                     }
+                    script { (PreEscaped(SCRIPT)) }
                 }
             }
         };
@@ -75,6 +78,26 @@ pub(crate) fn verdict(
                 h2 { (first) }
                 ul { @for sentence in rest { li { (render(sentence)) } } }
             }
+        }
+    }
+}
+
+/// A section that opens with a click, and that a link to its name opens.
+pub(crate) fn folded(name: &str, heading: &str, content: &Markup) -> Markup {
+    html! {
+        details.section {
+            summary { h2 { (heading) } }
+            span.place id=(name) {}
+            (content)
+        }
+    }
+}
+
+/// Links to the sections of a page: names and headings.
+pub(crate) fn contents(sections: &[(&str, &str)]) -> Markup {
+    html! {
+        nav.contents aria-label="Contents" {
+            @for (name, heading) in sections { a href={ "#" (name) } { (heading) } " " }
         }
     }
 }

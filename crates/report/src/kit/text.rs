@@ -57,6 +57,17 @@ pub(crate) fn listed(words: &[String]) -> String {
     }
 }
 
+/// `Travel in mm` as its name and unit; what follows a comma says more and is left out.
+pub(crate) fn name_and_unit(title: &str) -> (&str, &str) {
+    let title = title.split(',').next().unwrap_or(title);
+    title.rsplit_once(" in ").unwrap_or((title, ""))
+}
+
+/// Text in an attribute of SVG, in double quotes.
+pub(crate) fn attribute(text: &str) -> String {
+    escaped(text).replace('"', "&quot;")
+}
+
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
@@ -84,6 +95,22 @@ pub(crate) fn svg_text(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn titles_of_axes_have_a_name_and_a_unit() {
+        for (title, name, unit) in [
+            ("Time in cut in s", "Time in cut", "s"),
+            (
+                "Place before the cut in mm, from the first in the window",
+                "Place before the cut",
+                "mm",
+            ),
+            ("Friction coefficient", "Friction coefficient", ""),
+        ] {
+            assert_eq!(name_and_unit(title), (name, unit));
+        }
+        assert_eq!(attribute("a \"b\" <c>"), "a &quot;b&quot; &lt;c&gt;");
+    }
 
     #[test]
     fn symbols_get_their_index_and_names_of_files_keep_their_underscores() {

@@ -1,8 +1,7 @@
 //! `calibration.html` of `sphcut calibrate`: constants of flow stress and friction from measured cuts.
 
-use crate::kit::colours::{BLUE, GREY, INK};
 use crate::kit::numbers::{minus, percent_tenths, signed_percent, three_digits, with_ends};
-use crate::kit::plot::{Axis, Plot};
+use crate::kit::parity::{ComparedPoint, channel_unit, parity};
 use crate::kit::shell::{Shell, note, plotted, tab};
 use crate::kit::table::{ColumnHead, or_dash, table};
 use crate::kit::text::indexed;
@@ -86,14 +85,6 @@ fn constants(page: &CutCalibrationPage<'_>) -> Markup {
     }
 }
 
-/// Scale and unit for people.
-fn unit(channel: Channel) -> (f64, &'static str) {
-    match channel.unit() {
-        "m" => (1e3, "mm"),
-        other => (1.0, other),
-    }
-}
-
 fn cuts(found: &CutCalibration) -> Markup {
     let channels = Channel::RECORDED.into_iter().filter_map(|channel| {
         let own: Vec<&ComparedValue> =
@@ -104,40 +95,29 @@ fn cuts(found: &CutCalibration) -> Markup {
         section {
             h2 { "Before and after" }
             @for (channel, own) in channels {
-                @let (scale, unit) = unit(channel);
+                @let (scale, unit) = channel_unit(channel);
                 @let title = format!("{} in {unit}", channel.short_name());
-                (plotted(&plot(&own, &title, scale), &format!("Simulated over measured {}: grey before, blue after, with the 95 % interval of the simulation.", channel.title())))
+                (plotted(&plot(found, &own, &title, scale), &format!("Simulated over measured {}: grey before, blue after, with the 95 % interval of the simulation.", channel.title())))
                 (values(found, &own, &title, scale))
             }
         }
     }
 }
 
-fn plot(own: &[&ComparedValue], title: &str, scale: f64) -> String {
-    let measured = |v: &ComparedValue| v.value.log.exp() * scale;
-    let ends = |v: &ComparedValue| {
+fn plot(found: &CutCalibration, own: &[&ComparedValue], title: &str, scale: f64) -> String {
+    let point = |v: &&ComparedValue| {
         let (log, half) = (v.after.0, NORMAL_95 * v.after.1);
-        [(log - half).exp() * scale, (log + half).exp() * scale]
+        let at = |log: f64| log.exp() * scale;
+        ComparedPoint {
+            measured: at(v.value.log),
+            before: at(v.before),
+            after: at(log),
+            interval: [at(log - half), at(log + half)],
+            name: found.cut(&v.value).name(),
+        }
     };
-    let all = own.iter().flat_map(|v| {
-        let [low, high] = ends(v);
-        [measured(v), v.before.exp() * scale, low, high]
-    });
-    let all: Vec<f64> = all.collect();
-    let axis = |name: &str| Axis::linear(name, all.iter().copied(), 0.06);
-    let mut plot = Plot::new(axis(&format!("measured {title}")), axis("simulated"), 16.0, title);
-    plot.axes("", true);
-    let (low, high) = all.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
-    plot.line(&[[low, low], [high, high]], &format!(r#"stroke="{INK}" stroke-width="1""#));
-    for v in own {
-        plot.dot(measured(v), v.before.exp() * scale, 3.5, &format!(r#"fill="{GREY}""#));
-        let [low, high] = ends(v);
-        let x = measured(v);
-        plot.line(&[[x, low], [x, high]], &format!(r#"stroke="{BLUE}" stroke-width="1.5""#));
-        plot.dot(x, v.after.0.exp() * scale, 4.0, &format!(r#"fill="{BLUE}""#));
-    }
-    plot.legend(&[(GREY, "before"), (BLUE, "after")]);
-    plot.finish()
+    let points: Vec<ComparedPoint> = own.iter().map(point).collect();
+    parity(title, &points, ["before", "after"])
 }
 
 fn values(found: &CutCalibration, own: &[&ComparedValue], title: &str, scale: f64) -> Markup {
@@ -204,7 +184,7 @@ fn held_out(found: &CutCalibration) -> Markup {
         ColumnHead::Number("Predicted (95 %)"),
     ];
     let rows = html! { @for (simulated, f) in &found.foreseen {
-        @let (scale, unit) = unit(f.value.channel);
+        @let (scale, unit) = channel_unit(f.value.channel);
         @let half = NORMAL_95 * f.deviation;
         @let inside = f.score().abs() < NORMAL_95;
         tr.over[!inside] {

@@ -1,9 +1,9 @@
 //! `wear.html`: what grows while tools cut.
 
-use crate::kit::chart::{Chart, ChartLine};
 use crate::kit::colours::{BLUE, BLUE_LIGHT, INK, RED};
 use crate::kit::numbers::{minus, percent, three_digits};
-use crate::kit::shell::{Shell, figure, tab, verdict};
+use crate::kit::plot::{Axis, Plot};
+use crate::kit::shell::{Shell, plotted, tab, verdict};
 use crate::kit::table::{ColumnHead, table};
 use crate::kit::text::indexed;
 use maud::{Markup, html};
@@ -73,61 +73,69 @@ fn tools(found: &WearGrowth) -> Markup {
     html! {
         section {
             h2 { "How far, tool by tool" }
-            p { "The normal force between worn edge and work, by the direction that the other tools taught. Thin lines: its 95 % interval from noise and the scatter \
-                of the direction. The red line is the isotonic fit: a land does not shrink." }
+            p { "The normal force between worn edge and work in N, by the direction that the other tools taught, over the time in cut; all tools on the same axes. Dots: as the \
+                forces say; thin lines: their 95 % interval from noise and the scatter of the direction; red: the isotonic fit, for a land does not shrink." }
+            (multiples(found, "Force in N", "Normal force of wear", &FORCE))
+            p { "The change of the cutting force in N since the tool was fresh. Dots: measured; blue: as it follows from feed and passive force." }
+            (multiples(found, "Change in N", "Change of the cutting force", &CHANGE))
+        }
+    }
+}
+
+type Line = (&'static str, fn(&Amount) -> f64);
+
+/// Style and values of the lines; the dots are of the first value.
+struct Shown {
+    dots: Line,
+    lines: &'static [Line],
+}
+
+const FORCE: Shown = Shown {
+    dots: (BLUE, |a| a.force),
+    lines: &[
+        (BLUE_LIGHT, |a| a.interval[0]),
+        (BLUE_LIGHT, |a| a.interval[1]),
+        (RED, |a| a.never_falling),
+    ],
+};
+const CHANGE: Shown =
+    Shown { dots: (INK, |a| a.cutting_change[0]), lines: &[(BLUE, |a| a.cutting_change[1])] };
+
+/// A small plot for each tool, all on the same axes.
+fn multiples(found: &WearGrowth, title: &str, description: &str, shown: &Shown) -> Markup {
+    let amounts = || found.left_out.iter().flat_map(|tool| &tool.amounts);
+    let times = amounts().map(|amount| amount.segment.time);
+    let of = |line: &Line| amounts().map(|amount| line.1(amount)).collect::<Vec<f64>>();
+    let values: Vec<f64> = shown.lines.iter().chain([&shown.dots]).flat_map(of).collect();
+    let axes = || {
+        (
+            Axis::linear("Time in cut in s", times.clone().chain([0.0]), 0.02),
+            Axis::linear(title, values.iter().copied().chain([0.0]), 0.04),
+        )
+    };
+    html! {
+        div.multiples {
             @for tool in &found.left_out {
-                h3 { "Tool " (tool.tool) }
-                (figure(force(tool).svg(), "Normal force of wear."))
-                (figure(cutting(tool).svg(), "Change of the cutting force since the tool was fresh: measured, and as it follows from the two other forces."))
+                (plotted(&small(tool, axes(), description, shown), &format!("Tool {}", tool.tool)))
             }
         }
     }
 }
 
-fn times(tool: &LeftOutTool) -> Vec<f64> {
-    tool.amounts.iter().map(|amount| amount.segment.time).collect()
-}
-
-fn line<'a>(
-    tool: &LeftOutTool,
-    (name, colour, width): (&'a str, &'a str, f64),
-    of: impl Fn(&Amount) -> f64,
-) -> ChartLine<'a> {
-    ChartLine::new(name, colour, width, tool.amounts.iter().map(of).collect())
-}
-
-fn force(tool: &LeftOutTool) -> Chart<'static> {
-    Chart {
-        description: format!("Normal force of wear of tool {} over its time in cut", tool.tool),
-        x_title: "Time in cut in s",
-        y_title: "Force in N",
-        height: 300.0,
-        x: times(tool),
-        lines: vec![
-            line(tool, ("95 % interval", BLUE_LIGHT, 1.0), |a| a.interval[0]),
-            line(tool, ("", BLUE_LIGHT, 1.0), |a| a.interval[1]),
-            line(tool, ("as the forces say", BLUE, 2.0), |a| a.force),
-            line(tool, ("isotonic fit", RED, 2.0), |a| a.never_falling),
-        ],
-        y_includes: vec![0.0],
-        ..Chart::default()
+fn small(tool: &LeftOutTool, (x, y): (Axis, Axis), description: &str, shown: &Shown) -> String {
+    let mut plot = Plot::small(x, y, &format!("{description} of tool {}", tool.tool));
+    plot.axes("", true);
+    for (colour, of) in shown.lines {
+        let points: Vec<[f64; 2]> =
+            tool.amounts.iter().map(|amount| [amount.segment.time, of(amount)]).collect();
+        let width = if *colour == BLUE_LIGHT { 1.2 } else { 2.0 };
+        plot.line(&points, &format!(r#"stroke="{colour}" stroke-width="{width}""#));
     }
-}
-
-fn cutting(tool: &LeftOutTool) -> Chart<'static> {
-    Chart {
-        description: format!("Change of the cutting force of tool {}", tool.tool),
-        x_title: "Time in cut in s",
-        y_title: "Change in N",
-        height: 240.0,
-        x: times(tool),
-        lines: vec![
-            line(tool, ("measured", INK, 2.0), |a| a.cutting_change[0]),
-            line(tool, ("from feed and passive force", BLUE, 2.0), |a| a.cutting_change[1]),
-        ],
-        y_includes: vec![0.0],
-        ..Chart::default()
+    let (colour, of) = shown.dots;
+    for amount in &tool.amounts {
+        plot.dot(amount.segment.time, of(amount), 2.4, &format!(r#"fill="{colour}""#));
     }
+    plot.finish()
 }
 
 fn limits(found: &WearGrowth) -> Markup {
@@ -178,6 +186,14 @@ mod tests {
         for part in ["Tool left out", "isotonic fit", "wear land", "Limits", "<svg"] {
             assert!(text.contains(part), "{part}");
         }
+        // Small multiples: all tools have the same axes, in both figures.
+        let axes = |name: &str| -> Vec<&str> {
+            text.split(name).skip(1).filter_map(|rest| rest.split('"').next()).collect()
+        };
+        let (x, y) = (axes(" data-x=\""), axes(" data-y=\""));
+        assert_eq!((x.len(), y.len()), (6, 6));
+        assert!(x.iter().all(|one| *one == x[0]), "{x:?}");
+        assert!(y[..3].iter().all(|one| *one == y[0]) && y[3..].iter().all(|one| *one == y[3]));
         assert_eq!(text.matches("(beyond noise)").count(), 1);
         assert!(growth.left_out[1].is_unsteady() && !growth.left_out[0].is_unsteady());
         assert!(!text.contains("src="));

@@ -2,6 +2,7 @@
 
 use crate::kit::canvas::Rgb;
 use colorous::Gradient;
+use sphcut_record::TemperatureUnit;
 use sphcut_sph::Snapshot;
 
 /// How much the white in the middle of a diverging map is darkened.
@@ -48,11 +49,14 @@ impl ParticleField {
         }
     }
 
-    /// Name for people, with the unit of the numbers at the colour bar.
+    /// Name for people, with the unit of the numbers at the colour bar; `temperature` is that of temperatures.
     #[must_use]
-    pub fn title(self) -> &'static str {
+    pub fn title(self, temperature: TemperatureUnit) -> &'static str {
         match self {
-            Self::Temperature => "Temperature in K",
+            Self::Temperature => match temperature {
+                TemperatureUnit::Celsius => "Temperature in \u{b0}C",
+                TemperatureUnit::Kelvin => "Temperature in K",
+            },
             Self::PlasticStrain => "Plastic strain",
             Self::PlasticStrainRate => "log\u{2081}\u{2080} of strain rate in 1/s",
             Self::VonMisesStress => "von Mises stress in MPa",
@@ -61,7 +65,13 @@ impl ParticleField {
         }
     }
 
-    /// The values of the particles in the unit of [`ParticleField::title`].
+    /// A value of [`ParticleField::values`] in the unit of [`ParticleField::title`].
+    #[must_use]
+    pub fn shown(self, value: f64, temperature: TemperatureUnit) -> f64 {
+        if self == Self::Temperature { temperature.of(value) } else { value }
+    }
+
+    /// The values of the particles: temperatures in K, stresses in MPa, speeds in m/s.
     #[must_use]
     pub fn values(self, snapshot: &Snapshot) -> Vec<f64> {
         let in_mpa = |values: &[f64]| values.iter().map(|v| v * 1e-6).collect();

@@ -1,7 +1,6 @@
 //! The grid of the uncut material carried along by the particles.
 
-use super::plane::{Layout, PictureOptions, draw_scene};
-use super::view::View;
+use super::plane::{PictureOptions, Scene};
 use crate::kit::canvas::Rgb;
 use sphcut_sph::Snapshot;
 use std::collections::HashMap;
@@ -21,8 +20,6 @@ const COLUMN_ROWS: f64 = 12.0;
 /// Returns a PNG file.
 #[must_use]
 pub fn render_layers(first: &Snapshot, snapshot: &Snapshot, options: &PictureOptions) -> Vec<u8> {
-    let view = options.view.unwrap_or_else(|| View::whole(snapshot));
-    let layout = Layout::new(options.width, options.text_scale, view);
     let start: HashMap<u64, [f64; 2]> = first
         .id
         .iter()
@@ -31,7 +28,7 @@ pub fn render_layers(first: &Snapshot, snapshot: &Snapshot, options: &PictureOpt
         .collect();
     let colour = |id: &u64| start.get(id).map_or(UNKNOWN, |at| grid_colour(*at, first));
     let colours: Vec<Rgb> = snapshot.id.iter().map(colour).collect();
-    draw_scene(&layout, snapshot, [&colours, &[]], options).png()
+    Scene::new(snapshot, options).drawn(&colours, &[]).png()
 }
 
 fn grid_colour(start: [f64; 2], first: &Snapshot) -> Rgb {

@@ -1,11 +1,12 @@
 //! Pictures in the plane: discs coloured by a field, the tool, axes in mm, a colour bar.
 
 use super::field::ParticleField;
-use super::raster::{self, Coloured, Mapping, Style};
+use super::raster::{self, Mapping, Shown, Style};
 use super::view::View;
 use crate::kit::canvas::{Anchor, Canvas, INK, Rectangle, Rgb, Text, text_width};
 use crate::kit::numbers::three_digits;
 use crate::kit::ticks::Ticks;
+use sphcut_record::TemperatureUnit;
 use sphcut_sph::Snapshot;
 
 /// Fine pixels per pixel and direction.
@@ -20,7 +21,7 @@ pub struct PictureOptions {
     pub width: u32,
     /// The part of the plane shown; `None` shows all particles.
     pub view: Option<View>,
-    /// Ends of the colour bar in the unit of [`ParticleField::title`]; `None` takes [`ParticleField::range`].
+    /// Ends of the colour bar in the unit of [`ParticleField::values`]; `None` takes [`ParticleField::range`].
     pub range: Option<(f64, f64)>,
     /// Particles or material.
     pub style: Style,
@@ -29,6 +30,8 @@ pub struct PictureOptions {
     pub text_scale: f64,
     /// A line of text above the picture; `None` prints the simulated time.
     pub caption: Option<String>,
+    /// The unit of temperatures at the colour bar.
+    pub temperature: TemperatureUnit,
 }
 
 impl Default for PictureOptions {
@@ -40,6 +43,7 @@ impl Default for PictureOptions {
             style: Style::default(),
             text_scale: 1.0,
             caption: None,
+            temperature: TemperatureUnit::Kelvin,
         }
     }
 }
@@ -56,43 +60,66 @@ pub fn render_snapshot(
     field: ParticleField,
     options: &PictureOptions,
 ) -> Vec<u8> {
-    draw(snapshot, field, options).png()
-}
-
-/// The picture as pixels.
-pub(crate) fn draw(snapshot: &Snapshot, field: ParticleField, options: &PictureOptions) -> Canvas {
-    let view = options.view.unwrap_or_else(|| View::whole(snapshot));
-    let layout = Layout::new(options.width, options.text_scale, view);
     let range = options.range.unwrap_or_else(|| field.range([snapshot]));
-    let values = field.values(snapshot);
-
-    let tool = colours(&field.tool_values(snapshot), field, range);
-    let material = colours(&values, field, range);
-    let mut canvas = draw_scene(&layout, snapshot, [&material, &tool], options);
-    draw_colour_bar(&mut canvas, &layout, &ColourBar { field, range, values: &values });
-    canvas
+    Scene::new(snapshot, options).coloured_by(field, range).png()
 }
 
-/// The picture without a colour bar: colours of the particles and of the elements of the tool.
-pub(super) fn draw_scene(
-    layout: &Layout,
-    snapshot: &Snapshot,
-    [colours, tool]: [&[Rgb]; 2],
-    options: &PictureOptions,
-) -> Canvas {
-    let mut canvas = Canvas::new(layout.width, layout.height);
-    let plot = draw_plot(layout, &Coloured { snapshot, colours }, tool, options.style);
-    for (row, source) in plot.pixels.chunks_exact(plot.width).enumerate() {
-        let start = (layout.plot.y0 + row) * canvas.width + layout.plot.x0;
-        canvas.pixels[start..start + plot.width].copy_from_slice(source);
+/// A snapshot whose pixels know their particles, to be coloured once or by several fields.
+pub(crate) struct Scene<'a> {
+    snapshot: &'a Snapshot,
+    options: &'a PictureOptions,
+    layout: Layout,
+    shown: Shown,
+}
+
+impl<'a> Scene<'a> {
+    pub fn new(snapshot: &'a Snapshot, options: &'a PictureOptions) -> Self {
+        let view = options.view.unwrap_or_else(|| View::whole(snapshot));
+        let layout = Layout::new(options.width, options.text_scale, view);
+        let shown =
+            raster::shown_particles(layout.fine(), &layout.fine_mapping(), snapshot, options.style);
+        Self { snapshot, options, layout, shown }
     }
-    draw_axes(&mut canvas, layout);
-    draw_scale_bar(&mut canvas, layout);
-    let caption = options.caption.clone().unwrap_or_else(|| time_text(snapshot.time));
-    let middle = (layout.plot.x0 + layout.plot.x1) as f64 / 2.0;
-    let at = [middle, layout.plot.y0 as f64 - 0.6 * layout.font];
-    canvas.text(&Text { at, anchor: Anchor::Middle, size: layout.font, text: &caption }, INK);
-    canvas
+
+    /// With a colour bar from one end of `range` to the other.
+    pub fn coloured_by(&self, field: ParticleField, range: (f64, f64)) -> Canvas {
+        let values = field.values(self.snapshot);
+        let tool = colours(&field.tool_values(self.snapshot), field, range);
+        let mut canvas = self.drawn(&colours(&values, field, range), &tool);
+        let temperature = self.options.temperature;
+        let bar = ColourBar { field, range, values: &values, temperature };
+        draw_colour_bar(&mut canvas, &self.layout, &bar);
+        canvas
+    }
+
+    /// Without a colour bar: colours of the particles and of the elements of the tool.
+    pub fn drawn(&self, colours: &[Rgb], tool: &[Rgb]) -> Canvas {
+        let layout = &self.layout;
+        let mut canvas = Canvas::new(layout.width, layout.height);
+        let plot = self.plot(colours, tool);
+        for (row, source) in plot.pixels.chunks_exact(plot.width).enumerate() {
+            let start = (layout.plot.y0 + row) * canvas.width + layout.plot.x0;
+            canvas.pixels[start..start + plot.width].copy_from_slice(source);
+        }
+        draw_axes(&mut canvas, layout);
+        draw_scale_bar(&mut canvas, layout);
+        let caption = self.options.caption.clone();
+        let caption = caption.unwrap_or_else(|| time_text(self.snapshot.time));
+        let middle = (layout.plot.x0 + layout.plot.x1) as f64 / 2.0;
+        let at = [middle, layout.plot.y0 as f64 - 0.6 * layout.font];
+        canvas.text(&Text { at, anchor: Anchor::Middle, size: layout.font, text: &caption }, INK);
+        canvas
+    }
+
+    fn plot(&self, colours: &[Rgb], tool: &[Rgb]) -> Canvas {
+        let [width, height] = self.layout.fine();
+        let mut fine = Canvas::new(width, height);
+        raster::paint(&mut fine, &self.shown, colours);
+        let line_width = self.layout.font / 9.0 * OVERSAMPLING as f64;
+        let mapping = self.layout.fine_mapping();
+        raster::draw_tool(&mut fine, &mapping, self.snapshot, tool, line_width);
+        raster::reduce(&fine, OVERSAMPLING)
+    }
 }
 
 /// Simulated time in a unit that suits it.
@@ -127,6 +154,16 @@ impl Layout {
         let height = top + plot_height + bottom;
         Self { width, height, plot, font, mapping: Mapping { view, scale } }
     }
+
+    /// Size of the plot in fine pixels.
+    fn fine(&self) -> [usize; 2] {
+        let Rectangle { x0, y0, x1, y1 } = self.plot;
+        [x1 - x0, y1 - y0].map(|length| length * OVERSAMPLING)
+    }
+
+    fn fine_mapping(&self) -> Mapping {
+        Mapping { view: self.mapping.view, scale: self.mapping.scale * OVERSAMPLING as f64 }
+    }
 }
 
 /// The colours of the particles.
@@ -139,17 +176,6 @@ pub(super) fn colours(values: &[f64], field: ParticleField, range: (f64, f64)) -
         field.colour_at(share)
     };
     values.iter().map(colour).collect()
-}
-
-fn draw_plot(layout: &Layout, particles: &Coloured<'_>, tool: &[Rgb], style: Style) -> Canvas {
-    let (width, height) = (layout.plot.x1 - layout.plot.x0, layout.plot.y1 - layout.plot.y0);
-    let mut fine = Canvas::new(width * OVERSAMPLING, height * OVERSAMPLING);
-    let scale = layout.mapping.scale * OVERSAMPLING as f64;
-    let mapping = Mapping { view: layout.mapping.view, scale };
-    raster::draw_particles(&mut fine, &mapping, particles, style);
-    let line_width = layout.font / 9.0 * OVERSAMPLING as f64;
-    raster::draw_tool(&mut fine, &mapping, particles.snapshot, tool, line_width);
-    raster::reduce(&fine, OVERSAMPLING)
 }
 
 fn draw_axes(canvas: &mut Canvas, layout: &Layout) {
@@ -191,6 +217,7 @@ pub(super) struct ColourBar<'a> {
     pub field: ParticleField,
     pub range: (f64, f64),
     pub values: &'a [f64],
+    pub temperature: TemperatureUnit,
 }
 
 pub(super) fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &ColourBar<'_>) {
@@ -203,7 +230,8 @@ pub(super) fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &Colour
         let colour = bar.field.colour_at(share);
         canvas.fill(Rectangle { x0, y0: y, x1, y1: y + 1 }, colour);
     }
-    let (low, high) = bar.range;
+    let shown = |value: f64| bar.field.shown(value, bar.temperature);
+    let (low, high) = (shown(bar.range.0), shown(bar.range.1));
     let wanted = (height / (3.0 * font)).clamp(2.0, 7.0) as usize;
     let ticks = Ticks::new(low, high, wanted);
     for &value in &ticks.values {
@@ -215,8 +243,11 @@ pub(super) fn draw_colour_bar(canvas: &mut Canvas, layout: &Layout, bar: &Colour
     }
     let end = layout.width as f64 - 0.5 * font;
     let at = [end, plot.y0 as f64 - 0.6 * font];
-    canvas.text(&Text { at, anchor: Anchor::End, size: *font, text: bar.field.title() }, INK);
-    let largest = bar.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    canvas.text(
+        &Text { at, anchor: Anchor::End, size: *font, text: bar.field.title(bar.temperature) },
+        INK,
+    );
+    let largest = shown(bar.values.iter().copied().fold(f64::NEG_INFINITY, f64::max));
     if largest > high + 1e-3 * (high - low) {
         let text = format!("max. {}", three_digits(largest));
         let at = [end, plot.y1 as f64 + 1.35 * font];

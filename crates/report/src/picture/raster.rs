@@ -2,7 +2,7 @@
 
 use super::distance::squared_distances;
 use super::view::View;
-use crate::kit::canvas::{Canvas, Rgb, WHITE};
+use crate::kit::canvas::{Canvas, Rgb};
 use sphcut_sph::Snapshot;
 
 /// Radius of a particle's disc in spacings. Discs of 0.71 just cover a square lattice.
@@ -44,60 +44,65 @@ impl Mapping {
     }
 }
 
-/// Particles with their colours.
-pub(super) struct Coloured<'a> {
-    pub snapshot: &'a Snapshot,
-    pub colours: &'a [Rgb],
-}
+/// The particle that each pixel shows; `None` where there is no material.
+pub(super) type Shown = Vec<Option<usize>>;
 
-/// Draws the particles in a style.
-pub(super) fn draw_particles(
-    canvas: &mut Canvas,
+/// Which particles the pixels of an image of a size show in a style.
+pub(super) fn shown_particles(
+    size: [usize; 2],
     mapping: &Mapping,
-    particles: &Coloured<'_>,
+    snapshot: &Snapshot,
     style: Style,
-) {
-    let sizes = |i: usize| particles.snapshot.spacing_at(i) * mapping.scale;
+) -> Shown {
+    let sizes = |i: usize| snapshot.spacing_at(i) * mapping.scale;
     match style {
-        Style::Material if particles.snapshot.dimension == 2 => {
-            let nearest = colour_nearest(canvas, mapping, particles, |i| CLOSING_RADIUS * sizes(i));
-            erode(canvas, &nearest, |i| (CLOSING_RADIUS - SURFACE) * sizes(i));
+        Style::Material if snapshot.dimension == 2 => {
+            let mut shown = nearest(size, mapping, snapshot, |i| CLOSING_RADIUS * sizes(i));
+            erode(&mut shown, size[0], |i| (CLOSING_RADIUS - SURFACE) * sizes(i));
+            shown
         }
         Style::Material | Style::Particles => {
-            let spacing = particles.snapshot.particle_spacing * mapping.scale;
+            let spacing = snapshot.particle_spacing * mapping.scale;
             let radius = |i: usize| {
                 let disc = if sizes(i) > spacing { COARSE_DISC } else { DISC_RADIUS };
                 (disc * sizes(i)).max(0.6)
             };
-            colour_nearest(canvas, mapping, particles, radius);
+            nearest(size, mapping, snapshot, radius)
+        }
+    }
+}
+
+/// Gives every pixel the colour of its particle.
+pub(super) fn paint(canvas: &mut Canvas, shown: &[Option<usize>], colours: &[Rgb]) {
+    for (pixel, particle) in canvas.pixels.iter_mut().zip(shown) {
+        if let Some(colour) = particle.and_then(|particle| colours.get(particle)) {
+            *pixel = *colour;
         }
     }
 }
 
 /// Empties the pixels that lie within the `depth` of their particle of an empty one.
-fn erode(canvas: &mut Canvas, nearest: &[Option<usize>], depth: impl Fn(usize) -> f64) {
-    let empty: Vec<bool> = nearest.iter().map(Option::is_none).collect();
-    let inside = squared_distances(&empty, canvas.width);
-    for ((pixel, squared), nearest) in canvas.pixels.iter_mut().zip(inside).zip(nearest) {
-        if nearest.is_none_or(|particle| squared <= depth(particle).powi(2)) {
-            *pixel = WHITE;
+fn erode(shown: &mut Shown, width: usize, depth: impl Fn(usize) -> f64) {
+    let empty: Vec<bool> = shown.iter().map(Option::is_none).collect();
+    let inside = squared_distances(&empty, width);
+    for (particle, squared) in shown.iter_mut().zip(inside) {
+        if particle.is_some_and(|particle| squared <= depth(particle).powi(2)) {
+            *particle = None;
         }
     }
 }
 
-/// Colours every pixel within its `radius` of a particle like the nearest one and returns the
-/// particle of each, if there is one. In three dimensions the particles nearer to the eye
+/// The nearest particle of every pixel that lies within its `radius`. In three dimensions the particles nearer to the eye
 /// (larger z) hide those behind.
-fn colour_nearest(
-    canvas: &mut Canvas,
+fn nearest(
+    [width, height]: [usize; 2],
     mapping: &Mapping,
-    particles: &Coloured<'_>,
+    snapshot: &Snapshot,
     radius: impl Fn(usize) -> f64,
-) -> Vec<Option<usize>> {
-    let Coloured { snapshot, colours } = *particles;
-    let mut nearest = vec![f64::INFINITY; canvas.width * canvas.height];
+) -> Shown {
+    let mut nearest = vec![f64::INFINITY; width * height];
     let mut shown = vec![None; nearest.len()];
-    for (i, (position, &colour)) in snapshot.position.iter().zip(colours).enumerate() {
+    for (i, position) in snapshot.position.iter().enumerate() {
         let radius = radius(i);
         let depth_per_pixel = if snapshot.dimension == 3 { radius } else { 0.0 };
         let [x, y] = mapping.pixel(position[0], position[1]);
@@ -105,16 +110,15 @@ fn colour_nearest(
             continue;
         }
         let depth = -position[2] * mapping.scale * depth_per_pixel;
-        let columns = overlap(x, radius, canvas.width);
-        for row in overlap(y, radius, canvas.height) {
+        let columns = overlap(x, radius, width);
+        for row in overlap(y, radius, height) {
             for column in columns.clone() {
                 let (dx, dy) = (column as f64 + 0.5 - x, row as f64 + 0.5 - y);
                 let squared = dx * dx + dy * dy;
-                let index = row * canvas.width + column;
+                let index = row * width + column;
                 if squared <= radius * radius && squared + depth < nearest[index] {
                     nearest[index] = squared + depth;
                     shown[index] = Some(i);
-                    canvas.pixels[index] = colour;
                 }
             }
         }
@@ -219,6 +223,7 @@ pub(super) fn reduce(fine: &Canvas, factor: usize) -> Canvas {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kit::canvas::WHITE;
 
     #[test]
     fn a_polygon_covers_its_area() {
@@ -241,8 +246,8 @@ mod tests {
         let mapping = Mapping { view: View { min: [0.0; 2], max: [5.0, 4.0] }, scale: 10.0 };
         let mut canvas = Canvas::new(50, 40);
         let colours = [[255, 0, 0], [0, 0, 255]];
-        let particles = Coloured { snapshot: &snapshot, colours: &colours };
-        draw_particles(&mut canvas, &mapping, &particles, Style::Particles);
+        let shown = shown_particles([50, 40], &mapping, &snapshot, Style::Particles);
+        paint(&mut canvas, &shown, &colours);
         assert_eq!(canvas.pixels[20 * 50 + 24], [255, 0, 0]);
         assert_eq!(canvas.pixels[20 * 50 + 25], [0, 0, 255]);
         assert_eq!(canvas.pixels[20 * 50 + 10], [255, 255, 255]);
@@ -258,8 +263,8 @@ mod tests {
         let colours = vec![[255, 0, 0]; 160];
         let mapping = Mapping { view: View { min: [0.0; 2], max: [20.0, 12.0] }, scale: 10.0 };
         let mut canvas = Canvas::new(200, 120);
-        let particles = Coloured { snapshot: &snapshot, colours: &colours };
-        draw_particles(&mut canvas, &mapping, &particles, Style::Material);
+        let shown = shown_particles([200, 120], &mapping, &snapshot, Style::Material);
+        paint(&mut canvas, &shown, &colours);
         let filled = |y: f64| canvas.pixels[(120 - (10.0 * y) as usize) * 200 + 100] != WHITE;
         // Surfaces lie half a spacing from the rows, to a pixel of a tenth.
         for (y, expected) in
@@ -283,8 +288,8 @@ mod tests {
         let colours = vec![[255, 0, 0]; snapshot.position.len()];
         let mapping = Mapping { view: View { min: [0.0; 2], max: [20.0, 10.0] }, scale: 10.0 };
         let mut canvas = Canvas::new(200, 100);
-        let particles = Coloured { snapshot: &snapshot, colours: &colours };
-        draw_particles(&mut canvas, &mapping, &particles, Style::Material);
+        let shown = shown_particles([200, 100], &mapping, &snapshot, Style::Material);
+        paint(&mut canvas, &shown, &colours);
         let filled = |y: f64| canvas.pixels[(100 - (10.0 * y) as usize) * 200 + 100] != WHITE;
         // Half a spacing of its own beyond the outer row of each.
         for (y, expected) in [(1.8, false), (2.6, true), (5.0, true), (6.9, true), (7.3, false)] {

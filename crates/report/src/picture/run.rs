@@ -3,14 +3,14 @@
 use super::animation::animate;
 use super::described::{PICTURE_WIDTH, Picture, Pictures, description, tool_range};
 use super::field::ParticleField;
+use super::flaws::{checkerboard, cut_off};
 use super::layers::render_layers;
 use super::plane::{PictureOptions, render_snapshot};
 use super::raster::Style;
 use super::run_in_space;
 use super::view::View;
-use crate::kit::numbers::three_digits;
 use crate::kit::shell::data_uri;
-use sphcut_record::{Run, RunError, Setting};
+use sphcut_record::{Run, RunError, Setting, TemperatureUnit};
 use sphcut_sph::Snapshot;
 
 /// Fields shown in a report.
@@ -23,7 +23,7 @@ const FIELDS: [ParticleField; 6] = [
     ParticleField::Speed,
 ];
 const THUMBNAIL_WIDTH: u32 = 560;
-const ANIMATION_WIDTH: u32 = 960;
+const ANIMATION_WIDTH: u32 = 840;
 /// Size of the window about the cutting edge in uncut chip thicknesses.
 const WINDOW: [f64; 2] = [11.5, 7.6];
 /// The same of the close-up of a tool that conducts heat.
@@ -47,20 +47,31 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
     }
     let first = run.snapshots.get(0)?;
     let view = about_edge(run, &last);
+    let temperature = run.provenance.temperature_unit();
     let options = PictureOptions {
         width: PICTURE_WIDTH,
         text_scale: 1.6,
         view,
         style: Style::Material,
+        temperature,
         ..PictureOptions::default()
     };
-    let fields = FIELDS.map(|field| Picture {
-        title: field.title().to_owned(),
-        description: description(field, &last),
-        media_type: "image/png",
-        bytes: render_snapshot(&last, field, &options),
-    });
-    let mut fields = fields.to_vec();
+    let checkerboard = checkerboard(&last);
+    let mut fields: Vec<Picture> = FIELDS
+        .into_iter()
+        .map(|field| {
+            let mut title = field.title(temperature).to_owned();
+            if let Some(note) = checkerboard.as_ref().filter(|_| field == ParticleField::Pressure) {
+                title = format!("{title}. {note}");
+            }
+            Picture {
+                title,
+                description: description(field, &last, temperature),
+                media_type: "image/png",
+                bytes: render_snapshot(&last, field, &options),
+            }
+        })
+        .collect();
     if let Some(range) = tool_range(&last) {
         let view = edge(run, &last).zip(run.facts.uncut_chip_thickness).map(close_up).or(view);
         let options = PictureOptions { view, range: Some(range), ..options.clone() };
@@ -81,31 +92,46 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
             &PictureOptions { style: Style::Particles, ..options.clone() },
         ),
     });
-    let scene = Scene::of_run(run, &first, &last);
-    let still = Picture {
+    let scene = Scene::of_run(run, &first, &last, temperature);
+    let whole = Picture {
         title: "The whole workpiece".to_owned(),
-        description: description(ParticleField::Temperature, &last),
+        description: description(ParticleField::Temperature, &last, temperature),
         media_type: "image/png",
         bytes: render_snapshot(&last, ParticleField::Temperature, &scene.last),
     };
-    let movie = if wanted(run, "animation") {
-        animate(&run.snapshots, ParticleField::Temperature, |snapshot| scene.of(run, snapshot))?
+    let animation = if wanted(run, "animation") {
+        let about = Scene {
+            last: PictureOptions {
+                width: ANIMATION_WIDTH,
+                text_scale: 1.2,
+                range: None,
+                view: view.or(scene.last.view),
+                ..options.clone()
+            },
+            followed: if view.is_some() { edge(run, &last) } else { scene.followed },
+        };
+        animate(&run.snapshots, |snapshot| about.of(run, snapshot))?
     } else {
         None
     };
-    let animation = movie.map(|bytes| Picture {
-        title: "Chip formation, coloured by temperature".to_owned(),
-        description: "Animation of the cut from the first contact to the end, coloured by \
-                      temperature."
-            .to_owned(),
-        media_type: "image/gif",
-        bytes,
-    });
-    Ok(Pictures { animation, whole: Some(still), fields, layers })
+    Ok(Pictures {
+        animation,
+        whole: Some(whole),
+        fields,
+        layers,
+        cut_off: cut_off(run, &first, &last),
+        checkerboard,
+    })
 }
 
-/// A small picture of the end of a run, as a data URI; `None` for a run without snapshots or in space.
-pub(crate) fn thumbnail(run: &Run) -> Result<Option<String>, RunError> {
+/// Ends of the colours that suit the small picture of a run, in K; `None` where it has none.
+pub(crate) fn thumbnail_range(run: &Run) -> Result<Option<(f64, f64)>, RunError> {
+    let last = run.snapshots.last()?.filter(|_| run.facts.dimension == 2);
+    Ok(last.map(|last| ParticleField::Temperature.range([&*last])))
+}
+
+/// A small picture of the end of a run by temperature, as a data URI; `None` for a run without snapshots or in space.
+pub(crate) fn thumbnail(run: &Run, range: (f64, f64)) -> Result<Option<String>, RunError> {
     let Some(last) = run.snapshots.last()?.filter(|_| run.facts.dimension == 2) else {
         return Ok(None);
     };
@@ -113,7 +139,9 @@ pub(crate) fn thumbnail(run: &Run) -> Result<Option<String>, RunError> {
         width: THUMBNAIL_WIDTH,
         text_scale: 1.3,
         view: about_edge(run, &last),
+        range: Some(range),
         style: Style::Material,
+        temperature: run.provenance.temperature_unit(),
         ..PictureOptions::default()
     };
     let bytes = render_snapshot(&last, ParticleField::Temperature, &options);
@@ -124,11 +152,14 @@ pub(crate) fn thumbnail(run: &Run) -> Result<Option<String>, RunError> {
 fn tool_picture(snapshot: &Snapshot, options: &PictureOptions) -> Picture {
     let (low, high) = options.range.unwrap_or_default();
     Picture {
-        title: "Temperature in K at the edge, colours for the tool".to_owned(),
+        title: format!(
+            "{} at the edge, colours for the tool",
+            ParticleField::Temperature.title(options.temperature)
+        ),
         description: format!(
             "Temperature of the tool, between {} and {}; particles beyond have the colours of the ends.",
-            three_digits(low),
-            three_digits(high)
+            options.temperature.shown(low),
+            options.temperature.shown(high)
         ),
         media_type: "image/png",
         bytes: render_snapshot(snapshot, ParticleField::Temperature, options),
@@ -144,12 +175,13 @@ struct Scene {
 }
 
 impl Scene {
-    fn of_run(run: &Run, first: &Snapshot, last: &Snapshot) -> Self {
+    fn of_run(run: &Run, first: &Snapshot, last: &Snapshot, temperature: TemperatureUnit) -> Self {
         let all = last.id.len() >= first.id.len();
         let followed = if all { None } else { edge(run, last) };
         let view = View::whole(last);
         let last = PictureOptions {
-            width: ANIMATION_WIDTH,
+            width: PICTURE_WIDTH,
+            temperature,
             view: Some(if followed.is_none() { view.union(View::whole(first)) } else { view }),
             range: Some(ParticleField::Temperature.range([first, last])),
             style: Style::Material,

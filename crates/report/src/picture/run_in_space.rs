@@ -5,8 +5,7 @@ use super::field::ParticleField;
 use super::plane::time_text;
 use super::space::{SpaceOptions, ToolVisibility, axes, render_in_space, whole_in_space};
 use super::view::View;
-use crate::kit::numbers::three_digits;
-use sphcut_record::{Run, RunError};
+use sphcut_record::{Run, RunError, TemperatureUnit};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Pass;
 use std::sync::Arc;
@@ -28,11 +27,12 @@ const CLOSE_UP: [f64; 2] = [0.85e-3, 0.6e-3];
 
 type Vector = [f64; 3];
 
-/// Directions of a cut: along it, along the feed, away from the workpiece.
+/// Directions of a cut: along it, along the feed, away from the workpiece; and the unit of its temperatures.
 struct Directions {
     cutting: Vector,
     feed: Vector,
     up: Vector,
+    temperature: TemperatureUnit,
 }
 
 impl Directions {
@@ -42,6 +42,7 @@ impl Directions {
             cutting: frame.cutting,
             feed: frame.feed,
             up: frame.passive.map(|component| -component),
+            temperature: run.provenance.temperature_unit(),
         }
     }
 
@@ -57,6 +58,7 @@ impl Directions {
             text_scale: 1.6,
             named: vec![(self.cutting, "cut"), (self.feed, "feed"), (self.up, "up")],
             caption: String::new(),
+            temperature: self.temperature,
         }
     }
 }
@@ -68,7 +70,7 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
     let ahead = directions.options(FROM_AHEAD);
     let whole = Picture {
         title: "The whole workpiece and the tool at the end, from ahead and above".to_owned(),
-        description: description(ParticleField::PlasticStrain, last),
+        description: description(ParticleField::PlasticStrain, last, ahead.temperature),
         media_type: "image/png",
         bytes: render_in_space(
             last,
@@ -82,8 +84,8 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
     };
     let view = about_edge(last, &directions, &ahead.axes);
     let with_tool = FIELDS.map(|field| Picture {
-        title: format!("{}, from ahead and above", field.title()),
-        description: description(field, last),
+        title: format!("{}, from ahead and above", field.title(ahead.temperature)),
+        description: description(field, last, ahead.temperature),
         media_type: "image/png",
         bytes: render_in_space(
             last,
@@ -101,7 +103,7 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
     for (number, snapshot) in after_passes(run)? {
         fields.push(surface(&directions, number, &snapshot));
     }
-    Ok(Pictures { animation: None, whole: Some(whole), fields, layers: None })
+    Ok(Pictures { whole: Some(whole), fields, ..Pictures::default() })
 }
 
 /// The tool without particles, in colours that show its own differences.
@@ -117,11 +119,14 @@ fn tool_alone(snapshot: &Snapshot, options: &SpaceOptions) -> Picture {
     };
     let (low, high) = options.range.unwrap_or_default();
     Picture {
-        title: "Temperature in K of the tool alone, from ahead and above".to_owned(),
+        title: format!(
+            "{} of the tool alone, from ahead and above",
+            ParticleField::Temperature.title(options.temperature)
+        ),
         description: format!(
             "Temperature of the tool's surface, between {} and {}.",
-            three_digits(low),
-            three_digits(high)
+            options.temperature.shown(low),
+            options.temperature.shown(high)
         ),
         media_type: "image/png",
         bytes: render_in_space(
@@ -136,7 +141,7 @@ fn surface(directions: &Directions, pass: usize, snapshot: &Snapshot) -> Picture
     let behind = directions.options(FROM_BEHIND);
     Picture {
         title: format!("Surface after pass {pass}, from behind and above, the tool left out"),
-        description: description(ParticleField::PlasticStrain, snapshot),
+        description: description(ParticleField::PlasticStrain, snapshot, behind.temperature),
         media_type: "image/png",
         bytes: render_in_space(
             snapshot,

@@ -6,6 +6,7 @@ use super::plane::{ColourBar, Layout, OVERSAMPLING, colours, draw_colour_bar, dr
 use super::raster::{self, Mapping};
 use super::view::View;
 use crate::kit::canvas::{Anchor, Canvas, INK, Rgb, Text, WHITE, text_width};
+use sphcut_record::TemperatureUnit;
 use sphcut_sph::Snapshot;
 
 /// Radius of a particle's ball in spacings: those of a cubic lattice leave no gaps.
@@ -40,6 +41,8 @@ pub struct SpaceOptions {
     pub named: Vec<(Vector, &'static str)>,
     /// A line of text above the picture.
     pub caption: String,
+    /// The unit of temperatures at the colour bar.
+    pub temperature: TemperatureUnit,
 }
 
 /// Whether the tool is drawn.
@@ -137,7 +140,12 @@ pub(crate) fn draw_in_space(
     let at = [plot.x0 as f64, plot.y0 as f64 - 0.6 * layout.font];
     let text = Text { at, anchor: Anchor::Start, size: layout.font, text: &options.caption };
     canvas.text(&text, INK);
-    draw_colour_bar(&mut canvas, &layout, &ColourBar { field, range, values: &values });
+    let temperature = options.temperature;
+    draw_colour_bar(
+        &mut canvas,
+        &layout,
+        &ColourBar { field, range, values: &values, temperature },
+    );
     canvas
 }
 
@@ -377,6 +385,7 @@ mod tests {
             text_scale: 1.0,
             named: vec![([1.0, 0.0, 0.0], "cut")],
             caption: "two balls".to_owned(),
+            temperature: TemperatureUnit::Kelvin,
         }
     }
 

@@ -49,8 +49,14 @@ pub fn write(
         files::save(&out.join("coefficients.csv"), coefficients_csv(&coefficients).as_bytes())?;
         files::save(&out.join("coefficients.json"), coefficients_json(&coefficients).as_bytes())?;
     }
-    let page =
-        SweepPage { table: &table, left_out: &plan.left_out, measured, text: &sweep.text, version };
+    let page = SweepPage {
+        table: &table,
+        left_out: &plan.left_out,
+        measured,
+        text: &sweep.text,
+        version,
+        folder: out,
+    };
     let text = render_sweep(&page)
         .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
     let path = out.join("sweep.html");

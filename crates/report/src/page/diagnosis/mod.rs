@@ -1,5 +1,6 @@
 //! `diagnosis.html`: which physics a simulation left out.
 
+mod compared;
 mod series;
 mod time;
 mod words;
@@ -7,14 +8,14 @@ mod words;
 pub use series::{SeriesPage, render_series, series_summary};
 pub use words::diagnosis_words;
 
-use crate::kit::map::{ColourScale, Map};
+use crate::kit::map::{ColourScale, Map, ValueAt};
 use crate::kit::numbers::{
     M_PER_MIN, MM, UM, minus, percent, signed, signed_percent, three_digits, with_ends,
 };
 use crate::kit::shell::{self, Shell, plain, plotted, tab, verdict};
 use crate::kit::table::ColumnHead::{Number, Text};
 use crate::kit::table::{NONE, table};
-use crate::kit::text::listed;
+use crate::kit::text::{indexed, listed};
 use maud::{Markup, html};
 use sphcut_diagnose::series::SeriesDiagnosis;
 use sphcut_diagnose::{
@@ -55,6 +56,7 @@ pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
     let alarm = page.diagnosis.finding.is_alarm();
     let body = html! {
         (verdict(alarm, &sentences, plain))
+        (compared::section(page))
         (where_it_is(page))
         (what_it_is(page))
         @if let Some(series) = page.series {
@@ -123,7 +125,7 @@ fn map(page: &DiagnosisPage<'_>, points: &[MapPoint], size: f64, title: &str) ->
         hull: &hull,
         inputs: &inputs,
         surface: Some(&surface),
-        points: inputs.iter().map(|&input| (input, surface(input))).collect(),
+        points: inputs.iter().map(|&at| ValueAt { at, value: surface(at), link: None }).collect(),
     }
     .svg()
 }
@@ -172,7 +174,7 @@ fn what_it_is(page: &DiagnosisPage<'_>) -> Markup {
                     th scope="row" { (titles(page, scored)) }
                     td.n { (percent(scored.probability)) }
                     td { @if let Some(fit) = found.fits.iter().find(|fit| fit.effects == scored.hypothesis.effects()) {
-                        (parameters(page, fit).join("; "))
+                        (indexed(&parameters(page, fit).join("; ")))
                     } }
                 } } }))
             @if finding.is_alarm() && !finding.families.is_empty() {

@@ -8,7 +8,7 @@ mod words;
 pub use comparison::render_comparison;
 pub use words::greybox_words;
 
-use crate::kit::map::{ColourScale, Map};
+use crate::kit::map::{ColourScale, Map, ValueAt};
 use crate::kit::numbers::{percent_tenths, three_digits};
 use crate::kit::shell::{Shell, note, plotted, tab};
 use crate::kit::table::or_dash;
@@ -97,8 +97,10 @@ fn four_maps(fit: &GreyBoxFit, force: &ForceFit) -> [String; 4] {
     let white = |input: Input| plots::white_at(fit, force.force, input);
     let correction = |input: Input| plots::predict(force, input);
     let grey = |input: Input| white(input) + correction(input);
-    let with =
-        |values: &[f64]| inputs.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
+    let with = |values: &[f64]| {
+        let point = |(at, value): (&Input, &f64)| ValueAt { at: *at, value: *value, link: None };
+        inputs.iter().zip(values).map(point).collect::<Vec<_>>()
+    };
     let forces = ColourScale::of_range(
         measured.iter().copied().chain(inputs.iter().map(|&input| white(input))),
     );

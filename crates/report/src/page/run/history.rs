@@ -3,8 +3,9 @@
 use super::tables::term_colour;
 use crate::kit::chart::{Area, Band, Chart, ChartLine};
 use crate::kit::colours::{BLUE, BLUE_LIGHT, GREEN, GREEN_LIGHT, INK, RED, RED_LIGHT};
-use crate::kit::numbers::with_interval;
+use crate::kit::numbers::{UM, percent, three_digits, with_interval};
 use crate::kit::shell::figure;
+use crate::kit::table::{results, row};
 use maud::{Markup, html};
 use sphcut_postprocess::{ENERGY_TERMS, Force, ProcessResult, TermKind};
 use sphcut_record::{Facts, Run, TemperatureUnit};
@@ -13,24 +14,53 @@ use sphcut_sph::ChannelId;
 /// Share of the record averaged for the smooth line of a force.
 const SMOOTHING: f64 = 0.02;
 
-/// Forces, energy, momentum and temperature over the travel.
+/// Temperature, energy, momentum over the travel, and how steady the forces are.
 pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
     let axis = Axis::of(run, result);
     html! {
-        section {
-            h2 { "History" }
-            (figure(forces(run, result, &axis).svg(), "Forces of the tool on the workpiece \
-                (in the plane per width of cut): impulse averages over each sampling interval (pale) and running \
-                mean over 2 % of the record. The level and its band are the mean over the window and its 95 % interval."))
-            (figure(temperature(run, &axis).svg(), "Highest temperature of any particle, and mean \
-                temperature in contact weighted with the contact force."))
-            (figure(energy(run, &axis).svg(), "Where the work went, stacked: physical terms in \
-                calm colours, numerical ones in warm colours. The line is the work supplied."))
-            (figure(momentum(run, result, &axis).svg(), "Force of the tool, and what it has to \
-                equal: support reaction with opposite sign plus rate of change of momentum, along \
-                the cutting direction; running means."))
-        }
+        (figure(temperature(run, &axis).svg(), "Highest temperature of any particle, and mean \
+            temperature in contact weighted with the contact force."))
+        (figure(energy(run, &axis).svg(), "Where the work went, stacked: physical terms in \
+            calm colours, numerical ones in warm colours. The line is the work supplied."))
+        (figure(momentum(run, result, &axis).svg(), "Force of the tool, and what it has to \
+            equal: support reaction with opposite sign plus rate of change of momentum, along \
+            the cutting direction; running means."))
+        @if ProcessResult::is_cut(run) { (steadiness(run, result)) }
     }
+}
+
+/// Forces over the travel.
+pub(super) fn forces_figure(run: &Run, result: &ProcessResult) -> Markup {
+    figure(
+        forces(run, result, &Axis::of(run, result)).svg(),
+        "Forces of the tool on the workpiece (in the plane per width of cut): impulse averages over each sampling \
+         interval (pale) and running mean over 2 % of the record. The level and its band are the mean over the window \
+         and its 95 % interval. A click shows the picture of that place.",
+    )
+}
+
+/// Place of a time on the axis of the charts, and in words.
+pub(super) fn moment(run: &Run, result: &ProcessResult, time: f64) -> (f64, String) {
+    let axis = Axis::of(run, result);
+    let times = run.samples.channel(ChannelId::Time);
+    let after = times.partition_point(|sampled| *sampled < time);
+    // The first sample ends an interval after the start.
+    let before = |values: &[f64]| if after > 0 { values[after - 1] } else { 0.0 };
+    let between = |values: &[f64]| match values.get(after) {
+        Some(value) => {
+            let share = (time - before(times)) / (times[after] - before(times));
+            before(values) + share * (value - before(values))
+        }
+        None => before(values),
+    };
+    let place = between(&axis.values);
+    let travel = between(run.samples.channel(ChannelId::Travel)) * 1e3;
+    let words = if ProcessResult::is_cut(run) {
+        format!("{travel:.2} mm of travel")
+    } else {
+        String::new()
+    };
+    (place, words)
 }
 
 /// Forces over the travel alone, for the page of springback.
@@ -138,6 +168,7 @@ fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
         x: axis.values.clone(),
         window: axis.window(result),
         y_includes: vec![0.0],
+        follows_animation: true,
         ..Chart::default()
     };
     let band = |force: &Force, colour, symbol: &str| {
@@ -184,6 +215,7 @@ fn temperature<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
         y_title: if in_celsius { "Temperature in \u{b0}C" } else { "Temperature in K" },
         height: 300.0,
         x: axis.values.clone(),
+        follows_animation: true,
         lines: vec![
             ChartLine::new(
                 "Highest",
@@ -232,6 +264,7 @@ fn energy<'a>(run: &Run, axis: &Axis) -> Chart<'a> {
         y_title: scale.energy_title,
         height: 420.0,
         x: axis.values.clone(),
+        follows_animation: true,
         areas,
         lines: vec![ChartLine::new(
             "Work",
@@ -268,6 +301,7 @@ fn momentum<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
         y_title: scale.force_title,
         height: 300.0,
         x: axis.values.clone(),
+        follows_animation: true,
         window: axis.window(result).map(|(from, to, _)| (from, to, "")),
         lines: vec![
             line("Contact", BLUE_LIGHT, 5.0, &force),
@@ -277,6 +311,55 @@ fn momentum<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
         y_includes: vec![0.0],
         ..Chart::default()
     }
+}
+
+/// How the verdict on the cutting force came about.
+fn steadiness(run: &Run, result: &ProcessResult) -> Markup {
+    let (drift, unit) = match run.facts.dimension {
+        3 => (result.window.drift_per_width * run.facts.width_of_cut, "N"),
+        _ => (result.window.drift_per_width * 1e-3, "N/mm"),
+    };
+    let state = &result.steady;
+    let bound = result.feed_known.drift.bound();
+    let possible = if bound.is_finite() {
+        three_digits(if unit == "N" { bound } else { bound * 1e-3 })
+    } else {
+        "not known".to_owned()
+    };
+    let window = format!(
+        "{} to {} mm",
+        three_digits(result.window.start * 1e3),
+        three_digits(result.window.end * 1e3)
+    );
+    let wanted = format!(
+        "\u{b1} {} after {} mm",
+        percent(result.criterion.relative_half_width),
+        three_digits(result.criterion.minimum_travel * 1e3)
+    );
+    let rows = [
+        row(
+            "Steady",
+            if state.reached { "yes" } else { "no" }.to_owned(),
+            "",
+            state.reason.to_string(),
+        ),
+        row("Asked for", wanted, "", "half width of the interval and least travel"),
+        row("Window of the means", window, "", ""),
+        row(
+            "Correlation length",
+            three_digits(state.correlation_length * UM),
+            "\u{b5}m",
+            "of the cutting force along the travel",
+        ),
+        row(
+            "Drift over the window",
+            three_digits(drift),
+            unit,
+            "linear regression of ten batch means",
+        ),
+        row("Possible drift of the feed force", possible, unit, result.feed_known.to_string()),
+    ];
+    html! { h3 { "Steadiness" } (results("Judged by the cutting force.", &rows)) }
 }
 
 #[cfg(test)]

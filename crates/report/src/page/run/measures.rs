@@ -25,11 +25,10 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
     rows.extend(contact_rows(run, geometry));
     rows.extend(surface_rows(result));
     html! {
-        section {
+        section id="chip" {
             h2 { "Chip and surface" }
             (results("Means over the snapshots of the window, \u{b1} standard deviation between them; \
                 definitions and sources: docs/chip.md.", &rows))
-            (figures(run, result))
         }
     }
 }
@@ -190,7 +189,8 @@ fn surface_rows(result: &ProcessResult) -> Vec<ResultRow> {
     rows
 }
 
-fn figures(run: &Run, result: &ProcessResult) -> Markup {
+/// Along the rake side, across the shear zone, along the chip and below the surface.
+pub(super) fn figures(run: &Run, result: &ProcessResult) -> Markup {
     let geometry = &result.geometry;
     html! {
         @if let Ok(interface) = &geometry.interface {

@@ -1,5 +1,6 @@
 //! `report.html`: one run.
 
+mod animation;
 mod drawing;
 mod history;
 mod measures;
@@ -10,7 +11,7 @@ pub(super) use history::force_figure;
 
 use crate::ReportError;
 use crate::kit::numbers::{UM, grouped, three_digits};
-use crate::kit::shell::{Shell, data_uri, next, note, tab};
+use crate::kit::shell::{Shell, contents, data_uri, folded, next, note, tab};
 use crate::picture::{Picture, Pictures, draw_all};
 use maud::{Markup, html};
 use sphcut_postprocess::ProcessResult;
@@ -47,15 +48,27 @@ pub fn render_report(run: &Run, result: &ProcessResult) -> Result<String, Report
         if provenance.title.is_empty() { &provenance.scenario_name } else { &provenance.title };
     let pictures = draw_all(run)?;
     let first = if run.snapshots.is_empty() { None } else { Some(run.snapshots.get(0)?) };
+    let is_cut = ProcessResult::is_cut(run);
     let body = html! {
+        (contents(&sections(is_cut, &pictures)))
         (warnings(result))
         (tables::key_figures(run, result))
-        (cut(&pictures))
+        section id="cut" {
+            h2 { "The cut" }
+            @if let Some(found) = &pictures.animation {
+                (animation::figure(found, &pictures, |time| history::moment(run, result, time)))
+            } @else if let Some(whole) = &pictures.whole {
+                (figure(whole))
+            }
+            (history::forces_figure(run, result))
+        }
         (tables::results(run, result))
         (measures::section(run, result))
-        (history::section(run, result))
-        (tables::balances(run, result))
-        (tables::setup(run, result, first.as_deref()))
+        @if is_cut { (folded("charts", CHARTS, &measures::figures(run, result))) }
+        (folded("history", HISTORY, &history::section(run, result)))
+        @if !pictures.fields.is_empty() { (folded("pictures", PICTURES, &last_pictures(&pictures))) }
+        (folded("balances", BALANCES, &tables::balances(run, result)))
+        (folded("setup", SETUP, &tables::setup(run, result, first.as_deref())))
         (next_steps(run))
         (reproduce(run))
     };
@@ -102,40 +115,42 @@ fn warnings(result: &ProcessResult) -> Markup {
     note("Before you use these numbers", result.warnings.iter().map(|warning| html! { (warning) }))
 }
 
-fn cut(pictures: &Pictures) -> Markup {
-    if pictures.fields.is_empty() {
-        return html! {};
+const CHARTS: &str = "Charts of contact, shear zone, chip and surface";
+const HISTORY: &str = "History and steadiness";
+const PICTURES: &str = "Pictures of the end of the run";
+const BALANCES: &str = "Balances";
+const SETUP: &str = "Setup";
+
+/// Names and headings of the sections.
+fn sections(is_cut: bool, pictures: &Pictures) -> Vec<(&'static str, &'static str)> {
+    let mut sections = vec![("cut", "The cut"), ("results", "Results")];
+    if is_cut {
+        sections.extend([("chip", "Chip and surface"), ("charts", "Charts")]);
     }
+    sections.push(("history", "History"));
+    if !pictures.fields.is_empty() {
+        sections.push(("pictures", "Pictures"));
+    }
+    sections.extend([("balances", BALANCES), ("setup", SETUP), ("reproduce", "How to reproduce")]);
+    sections
+}
+
+/// Every field at the end of the run.
+fn last_pictures(pictures: &Pictures) -> Markup {
     html! {
-        section {
-            h2 { "The cut" }
-            @if let Some(animation) = &pictures.animation {
-                (figure(animation, pictures.whole.as_ref()))
-            } @else if let Some(whole) = &pictures.whole {
-                (figure(whole, None))
-            }
-            div.pair {
-                @for picture in pictures.fields.iter().chain(&pictures.layers) {
-                    (figure(picture, None))
-                }
+        @if let Some(cut_off) = &pictures.cut_off { p { (cut_off) } }
+        div.pair {
+            @for picture in pictures.fields.iter().chain(&pictures.layers) { (figure(picture)) }
+            // Without an animation it stands above.
+            @if let Some(whole) = pictures.whole.as_ref().filter(|_| pictures.animation.is_some()) {
+                (figure(whole))
             }
         }
     }
 }
 
-/// A picture; on paper and for readers who want nothing to move, `still` takes its place.
-fn figure(picture: &Picture, still: Option<&Picture>) -> Markup {
-    html! {
-        figure {
-            @if let Some(still) = still {
-                img.moving src=(uri(picture)) alt=(picture.description);
-                img.still src=(uri(still)) alt=(still.description);
-            } @else {
-                img src=(uri(picture)) alt=(picture.description);
-            }
-            figcaption { (picture.title) }
-        }
-    }
+fn figure(picture: &Picture) -> Markup {
+    html! { figure { img src=(uri(picture)) alt=(picture.description); figcaption { (picture.title) } } }
 }
 
 fn uri(picture: &Picture) -> String {
@@ -170,7 +185,7 @@ fn next_steps(run: &Run) -> Markup {
 fn reproduce(run: &Run) -> Markup {
     let provenance = &run.provenance;
     html! {
-        section {
+        section id="reproduce" {
             h2 { "How to reproduce" }
             p {
                 "With sphcut " (provenance.version) " and the text below as "

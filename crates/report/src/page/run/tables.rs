@@ -87,12 +87,11 @@ pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
     }
     rows.extend(state_rows(run, result));
     html! {
-        section {
+        section id="results" {
             h2 { "Results" }
             (results_table("Intervals are 95 % and take the correlation of the force along the travel into \
                 account.", &rows))
             (passes(result))
-            @if ProcessResult::is_cut(run) { (steadiness(run, result)) }
         }
     }
 }
@@ -193,95 +192,44 @@ fn state_rows(run: &Run, result: &ProcessResult) -> Vec<ResultRow> {
     rows
 }
 
-fn steadiness(run: &Run, result: &ProcessResult) -> Markup {
-    let (drift, unit) = match run.facts.dimension {
-        3 => (result.window.drift_per_width * run.facts.width_of_cut, "N"),
-        _ => (result.window.drift_per_width * 1e-3, "N/mm"),
-    };
-    let state = &result.steady;
-    let bound = result.feed_known.drift.bound();
-    let possible = if bound.is_finite() {
-        three_digits(if unit == "N" { bound } else { bound * 1e-3 })
-    } else {
-        "not known".to_owned()
-    };
-    let window = format!(
-        "{} to {} mm",
-        three_digits(result.window.start * 1e3),
-        three_digits(result.window.end * 1e3)
-    );
-    let wanted = format!(
-        "\u{b1} {} after {} mm",
-        percent(result.criterion.relative_half_width),
-        three_digits(result.criterion.minimum_travel * 1e3)
-    );
-    let rows = [
-        row(
-            "Steady",
-            if state.reached { "yes" } else { "no" }.to_owned(),
-            "",
-            state.reason.to_string(),
-        ),
-        row("Asked for", wanted, "", "half width of the interval and least travel"),
-        row("Window of the means", window, "", ""),
-        row(
-            "Correlation length",
-            three_digits(state.correlation_length * UM),
-            "\u{b5}m",
-            "of the cutting force along the travel",
-        ),
-        row(
-            "Drift over the window",
-            three_digits(drift),
-            unit,
-            "linear regression of ten batch means",
-        ),
-        row("Possible drift of the feed force", possible, unit, result.feed_known.to_string()),
-    ];
-    html! { h3 { "Steadiness" } (results_table("Judged by the cutting force.", &rows)) }
-}
-
 /// Energy, momentum and heat.
 pub(super) fn balances(run: &Run, result: &ProcessResult) -> Markup {
     html! {
-        section {
-            h2 { "Balances" }
-            @if let Some(energy) = &result.energy { (energy_table(run, energy)) }
-            @if let Some(momentum) = &result.momentum {
-                h3 { "Momentum over the window" }
-                div.scroll { table {
-                    caption {
-                        "Impulse of the tool plus impulse of the supports has to equal the change \
-                         of momentum"
-                        @if let Some(closure) = momentum.closure() {
-                            "; what is missing, over the impulse of the tool: " (percent(closure))
-                        }
-                        "."
+        @if let Some(energy) = &result.energy { (energy_table(run, energy)) }
+        @if let Some(momentum) = &result.momentum {
+            h3 { "Momentum over the window" }
+            div.scroll { table {
+                caption {
+                    "Impulse of the tool plus impulse of the supports has to equal the change \
+                     of momentum"
+                    @if let Some(closure) = momentum.closure() {
+                        "; what is missing, over the impulse of the tool: " (percent(closure))
                     }
-                    thead { tr {
-                        th { "N s" @if run.facts.dimension == 2 { " per m of width" } }
-                        th.n { "Tool" } th.n { "Supports" } th.n { "Change" } th.n { "Missing" }
-                    } }
-                    tbody {
-                        (momentum_row("Cutting direction", &momentum.cutting))
-                        (momentum_row("Feed direction", &momentum.feed))
-                    }
-                } }
-            }
-            @if let Some(heat) = result.heat {
-                h3 { "Heat" }
-                p {
-                    "Supplied: " (three_digits(heat.supplied)) " J, found in the particles: "
-                    (three_digits(heat.content)) " J"
-                    @if run.facts.dimension == 2 { " (per m of width)" }
-                    @if let Some(closure) = heat.closure() { "; difference " (percent(closure)) }
                     "."
-                    @if let Some(share) = heat.friction_share {
-                        " Of the heat of friction " (percent(share)) " go into the workpiece at once."
-                    }
                 }
-                @if let Some(tool) = heat.tool { (tool_heat(run, &tool)) }
+                thead { tr {
+                    th { "N s" @if run.facts.dimension == 2 { " per m of width" } }
+                    th.n { "Tool" } th.n { "Supports" } th.n { "Change" } th.n { "Missing" }
+                } }
+                tbody {
+                    (momentum_row("Cutting direction", &momentum.cutting))
+                    (momentum_row("Feed direction", &momentum.feed))
+                }
+            } }
+        }
+        @if let Some(heat) = result.heat {
+            h3 { "Heat" }
+            p {
+                "Supplied: " (three_digits(heat.supplied)) " J, found in the particles: "
+                (three_digits(heat.content)) " J"
+                @if run.facts.dimension == 2 { " (per m of width)" }
+                @if let Some(closure) = heat.closure() { "; difference " (percent(closure)) }
+                "."
+                @if let Some(share) = heat.friction_share {
+                    " Of the heat of friction " (percent(share)) " go into the workpiece at once."
+                }
             }
+            @if let Some(tool) = heat.tool { (tool_heat(run, &tool)) }
         }
     }
 }
@@ -360,22 +308,19 @@ fn momentum_row(name: &str, balance: &MomentumBalance) -> Markup {
 /// Resolution, resolved scenario, effects, cost.
 pub(super) fn setup(run: &Run, result: &ProcessResult, first: Option<&Snapshot>) -> Markup {
     html! {
-        section {
-            h2 { "Setup" }
-            @if let Some(first) = first { (drawings(&run.facts, &run.provenance.settings, first)) }
-            (results_table("Resolution and cost.", &cost_rows(result)))
-            @if !run.provenance.effects.is_empty() {
-                h3 { "Laws and effects" }
-                table { tbody {
-                    @for (name, description) in &run.provenance.effects {
-                        tr { th scope="row" { (name) } td { (description) } }
-                    }
-                } }
-            }
-            @if !run.provenance.settings.is_empty() {
-                h3 { "Every setting" }
-                (settings_table(&run.provenance.settings))
-            }
+        @if let Some(first) = first { (drawings(&run.facts, &run.provenance.settings, first)) }
+        (results_table("Resolution and cost.", &cost_rows(result)))
+        @if !run.provenance.effects.is_empty() {
+            h3 { "Laws and effects" }
+            table { tbody {
+                @for (name, description) in &run.provenance.effects {
+                    tr { th scope="row" { (name) } td { (description) } }
+                }
+            } }
+        }
+        @if !run.provenance.settings.is_empty() {
+            h3 { "Every setting" }
+            (settings_table(&run.provenance.settings))
         }
     }
 }

@@ -10,11 +10,12 @@ use crate::kit::numbers::{M_PER_MIN, MPA, grouped, minus, three_digits, with_end
 use crate::kit::shell::{Shell, next, note, plotted, tab};
 use crate::kit::table::{ColumnHead, NONE, table as kit_table};
 use crate::kit::text::indexed;
-use crate::picture::thumbnail;
-use maud::{Markup, html};
+use crate::picture::{thumbnail, thumbnail_range};
+use maud::{Markup, Render, html};
 use plots::ForceAt;
 use sphcut_record::{Run, ZERO_CELSIUS};
 use sphcut_sweep::{LeftOutRun, State, SweepRow, SweepTable, TrendEstimate, force_coefficients};
+use std::path::Path;
 
 /// Most pictures of cuts on a page.
 const MOST_PICTURES: usize = 24;
@@ -34,6 +35,8 @@ pub struct SweepPage<'a> {
     pub text: &'a str,
     /// Version of sphcut.
     pub version: &'a str,
+    /// Folder of the page, from which links lead to the pages of the runs.
+    pub folder: &'a Path,
 }
 
 /// The text of `sweep.html`; pictures are part of it, nothing is loaded.
@@ -46,7 +49,6 @@ pub fn render_sweep(sweep: &SweepPage<'_>) -> Result<String, ReportError> {
     let body = html! {
         (failures(table))
         (note("What these runs say", sweep_words(table, sweep.measured).iter().map(|sentence| indexed(sentence))))
-        (figures(table))
         @for (index, name) in [(0, "Cutting force F_c"), (1, "Feed force F_f")] {
             (forces(sweep, index, name))
         }
@@ -54,20 +56,24 @@ pub fn render_sweep(sweep: &SweepPage<'_>) -> Result<String, ReportError> {
         @if !pictures.is_empty() {
             section {
                 h2 { "The cuts" }
-                p { "Temperature at the end of each run, the same colours for the same temperature only within a picture." }
+                p { "Temperature at the end of each run, in one scale of colours." }
                 div.pair {
-                    @for (caption, uri) in &pictures {
-                        figure { img src=(uri) alt=(caption); figcaption { (indexed(caption)) } }
+                    @for (row, uri) in &pictures {
+                        @let caption = format!("Run {}: {}", row.number, row.values.join(", "));
+                        figure {
+                            a href=(RunPage::of(row, sweep.folder).link()) { img src=(uri) alt=(caption); }
+                            figcaption { (indexed(&caption)) }
+                        }
                     }
                 }
             }
         }
-        (runs(table))
+        (runs(sweep))
+        (figures(table))
         (left_out(sweep.left_out))
         (next(&[
             ("sphcut greybox fit --simulated simulated.csv --measured FILE", "a correction of the forces learnt from measured ones"),
             ("sphcut springback FOLDER", "the machined surface of every run; FOLDER is that of this page"),
-            ("sphcut report FOLDER/store/results/...", "the page of one run, by its address"),
             ("sphcut diagnose CASE.toml", "which physics is missing, told from measured forces"),
         ]))
         section {
@@ -156,30 +162,36 @@ fn forces(sweep: &SweepPage<'_>, index: usize, name: &str) -> Markup {
     let measured: Vec<ForceAt> = sweep
         .measured
         .iter()
-        .map(|row| ForceAt { at: [row[0], row[1]], value: row[2 + index] })
+        .map(|row| ForceAt { at: [row[0], row[1]], value: row[2 + index], run: None })
         .collect();
     let symbol = ["F_c", "F_f"][index];
+    let links = |number: usize| {
+        let row = sweep.table.rows.iter().find(|row| row.number == number)?;
+        Some(RunPage::of(row, sweep.folder).link())
+    };
     let mut charts: Vec<(String, &str)> = Vec::new();
-    if let Some(map) = plots::map(&points, &measured, symbol) {
+    if let Some(map) = plots::map(&points, &measured, symbol, &links) {
         charts.push((map, if measured.is_empty() {
             "Simulated force as a surface, linear between the conditions, which are the dots."
         } else {
             "Simulated force as a surface, linear between the conditions; the dots are the measured forces in the same colours."
         }));
     }
-    if let Some(slices) = plots::slices(&points, &measured, symbol, 1) {
+    if let Some(slices) = plots::slices(&points, &measured, symbol, 1, &links) {
         charts.push((slices, if measured.is_empty() {
             "Over the uncut chip thickness at fixed cutting speeds."
         } else {
             "Over the uncut chip thickness at fixed cutting speeds. Lines: simulated; dots: measured."
         }));
     }
-    if let Some(slices) = plots::slices(&points, &measured, symbol, 0) {
+    if let Some(slices) = plots::slices(&points, &measured, symbol, 0, &links) {
         charts.push((slices, "Over the cutting speed at fixed thicknesses."));
     }
     let axes = sweep.table.axes.iter().zip(&sweep.table.own).enumerate();
     for (axis, ((key, unit), _)) in axes.filter(|(_, (_, own))| **own) {
-        if let Some(scatter) = plots::scatter(sweep.table, (axis, key, unit), (index, symbol)) {
+        if let Some(scatter) =
+            plots::scatter(sweep.table, (axis, key, unit), (index, symbol), &links)
+        {
             charts.push((scatter, "All runs with the half width of their 95 % intervals."));
         }
     }
@@ -234,22 +246,75 @@ fn coefficients(table: &SweepTable) -> Markup {
     }
 }
 
-/// Pictures of some cuts, spread over the runs, with their captions.
-fn pictures(table: &SweepTable) -> Result<Vec<(String, String)>, ReportError> {
+/// Where the page of a run is, or how it is made.
+struct RunPage {
+    number: usize,
+    /// The page as seen from that of the sweep.
+    place: String,
+    exists: bool,
+    /// What makes it.
+    command: String,
+}
+
+impl RunPage {
+    fn of(row: &SweepRow, folder: &Path) -> Self {
+        Self {
+            number: row.number,
+            place: row.folder_from(folder) + "/report.html",
+            exists: row.folder.join("report.html").is_file(),
+            command: match row.folder.display().to_string() {
+                path if path.contains(' ') => format!("sphcut report \"{path}\""),
+                path => format!("sphcut report {path}"),
+            },
+        }
+    }
+
+    /// Where a click on the run leads: to its page, or to the row that says how to make it.
+    fn link(&self) -> String {
+        if self.exists { self.place.clone() } else { format!("#run-{}", self.number) }
+    }
+
+    fn cell(&self, address: impl Render) -> Markup {
+        html! {
+            @if self.exists {
+                a href=(self.place) { code { (address) } }
+            } @else {
+                details {
+                    summary { code { (address) } }
+                    span.place id={ "run-" (self.number) } {}
+                    "This run has no page yet. " code { (self.command) } " makes it; then " a href=(self.place) { "open it" } "."
+                }
+            }
+        }
+    }
+}
+
+/// Pictures of some cuts, spread over the runs, in one scale of colours.
+fn pictures(table: &SweepTable) -> Result<Vec<(&SweepRow, String)>, ReportError> {
     let runs: Vec<&SweepRow> = table.rows.iter().filter(|row| row.has_result()).collect();
     let wanted = runs.len().min(MOST_PICTURES);
+    let chosen: Vec<&SweepRow> = (0..wanted)
+        .map(|k| runs[if wanted > 1 { k * (runs.len() - 1) / (wanted - 1) } else { 0 }])
+        .collect();
+    // Read twice: all of them at once may not fit into memory.
+    let load = |row: &SweepRow| Run::load(&row.folder.join("run.h5"));
+    let mut range: Option<(f64, f64)> = None;
+    for row in &chosen {
+        if let Some((low, high)) = thumbnail_range(&load(row)?)? {
+            range = Some(range.map_or((low, high), |(a, b)| (a.min(low), b.max(high))));
+        }
+    }
     let mut shown = Vec::new();
-    for k in 0..wanted {
-        let row = runs[if wanted > 1 { k * (runs.len() - 1) / (wanted - 1) } else { 0 }];
-        let run = Run::load(&row.folder.join("run.h5"))?;
-        if let Some(uri) = thumbnail(&run)? {
-            shown.push((format!("Run {}: {}", row.number, row.values.join(", ")), uri));
+    for (row, range) in chosen.into_iter().zip(range.into_iter().cycle()) {
+        if let Some(uri) = thumbnail(&load(row)?, range)? {
+            shown.push((row, uri));
         }
     }
     Ok(shown)
 }
 
-fn runs(table: &SweepTable) -> Markup {
+fn runs(sweep: &SweepPage<'_>) -> Markup {
+    let table = sweep.table;
     let cuts = table.rows.iter().any(|row| row.condition.is_some());
     html! {
         section {
@@ -263,10 +328,10 @@ fn runs(table: &SweepTable) -> Markup {
                             th.n { (indexed("F_c in N")) } th.n { (indexed("F_f in N")) } th { "steady" }
                             th.n { (indexed("h_c / h")) }
                         }
-                        th.n { @if cuts { "contact temperature in \u{b0}C" } @else { "highest temperature in K" } } th.n { "thread time" } th { "address" }
+                        th.n { @if cuts { "contact temperature in \u{b0}C" } @else { "highest temperature in K" } } th.n { "thread time" } th { "address and page" }
                     }
                 }
-                tbody { @for row in table.rows.iter().take(MOST_ROWS) { (run(row, cuts)) } }
+                tbody { @for row in table.rows.iter().take(MOST_ROWS) { (run(row, cuts, sweep.folder)) } }
             } }
             @if table.rows.len() > MOST_ROWS {
                 p { "and " (table.rows.len() - MOST_ROWS) " more in " code { "table.csv" } "." }
@@ -275,7 +340,7 @@ fn runs(table: &SweepTable) -> Markup {
     }
 }
 
-fn run(row: &SweepRow, cuts: bool) -> Markup {
+fn run(row: &SweepRow, cuts: bool, folder: &Path) -> Markup {
     let number = |name: &str| {
         row.summary.get(name).map_or_else(String::new, |value| minus(&three_digits(*value)))
     };
@@ -308,7 +373,7 @@ fn run(row: &SweepRow, cuts: bool) -> Markup {
                 }
                 td.n { (temperature) }
                 td.n { @if let Some(entry) = &row.entry { (hours(entry.wall_seconds * entry.threads as f64)) } }
-                td { code { (row.address.short()) } }
+                td { (RunPage::of(row, folder).cell(row.address.short())) }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Forces of a sweep over its conditions.
 
 use crate::kit::colours::{BLUE, DISTINCT, GREY};
-use crate::kit::map::{ColourScale, Map};
+use crate::kit::map::{ColourScale, Map, ValueAt};
 use crate::kit::numbers::{M_PER_MIN, MM, three_digits};
 use crate::kit::plot::{Axis, Plot};
 use sphcut_greybox::{Hull, Input};
@@ -15,23 +15,26 @@ const SAME: f64 = 1e-6;
 pub(super) struct ForceAt {
     pub(super) at: Input,
     pub(super) value: f64,
+    /// Number of the (first) run it is of; `None` of a measured one.
+    pub(super) run: Option<usize>,
 }
 
 /// The mean of all results at each condition, sorted.
 pub(super) fn points(table: &SweepTable, force: usize) -> Vec<ForceAt> {
-    let mut all: Vec<(Input, f64, f64)> = Vec::new();
+    let mut all: Vec<(ForceAt, f64)> = Vec::new();
     for row in &table.rows {
         let (Some(condition), Some([mean, _])) = (row.condition, row.forces[force]) else {
             continue;
         };
         let at = [condition.cutting_speed, condition.uncut_chip_thickness];
-        match all.iter_mut().find(|(known, ..)| same(known[0], at[0]) && same(known[1], at[1])) {
-            Some((_, sum, count)) => (*sum, *count) = (*sum + mean, *count + 1.0),
-            None => all.push((at, mean, 1.0)),
+        let known = |a: &ForceAt| same(a.at[0], at[0]) && same(a.at[1], at[1]);
+        match all.iter_mut().find(|(point, _)| known(point)) {
+            Some((sum, count)) => (sum.value, *count) = (sum.value + mean, *count + 1.0),
+            None => all.push((ForceAt { at, value: mean, run: Some(row.number) }, 1.0)),
         }
     }
     let mut points: Vec<ForceAt> =
-        all.into_iter().map(|(at, sum, count)| ForceAt { at, value: sum / count }).collect();
+        all.into_iter().map(|(sum, count)| ForceAt { value: sum.value / count, ..sum }).collect();
     points.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1])));
     points
 }
@@ -87,8 +90,16 @@ impl Grid {
     }
 }
 
+/// Where a click on a run leads.
+pub(super) type Links<'a> = &'a dyn Fn(usize) -> Option<String>;
+
 /// The surface with the measured points on it; `None` without speeds and thicknesses.
-pub(super) fn map(points: &[ForceAt], measured: &[ForceAt], symbol: &str) -> Option<String> {
+pub(super) fn map(
+    points: &[ForceAt],
+    measured: &[ForceAt],
+    symbol: &str,
+    links: Links<'_>,
+) -> Option<String> {
     if levels(points, 0).len() < 2 || levels(points, 1).len() < 2 {
         return None;
     }
@@ -106,7 +117,14 @@ pub(super) fn map(points: &[ForceAt], measured: &[ForceAt], symbol: &str) -> Opt
         hull: &hull,
         inputs: &inputs,
         surface: grid.is_some().then_some(&surface as &dyn Fn(Input) -> f64),
-        points: dots.iter().map(|point| (point.at, point.value)).collect(),
+        points: dots
+            .iter()
+            .map(|point| ValueAt {
+                at: point.at,
+                value: point.value,
+                link: point.run.and_then(links),
+            })
+            .collect(),
     };
     Some(map.svg())
 }
@@ -117,6 +135,7 @@ pub(super) fn slices(
     measured: &[ForceAt],
     symbol: &str,
     axis: usize,
+    links: Links<'_>,
 ) -> Option<String> {
     let fixed = 1 - axis;
     let chosen = chosen(&levels(points, fixed));
@@ -126,13 +145,12 @@ pub(super) fn slices(
     }
     let scale = [M_PER_MIN, MM];
     let near = |point: &&ForceAt, level: f64| (point.at[fixed] - level).abs() <= 0.01 * level.abs();
-    let of = |from: &'_ [ForceAt], level: f64| -> Vec<[f64; 2]> {
-        let kept = from.iter().filter(|point| near(point, level));
-        kept.map(|point| [point.at[axis] * scale[axis], point.value]).collect()
+    let of = |from: &[ForceAt], level: f64| -> Vec<ForceAt> {
+        from.iter().filter(|point| near(point, level)).copied().collect()
     };
-    let lines: Vec<Vec<[f64; 2]>> = chosen.iter().map(|level| of(points, *level)).collect();
-    let dots: Vec<Vec<[f64; 2]>> = chosen.iter().map(|level| of(measured, *level)).collect();
-    let values = lines.iter().chain(&dots).flatten().map(|point| point[1]);
+    let lines: Vec<Vec<ForceAt>> = chosen.iter().map(|level| of(points, *level)).collect();
+    let dots: Vec<Vec<ForceAt>> = chosen.iter().map(|level| of(measured, *level)).collect();
+    let values = lines.iter().chain(&dots).flatten().map(|point| point.value);
     let titles = ["v_c in m/min", "h in mm"];
     let mut plot = Plot::new(
         Axis::of_conditions(titles[axis], along.iter().map(|value| value * scale[axis])),
@@ -143,9 +161,19 @@ pub(super) fn slices(
     plot.axes("", true);
     let mut names = Vec::new();
     for (((level, line), dots), colour) in chosen.iter().zip(&lines).zip(&dots).zip(DISTINCT) {
-        plot.line(line, &format!(r#"stroke="{colour}" stroke-width="2""#));
-        for [x, y] in if dots.is_empty() { line } else { dots } {
-            plot.dot(*x, *y, 4.0, &format!(r##"fill="{colour}" stroke="#fff" stroke-width="1""##));
+        let place = |point: &ForceAt| [point.at[axis] * scale[axis], point.value];
+        let ends: Vec<[f64; 2]> = line.iter().map(place).collect();
+        plot.line(&ends, &format!(r#"stroke="{colour}" stroke-width="2""#));
+        for point in if dots.is_empty() { line } else { dots } {
+            let [x, y] = place(point);
+            plot.linked(point.run.and_then(links).as_deref(), |plot| {
+                plot.dot(
+                    x,
+                    y,
+                    4.0,
+                    &format!(r##"fill="{colour}" stroke="#fff" stroke-width="1""##),
+                );
+            });
         }
         let value = three_digits(level * scale[fixed]);
         names.push((colour, format!("{value} {}", ["m/min", "mm"][fixed])));
@@ -169,41 +197,52 @@ pub(super) fn scatter(
     table: &SweepTable,
     (axis, key, unit): (usize, &str, &str),
     (force, symbol): (usize, &str),
+    links: Links<'_>,
 ) -> Option<String> {
     if ["process.cutting_speed", "process.uncut_chip_thickness"].contains(&key) {
         return None;
     }
-    let points: Vec<[f64; 3]> = table
+    let points: Vec<(usize, [f64; 3])> = table
         .rows
         .iter()
-        .filter_map(|row| Some([row.numbers[axis]?, row.forces[force]?[0], row.forces[force]?[1]]))
+        .filter_map(|row| {
+            let [mean, half] = row.forces[force]?;
+            Some((row.number, [row.numbers[axis]?, mean, half]))
+        })
         .collect();
-    let (first, last) = (points.first()?, points.last()?);
-    if points.iter().all(|point| same(point[0], first[0])) && same(first[0], last[0]) {
+    let (_, first) = points.first()?;
+    if points.iter().all(|(_, point)| same(point[0], first[0])) {
         return None;
     }
     let title = if unit.is_empty() { key.to_owned() } else { format!("{key} in {unit}") };
     // An underscore would make an index of the letter after it.
     let title = title.replace('_', " ");
-    let ends = points.iter().flat_map(|[_, mean, half]| {
+    let ends = points.iter().flat_map(|(_, [_, mean, half])| {
         let half = if half.is_finite() { *half } else { 0.0 };
         [mean - half, mean + half]
     });
     let mut plot = Plot::new(
-        Axis::of_conditions(&title, points.iter().map(|point| point[0])),
+        Axis::of_conditions(&title, points.iter().map(|(_, point)| point[0])),
         Axis::linear(&format!("{symbol} in N"), ends, 0.05),
         14.0,
         "Forces of all runs over one key.",
     );
     plot.axes("", true);
-    for [x, mean, half] in points {
+    for (run, [x, mean, half]) in points {
         if half.is_finite() {
             plot.line(
                 &[[x, mean - half], [x, mean + half]],
                 &format!(r#"stroke="{GREY}" stroke-width="1.2""#),
             );
         }
-        plot.dot(x, mean, 3.6, &format!(r#"fill="{BLUE}" opacity="0.8""#));
+        plot.linked(links(run).as_deref(), |plot| {
+            plot.dot(
+                x,
+                mean,
+                3.6,
+                &format!(r#"fill="{BLUE}" opacity="0.8" data-note="run {run}""#),
+            );
+        });
     }
     Some(plot.finish())
 }
@@ -217,7 +256,9 @@ mod tests {
         let plane = |at: Input| 3.0 * at[0] - 2.0 * at[1] + 1.0;
         let points: Vec<ForceAt> = [1.0, 2.0, 4.0]
             .into_iter()
-            .flat_map(|v| [10.0, 20.0].map(|h| ForceAt { at: [v, h], value: plane([v, h]) }))
+            .flat_map(|v| {
+                [10.0, 20.0].map(|h| ForceAt { at: [v, h], value: plane([v, h]), run: None })
+            })
             .collect();
         let grid = Grid::new(&points).unwrap();
         for at in [[1.0, 10.0], [1.5, 12.0], [3.9, 20.0], [4.0, 15.0]] {

@@ -10,7 +10,8 @@ pub fn sweep_words(table: &SweepTable, measured: &[[f64; 4]]) -> Vec<String> {
     let mut words = Vec::new();
     for (index, symbol) in ["F_c", "F_f"].into_iter().enumerate() {
         let simulated = points(table, index);
-        let point = |row: &[f64; 4]| ForceAt { at: [row[0], row[1]], value: row[2 + index] };
+        let point =
+            |row: &[f64; 4]| ForceAt { at: [row[0], row[1]], value: row[2 + index], run: None };
         let real: Vec<ForceAt> = measured.iter().map(point).collect();
         words.extend(over_thickness(&simulated, &real, symbol));
         words.extend(over_all(&simulated, symbol, "simulated"));
@@ -167,7 +168,7 @@ mod tests {
             .into_iter()
             .flat_map(|v| [0.06, 0.1, 0.15].map(|h| [v / 60.0, h / 1e3]));
         let force = |at: [f64; 2]| slope * at[1] * 1e3 * (at[0] / 2.5).powf(power);
-        at.map(|at| ForceAt { at, value: force(at) }).collect()
+        at.map(|at| ForceAt { at, value: force(at), run: None }).collect()
     }
 
     #[test]
