@@ -2,8 +2,9 @@
 
 use super::run::drawings;
 use crate::kit::numbers::{UM, grouped, plain, three_digits};
-use crate::kit::shell::{Shell, next, note, tab};
+use crate::kit::shell::{Shell, data_uri, next, note, tab};
 use crate::kit::text::indexed;
+use crate::picture::draw_setup;
 use maud::{Markup, html};
 use sphcut_record::{Facts, Provenance};
 use sphcut_sph::Snapshot;
@@ -32,7 +33,12 @@ pub fn render_preview(page: &PreviewPage<'_>) -> String {
         html! { div { dt { (indexed(name)) } dd { (value) " " small { (unit) } } } }
     };
     let um = |name: &str, length: f64| figure(name, three_digits(length * UM), "\u{b5}m");
-    let picture = drawings(facts, &provenance.settings, page.first);
+    let drawn = drawings(facts, &provenance.settings, page.first);
+    let pictures = match drawn.0.is_empty() {
+        true => draw_setup(facts, page.first, provenance.temperature_unit()),
+        false => Vec::new(),
+    };
+    let part = page.first.id.len() < page.particles;
     let body: Markup = html! {
         @if provenance.warnings.is_empty() { p.clean { "No warnings." } }
         @else { (note("Before you run it", provenance.warnings.iter().map(|text| html! { (text) }))) }
@@ -45,9 +51,13 @@ pub fn render_preview(page: &PreviewPage<'_>) -> String {
             (um("Particle spacing", facts.particle_spacing))
             (figure("Particles", grouped(page.particles as u64), ""))
         }
-        @if picture.0.is_empty() {
-            p { "There is a drawing of plane cuts that go to the right; this is another one." }
-        } @else { (picture) }
+        (drawn)
+        @for picture in &pictures {
+            figure {
+                img src=(data_uri(picture.media_type, &picture.bytes)) alt=(picture.description);
+                figcaption { (picture.title) @if part { ", a part of the particles" } "." }
+            }
+        }
         section { h2 { "Cost" } ul { @for line in page.cost { li { (line) } } } }
         (next(&[(page.command, "cuts")]))
     };

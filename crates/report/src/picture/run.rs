@@ -10,7 +10,7 @@ use super::raster::Style;
 use super::run_in_space;
 use super::view::View;
 use crate::kit::shell::data_uri;
-use sphcut_record::{Run, RunError, Setting, TemperatureUnit};
+use sphcut_record::{Facts, Run, RunError, Setting, TemperatureUnit};
 use sphcut_sph::Snapshot;
 
 /// Fields shown in a report.
@@ -35,6 +35,26 @@ const FARTHEST: f64 = 7.5;
 fn wanted(run: &Run, key: &str) -> bool {
     let is_key = |s: &&Setting| s.section == "output" && s.key == key;
     run.provenance.settings.iter().find(is_key).is_none_or(|setting| setting.text != "false")
+}
+
+/// A cut before it is run: workpiece and tool as they begin.
+pub(crate) fn draw_setup(facts: &Facts, first: &Snapshot, unit: TemperatureUnit) -> Vec<Picture> {
+    if facts.dimension == 3 {
+        return run_in_space::draw_setup(&facts.frame, first, unit);
+    }
+    let options = PictureOptions {
+        width: PICTURE_WIDTH,
+        text_scale: 1.6,
+        style: Style::Particles,
+        temperature: unit,
+        ..PictureOptions::default()
+    };
+    vec![Picture {
+        title: "Workpiece and tool".to_owned(),
+        description: "Workpiece and tool, before the run.".to_owned(),
+        media_type: "image/png",
+        bytes: render_snapshot(first, ParticleField::Temperature, &options),
+    }]
 }
 
 pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {

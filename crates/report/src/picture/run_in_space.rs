@@ -7,7 +7,7 @@ use super::space::{SpaceOptions, ToolVisibility, axes, render_in_space, whole_in
 use super::view::View;
 use sphcut_record::{Run, RunError, TemperatureUnit};
 use sphcut_sph::Snapshot;
-use sphcut_sph::setup::Pass;
+use sphcut_sph::setup::{CuttingFrame, Pass};
 use std::sync::Arc;
 
 /// Fields shown with the tool.
@@ -36,13 +36,12 @@ struct Directions {
 }
 
 impl Directions {
-    fn of(run: &Run) -> Self {
-        let frame = run.facts.frame;
+    fn of(frame: &CuttingFrame, temperature: TemperatureUnit) -> Self {
         Self {
             cutting: frame.cutting,
             feed: frame.feed,
             up: frame.passive.map(|component| -component),
-            temperature: run.provenance.temperature_unit(),
+            temperature,
         }
     }
 
@@ -66,7 +65,7 @@ impl Directions {
 /// The last snapshot with the tool from ahead, whole and close to the edge, and the machined surface
 /// after each pass from behind, without the tool.
 pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError> {
-    let directions = Directions::of(run);
+    let directions = Directions::of(&run.facts.frame, run.provenance.temperature_unit());
     let ahead = directions.options(FROM_AHEAD);
     let whole = Picture {
         title: "The whole workpiece and the tool at the end, from ahead and above".to_owned(),
@@ -104,6 +103,39 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
         fields.push(surface(&directions, number, &snapshot));
     }
     Ok(Pictures { whole: Some(whole), fields, ..Pictures::default() })
+}
+
+/// Workpiece and tool before the cut: from ahead, whole and close to the edge, and the tool's side of it from behind.
+pub(crate) fn draw_setup(
+    frame: &CuttingFrame,
+    first: &Snapshot,
+    unit: TemperatureUnit,
+) -> Vec<Picture> {
+    let directions = Directions::of(frame, unit);
+    let [ahead, behind] = [FROM_AHEAD, FROM_BEHIND].map(|angles| directions.options(angles));
+    let places = [
+        ("Workpiece and tool, from ahead and above", &ahead, whole_in_space(first, &ahead.axes)),
+        ("The same from behind and above", &behind, whole_in_space(first, &behind.axes)),
+    ];
+    let close = about_edge(first, &directions, &ahead.axes)
+        .map(|view| ("The edge and the particles before it, from ahead and above", &ahead, view));
+    let places = places.into_iter().chain(close);
+    places
+        .map(|(title, options, view)| Picture {
+            title: title.to_owned(),
+            description: format!("{title}, before the cut."),
+            media_type: "image/png",
+            bytes: render_in_space(
+                first,
+                ParticleField::Temperature,
+                &SpaceOptions {
+                    view: Some(view),
+                    caption: time_text(first.time),
+                    ..options.clone()
+                },
+            ),
+        })
+        .collect()
 }
 
 /// The tool without particles, in colours that show its own differences.
