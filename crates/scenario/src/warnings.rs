@@ -45,6 +45,11 @@ pub(crate) fn falls_short(value: f64, limit: f64) -> bool {
     value < limit * (1.0 - 1e-9)
 }
 
+/// A number of particles, to a hundredth: no more is known of them.
+pub(crate) fn rough(particles: f64) -> String {
+    significant((particles * 100.0).round() / 100.0)
+}
+
 /// One sentence for each thing to know.
 pub(crate) fn cut(figures: &CutFigures) -> Vec<String> {
     let depth = figures.uncut_chip_thickness;
@@ -54,8 +59,8 @@ pub(crate) fn cut(figures: &CutFigures) -> Vec<String> {
         warnings.push(format!(
             "particles across the uncut chip thickness: {}; below {RESOLVED} the chip is not \
              resolved: choose a spacing of at most {} um",
-            significant(across),
-            significant(depth / RESOLVED * 1e6)
+            rough(across),
+            significant((depth / RESOLVED * 1e8).floor() / 100.0)
         ));
     }
     warnings.extend(edge_warning(figures));
@@ -193,7 +198,7 @@ fn edge_warning(figures: &CutFigures) -> Option<String> {
         } else {
             ": `particles_across_edge` with `grading = {}` in [resolution] makes them small where the edge is"
         };
-        format!("particles across the edge radius: {}; {means}{help}", significant(across))
+        format!("particles across the edge radius: {}; {means}{help}", rough(across))
     })
 }
 

@@ -52,10 +52,12 @@ pub fn render_preview(page: &PreviewPage<'_>) -> String {
             (figure("Particles", grouped(page.particles as u64), ""))
         }
         (drawn)
-        @for picture in &pictures {
-            figure {
-                img src=(data_uri(picture.media_type, &picture.bytes)) alt=(picture.description);
-                figcaption { (picture.title) @if part { ", a part of the particles" } "." }
+        div.pair {
+            @for picture in &pictures {
+                figure {
+                    img src=(data_uri(picture.media_type, &picture.bytes)) alt=(picture.description);
+                    figcaption { (picture.title) @if part { ", a part of the particles" } "." }
+                }
             }
         }
         section { h2 { "Cost" } ul { @for line in page.cost { li { (line) } } } }

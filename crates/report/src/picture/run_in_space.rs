@@ -105,23 +105,20 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
     Ok(Pictures { whole: Some(whole), fields, ..Pictures::default() })
 }
 
-/// Workpiece and tool before the cut: from ahead, whole and close to the edge, and the tool's side of it from behind.
+/// Workpiece and tool before the cut, from ahead: whole and close to the edge.
 pub(crate) fn draw_setup(
     frame: &CuttingFrame,
     first: &Snapshot,
     unit: TemperatureUnit,
 ) -> Vec<Picture> {
     let directions = Directions::of(frame, unit);
-    let [ahead, behind] = [FROM_AHEAD, FROM_BEHIND].map(|angles| directions.options(angles));
-    let places = [
-        ("Workpiece and tool, from ahead and above", &ahead, whole_in_space(first, &ahead.axes)),
-        ("The same from behind and above", &behind, whole_in_space(first, &behind.axes)),
-    ];
-    let close = about_edge(first, &directions, &ahead.axes)
-        .map(|view| ("The edge and the particles before it, from ahead and above", &ahead, view));
-    let places = places.into_iter().chain(close);
+    let options = directions.options(FROM_AHEAD);
+    let whole = ("Workpiece and tool, from ahead and above", whole_in_space(first, &options.axes));
+    let close = about_edge(first, &directions, &options.axes)
+        .map(|view| ("The edge and the particles before it, from ahead and above", view));
+    let places = [whole].into_iter().chain(close);
     places
-        .map(|(title, options, view)| Picture {
+        .map(|(title, view)| Picture {
             title: title.to_owned(),
             description: format!("{title}, before the cut."),
             media_type: "image/png",

@@ -1,7 +1,7 @@
 //! The optional shapes of a tool of plane faces: chamfer, wear land, built-up edge.
 
 use crate::shared::require;
-use crate::warnings::{RESOLVED, falls_short};
+use crate::warnings::{RESOLVED, falls_short, rough};
 use sphcut_geometry::tool_section::{BuiltUpEdge, Chamfer, EdgeGeometry};
 use sphcut_input::findings::Findings;
 use sphcut_input::problem::Mistake;
@@ -139,7 +139,7 @@ pub(crate) fn warnings(tool: &EdgeGeometry) -> Vec<String> {
         .map(|(name, across)| {
             format!(
                 "particles across the {name}: {}; below {RESOLVED} it is not resolved",
-                significant(across)
+                rough(across)
             )
         })
         .collect()

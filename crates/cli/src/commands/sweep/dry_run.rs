@@ -83,7 +83,8 @@ pub fn warnings(plan: &SweepPlan) -> String {
         let _ = writeln!(page, "warning ({runs} run{plural}): {warning}");
     }
     if plan.warnings.len() > MOST_WARNINGS {
-        let _ = writeln!(page, "and {} more warnings", plan.warnings.len() - MOST_WARNINGS);
+        let more = plan.warnings.len() - MOST_WARNINGS;
+        let _ = writeln!(page, "and {more} more warning{}", if more == 1 { "" } else { "s" });
     }
     page
 }
