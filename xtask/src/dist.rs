@@ -42,8 +42,8 @@ pub fn run(root: &Path) -> Result<(), String> {
     // The same content gives the same bytes: no times, no names of people.
     let ordered = ["--sort=name", "--mtime=@0", "--owner=0", "--group=0", "--numeric-owner"];
     let mut tar = Command::new("tar");
-    tar.args(ordered).arg("-C").arg(&target).arg("-czf").arg(&archive).arg(&name);
-    done(tar.env("GZIP", "-n"))?;
+    tar.args(ordered).args(["--use-compress-program", "gzip -n"]);
+    done(tar.arg("-C").arg(&target).arg("-cf").arg(&archive).arg(&name))?;
     checked(&archive, &name, &target)?;
     let size = std::fs::metadata(&archive).map_err(told)?.len();
     println!("{}: {:.1} MB", archive.display(), size as f64 / 1e6);

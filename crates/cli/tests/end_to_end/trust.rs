@@ -29,7 +29,7 @@ fn a_flipped_bit_of_a_record_is_told_by_verify_and_gives_no_other_report() {
     shop.sphcut(&["run", "tiny.toml", "--quiet", "--out", "result"]).expect_code(0);
     let ended = shop.sphcut(&["verify", "result"]).expect_code(0);
     assert!(ended.out.contains("whole: result/run.h5"), "{}", ended.out);
-    assert!(ended.out.contains("3 files, 0 damaged"), "{}", ended.out);
+    assert!(ended.out.contains("4 files, 0 damaged"), "{}", ended.out);
     shop.sphcut(&["report", "result"]).expect_code(0);
     let expected = shop.read("result/summary.json");
     let record = shop.path("result/run.h5");
