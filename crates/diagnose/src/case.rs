@@ -7,8 +7,8 @@ use crate::error::DiagnoseError;
 use crate::inference::commissioning::{Batch, ReferenceComparison};
 use crate::inference::problem::InstrumentPriors;
 use crate::model::predictor::Predictor;
+use crate::progress::ProgressListener;
 use crate::session::{Diagnosis, DiagnosisRequest, diagnose};
-use crate::told::Told;
 use sphcut_input::CutTableRow;
 
 /// The recordings of a case and what they say against `model`.
@@ -19,7 +19,7 @@ pub fn diagnose_case(
     case: &DiagnosisCase,
     model: &dyn Predictor,
 ) -> Result<(Recordings, Diagnosis), DiagnoseError> {
-    diagnose_case_as(case, model, Told::NOBODY, |_| {})
+    diagnose_case_as(case, model, ProgressListener::NOBODY, |_| {})
 }
 
 /// The same, of which `told` hears, with a request that `change` has changed: what is not wanted is left out there.
@@ -29,7 +29,7 @@ pub fn diagnose_case(
 pub fn diagnose_case_as(
     case: &DiagnosisCase,
     model: &dyn Predictor,
-    told: Told<'_>,
+    told: ProgressListener<'_>,
     change: impl FnOnce(&mut DiagnosisRequest<'_>),
 ) -> Result<(Recordings, Diagnosis), DiagnoseError> {
     let measured = recordings(&case.measured, model, "measured")?;

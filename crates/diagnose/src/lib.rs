@@ -36,11 +36,12 @@ mod inference;
 mod model;
 mod patch;
 mod plan;
+mod progress;
 pub mod series;
 mod session;
 #[cfg(test)]
 mod tests;
-mod told;
+
 mod wear;
 
 pub use case::{diagnose_case, diagnose_case_as};
@@ -76,7 +77,7 @@ pub use model::paired::{
 pub use model::predictor::{Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior};
 pub use patch::{patch, scenario_patch};
 pub use plan::next_experiment::{NextExperiment, Rival, next_experiment};
+pub use progress::ProgressListener;
 pub use session::{Diagnosis, DiagnosisRequest, ParameterEstimate, diagnose};
-pub use told::Told;
 pub use wear::files::{growth_csv, growth_json, growth_words};
 pub use wear::growth::{Amount, Cause, Direction, LeftOutTool, WearGrowth, WearSegment, grows};

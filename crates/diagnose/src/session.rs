@@ -16,7 +16,7 @@ use crate::inference::templates::Templates;
 use crate::inference::verdict::{ClaimVerdict, Conclusion, judge};
 use crate::model::predictor::{Active, Predictor};
 use crate::plan::next_experiment::{NextExperiment, Rival, next_experiment};
-use crate::told::{Stages, Told};
+use crate::progress::{ProgressListener, Stages};
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::{Channel, CuttingCondition, ToolGeometry};
 
@@ -63,7 +63,7 @@ pub struct DiagnosisRequest<'a> {
     /// Seed.
     pub seed: u64,
     /// Who is told how far it is.
-    pub told: Told<'a>,
+    pub told: ProgressListener<'a>,
 }
 
 /// A parameter with its 95 % interval. SI units.

@@ -7,7 +7,8 @@ use crate::progress::ShareDisplay;
 use crate::{files, loading, terminal};
 use clap::Args;
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, Told, closed_form_cut, diagnose_case_as, forecast, forecasts_csv,
+    ClosedForm, DiagnoseError, ProgressListener, closed_form_cut, diagnose_case_as, forecast,
+    forecasts_csv,
 };
 use sphcut_input::read_condition_table;
 use std::path::PathBuf;
@@ -75,7 +76,7 @@ pub fn predict(arguments: &PredictForcesArguments) -> Result<ExitCode, Failure> 
     let model = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
     let display = ShareDisplay::new(false);
     let told = |share: f64, what: &str| display.update(share, what);
-    let again = diagnose_case_as(&case, &model, Told(&told), |request| {
+    let again = diagnose_case_as(&case, &model, ProgressListener(&told), |request| {
         (request.self_test, request.control, request.batch) = (0, 0, 0);
         request.held_out = false;
     });

@@ -6,7 +6,7 @@ use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
 use crate::inference::verdict::{EXPLAINED, smallest_set};
 use crate::model::predictor::{Active, Predictor};
-use crate::told::Part;
+use crate::progress::ProgressPart;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 use sphcut_greybox::Random;
@@ -93,7 +93,7 @@ impl<'a> Simulator<'a> {
     /// are drawn from their priors, through the same steps. Alarms close to the limit are decided with the model itself, as
     /// those of the diagnosis are.
     #[must_use]
-    pub(crate) fn false_alarms(&self, trials: usize, seed: u64, part: &Part<'_>) -> Rate {
+    pub(crate) fn false_alarms(&self, trials: usize, seed: u64, part: &ProgressPart<'_>) -> Rate {
         let alarms: Vec<Option<bool>> = (0..trials)
             .into_par_iter()
             .map(|k| {
@@ -120,7 +120,7 @@ impl<'a> Simulator<'a> {
         active: &[Active],
         trials: usize,
         seed: u64,
-        part: &Part<'_>,
+        part: &ProgressPart<'_>,
     ) -> PositiveControl {
         let mut effects: Vec<usize> = active.iter().map(|one| one.effect).collect();
         effects.sort_unstable();

@@ -216,7 +216,7 @@ mod tests {
             batch: 4,
             range: None,
             seed: 1,
-            told: crate::Told::NOBODY,
+            told: crate::ProgressListener::NOBODY,
         }
     }
 

@@ -201,7 +201,7 @@ pub fn request(recordings: &Recordings) -> DiagnosisRequest<'_> {
         batch: 3,
         range: None,
         seed: 1,
-        told: crate::Told::NOBODY,
+        told: crate::ProgressListener::NOBODY,
     }
 }
 

@@ -5,8 +5,8 @@ use crate::head::rendered;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sphcut_diagnose::{
-    ClaimVerdict, ClosedForm, Diagnosis, DiagnosisCase, HeldOutErrors, HeldValue, Predictor, Told,
-    closed_form_cut, diagnose_case_as,
+    ClaimVerdict, ClosedForm, Diagnosis, DiagnosisCase, HeldOutErrors, HeldValue, Predictor,
+    ProgressListener, closed_form_cut, diagnose_case_as,
 };
 use sphcut_scenario::LoadOptions;
 use std::fmt::Write;
@@ -76,7 +76,7 @@ fn claim(folder: &Path, asked: ClaimOptions) -> Result<Claimed, String> {
     let name = name.ok_or("a folder without a name")?;
     let cut = closed_form_cut(&case.base).map_err(|error| error.to_string())?;
     let model = ClosedForm::new(cut, &case.scatter);
-    let found = diagnose_case_as(&case, &model, Told::NOBODY, |request| {
+    let found = diagnose_case_as(&case, &model, ProgressListener::NOBODY, |request| {
         if !asked.with_reference {
             request.reference = None;
         }

@@ -12,7 +12,7 @@ pub(crate) use runs::refused;
 use runs::{Ended, Paired};
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, DiagnosisFile, DiagnosisProvenance, Predictor, Told,
+    ClosedForm, DiagnoseError, DiagnosisFile, DiagnosisProvenance, Predictor, ProgressListener,
     closed_form_cut, compare_rerun, diagnose_case_as, diagnosis_json, held_out_csv, patch,
 };
 use sphcut_report::{
@@ -122,7 +122,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     };
     let display = ShareDisplay::new(false);
     let told = |share: f64, what: &str| display.update(share, what);
-    let found = pool.install(|| diagnose_case_as(case, model, Told(&told), |_| {}));
+    let found = pool.install(|| diagnose_case_as(case, model, ProgressListener(&told), |_| {}));
     display.finish();
     let (recordings, mut found) = found.map_err(mistaken)?;
     if !arguments.closed_form

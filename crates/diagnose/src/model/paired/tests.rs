@@ -106,7 +106,7 @@ fn request(recordings: &Recordings) -> DiagnosisRequest<'_> {
         batch: 4,
         range: None,
         seed: 1,
-        told: crate::Told::NOBODY,
+        told: crate::ProgressListener::NOBODY,
     }
 }
 

@@ -5,34 +5,34 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Hears the share that is done, between 0 and 1, and what is done now; from any thread.
 #[derive(Clone, Copy)]
-pub struct Told<'a>(pub &'a (dyn Fn(f64, &str) + Sync));
+pub struct ProgressListener<'a>(pub &'a (dyn Fn(f64, &str) + Sync));
 
-impl Told<'_> {
+impl ProgressListener<'_> {
     /// Nobody.
-    pub const NOBODY: Told<'static> = Told(&|_, _| {});
+    pub const NOBODY: ProgressListener<'static> = ProgressListener(&|_, _| {});
 }
 
-impl fmt::Debug for Told<'_> {
+impl fmt::Debug for ProgressListener<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Told")
+        f.write_str("ProgressListener")
     }
 }
 
 /// Work in parts of stated sizes, told one after the other.
 pub(crate) struct Stages<'a> {
-    told: Told<'a>,
+    told: ProgressListener<'a>,
     whole: f64,
     done: f64,
 }
 
 impl<'a> Stages<'a> {
-    pub fn new(told: Told<'a>, whole: f64) -> Self {
+    pub fn new(told: ProgressListener<'a>, whole: f64) -> Self {
         Self { told, whole, done: 0.0 }
     }
 
     /// A part of `size` begins.
-    pub fn begin(&mut self, size: f64, what: &str) -> Part<'a> {
-        let part = Part {
+    pub fn begin(&mut self, size: f64, what: &str) -> ProgressPart<'a> {
+        let part = ProgressPart {
             told: self.told,
             from: self.done / self.whole,
             size: size / self.whole,
@@ -46,15 +46,15 @@ impl<'a> Stages<'a> {
 }
 
 /// One of them.
-pub(crate) struct Part<'a> {
-    told: Told<'a>,
+pub(crate) struct ProgressPart<'a> {
+    told: ProgressListener<'a>,
     from: f64,
     size: f64,
     what: String,
     count: AtomicUsize,
 }
 
-impl Part<'_> {
+impl ProgressPart<'_> {
     /// One more of `all` is done.
     pub fn one_of(&self, all: usize) {
         let count = 1 + self.count.fetch_add(1, Ordering::Relaxed);
@@ -72,7 +72,7 @@ mod tests {
     fn parts_follow_each_other() {
         let heard = Mutex::new(Vec::new());
         let listen = |share: f64, what: &str| heard.lock().unwrap().push((share, what.to_owned()));
-        let mut stages = Stages::new(Told(&listen), 4.0);
+        let mut stages = Stages::new(ProgressListener(&listen), 4.0);
         stages.begin(3.0, "fits").one_of(2);
         let part = stages.begin(1.0, "tests");
         (0..2).for_each(|_| part.one_of(2));
