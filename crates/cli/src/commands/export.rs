@@ -25,6 +25,9 @@ pub fn export(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
     let files = RunFiles::in_dir(&arguments.run);
     let target = arguments.to.clone().unwrap_or_else(|| files.vtkhdf());
     let tool = target.with_file_name("tool.vtkhdf");
+    if tool == target {
+        return Err(Failure::input("`tool.vtkhdf` is the file of the tool: choose another name"));
+    }
     files::unless_there([target.clone(), tool.clone()], arguments.force)?;
     let run = loading::run(&arguments.run)?;
     let has_tool = export_vtkhdf(&run, &target, &tool)

@@ -60,6 +60,13 @@ impl ShareDisplay {
     }
 }
 
+/// Also where an error ends the work.
+impl Drop for ShareDisplay {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
 /// `12 s left, `, once it can be told.
 fn left(share: f64, elapsed: f64) -> String {
     if share < 0.02 || elapsed < 1.0 {

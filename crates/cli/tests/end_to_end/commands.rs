@@ -165,6 +165,9 @@ fn export_writes_the_snapshots_again() {
     let ours = std::fs::read(shop.path("particles.vtkhdf")).unwrap();
     // The signature of every HDF5 file.
     assert_eq!(ours[..8], *b"\x89HDF\r\n\x1a\n");
+    assert!(shop.path("tool.vtkhdf").is_file());
+    let onto = ["export", "result", "--to", "tool.vtkhdf", "--force"];
+    shop.sphcut(&onto).expect_code(2).expect_err("choose another name");
     shop.sphcut(&["export", "nowhere"]).expect_code(4).expect_err("nowhere");
     std::fs::create_dir(shop.path("foreign")).unwrap();
     shop.write("foreign/run.h5", "this is a letter");

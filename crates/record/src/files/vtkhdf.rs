@@ -12,6 +12,7 @@
 //! The tool is a file of its own, which ParaView shows, hides and colours for itself: one polygon in the
 //! plane, triangles in space; where it conducts heat the triangles of its mesh with their temperature.
 
+use super::atomic;
 use super::fields::{Column, PARTICLE_FIELDS, SnapshotField, TOOL_FIELDS};
 use super::hdf::{Array, ArrayLayout, Attribute, HdfWriter};
 use crate::{RunError, SnapshotInfo};
@@ -68,7 +69,9 @@ fn write_radius(writer: &HdfWriter, steps: usize, columns: &Columns) -> Result<(
     for number in 0..steps {
         let snapshot = columns(number, spacing)?;
         let half = 0.5 * snapshot.particle_spacing;
-        radius.extend(snapshot.relative_spacing.iter().map(|share| (half * share) as f32));
+        // Records from before lattices were graded do not know it: there all particles are alike.
+        let share = |share: &f64| if share.is_finite() { *share } else { 1.0 };
+        radius.extend(snapshot.relative_spacing.iter().map(|own| (half * share(own)) as f32));
     }
     let path = format!("{ROOT}/PointData/{RADIUS}");
     writer.array(&path, Array::F32(&radius), ArrayLayout::Rows, &[])
@@ -123,6 +126,8 @@ pub(crate) fn write_tool(
         corners.push(end);
     }
     if points.is_empty() {
+        // That of an earlier run.
+        atomic::remove_if_there(path)?;
         return Ok(false);
     }
     let writer = HdfWriter::create(path)?;
@@ -309,6 +314,12 @@ mod tests {
             file
         };
         assert!(written(&[snapshot(2, 0.0)]).is_none(), "no tool, no file");
+        let old = std::env::temp_dir().join(format!("sphcut-old-tool-{}", std::process::id()));
+        std::fs::write(&old, "of an earlier run").unwrap();
+        let without = [snapshot(2, 0.0)];
+        let index = [SnapshotInfo::of(&without[0])];
+        assert!(!write_tool(&old, &index, &|_, _| Ok(without[0].clone())).unwrap());
+        assert!(!old.exists());
         let warm = written(&[heated.clone(), heated.clone()]).unwrap();
         let temperature = warm.reals("VTKHDF/PointData/temperature").unwrap();
         assert_eq!(temperature, [300.0, 301.0, 302.0, 303.0, 300.0, 301.0, 302.0, 303.0]);
