@@ -209,6 +209,7 @@ const COMMANDS: &[(&str, Trial)] = &[
     ("sphcut sweep cancel DIR", Elsewhere("cluster")),
     ("sphcut sweep DIR/runs.toml --out DIR/swept", Not("takes hours")),
     ("cargo xtask fuzz --minutes 13 --seed 2", Not("takes a quarter of an hour")),
+    ("cargo xtask fuzz --commands --minutes 36 --seed 5", Not("takes more than half an hour")),
     ("cargo xtask tidy", Not("a check of the repository")),
     ("cargo xtask docs --check", Not("a check of the repository")),
     (
