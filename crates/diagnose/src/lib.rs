@@ -41,7 +41,6 @@ pub mod series;
 mod session;
 #[cfg(test)]
 mod tests;
-
 mod wear;
 
 pub use case::{diagnose_case, diagnose_case_as};

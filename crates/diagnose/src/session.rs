@@ -172,7 +172,7 @@ pub fn diagnose(
     let finding = judge(&problem, predictor, best, &attribution, (&templates, &signal));
     let location = locate(&problem, &templates, &signal);
     let repair = repair(&finding, &fits);
-    let _part = stages.begin(HELD_OUT, "left-out conditions");
+    stages.begin(HELD_OUT, "left-out conditions");
     let help = match repair.filter(|_| request.held_out) {
         Some(k) => {
             let is_other =
@@ -191,7 +191,7 @@ pub fn diagnose(
         let active: Vec<Active> = fits[k].active(predictor, problem.unknowns());
         s.concealed(&active, request.control, request.seed, &part)
     });
-    let _part = stages.begin(NEXT, "next experiment");
+    stages.begin(NEXT, "next experiment");
     let next = (request.batch > 0)
         .then(|| next(request, (&problem, predictor), &null, &fits, &attribution))
         .flatten();

@@ -36,7 +36,7 @@ const PARTS: usize = 6;
 const FEWEST_SEGMENTS: usize = 2 * PARTS;
 /// Tools that are needed.
 const FEWEST_TOOLS: usize = 3;
-/// Less scatter than this share of the mean force is none: a column of one value, or of rounded ones.
+/// Less scatter than this share of the mean force is none: a column of one value, or one that somebody drew.
 const LEAST_NOISE: f64 = 1e-6;
 /// How far a change may point beside its direction.
 const BESIDE: [f64; 4] = [0.05, 0.1, 0.2, 0.3];
@@ -326,8 +326,9 @@ fn tools(
             return Err(DiagnoseError::NoSeries { column, what });
         }
     }
-    if lives.iter().any(|life| life.windows(2).any(|pair| pair[0].time >= pair[1].time)) {
-        let what = "is the same in two segments of a tool";
+    // Times that are rounded may stand twice; a life without a length has no drift.
+    if lives.iter().any(|life| life[0].time >= life[life.len() - 1].time) {
+        let what = "is the same in all segments of a tool";
         return Err(DiagnoseError::NoSeries { column: "time", what });
     }
     let made = lives.into_iter().zip(names).map(|(segments, name)| {
