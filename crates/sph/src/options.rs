@@ -104,9 +104,10 @@ pub const NUMERICS: &[Parameter] = &[
         "R_b",
         Range::closed(4.0, 1e9),
         20.0,
-        "undeformed distance in particle spacings beyond which two particles never bond: a chip that \
-         curls onto the workpiece touches it without welding",
-        "relative shear of neighbours stays below 20 except in the stagnation zone",
+        "undeformed distance in particle spacings up to which two particles of a body belong together wherever they \
+         meet; farther ones do once flow has made them neighbours without a gap, and a chip that curls onto the workpiece touches \
+         it without welding",
+        "docs/numerics.md",
     ),
     number(
         "support_stretch",

@@ -1,10 +1,8 @@
 //! Frictionless contact of particle surfaces with each other: unbonded bodies, and a chip that
 //! curls onto the workpiece.
 //!
-//! Particles that do not belong together - of different bodies that are not
-//! bonded, or of one body but more than `bonding_distance` spacings apart in the
-//! undeformed state - do not see each other in the sums of the method: surfaces
-//! that meet do not weld. Closer than the spacing `dx` they repel along the line
+//! Particles that do not belong together - of different bodies that are not bonded, or of surfaces of one body that meet
+//! ([`crate::operators::neighbours::Kinship`]) - do not see each other in the sums of the method: they do not weld. Closer than the spacing `dx` they repel along the line
 //! of centres with `kappa M dx^(D-2) (dx - r)`, as particles and tool do. The
 //! force is central and the same for both, so both momenta are kept; it is
 //! conservative, and its stored energy is part of the contact energy.

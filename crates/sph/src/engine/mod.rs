@@ -30,7 +30,7 @@ use crate::heat::conduction::HeatConduction;
 use crate::heat::source::heat_by_sources;
 use crate::ledger::Ledger;
 use crate::numerics::Numerics;
-use crate::operators::reference::{Frame, ReferenceConfiguration};
+use crate::operators::reference::{Bonding, Frame, ReferenceConfiguration};
 use crate::operators::sweeps::{Sweeps, exchange_width};
 use crate::operators::{density_diffusion, pairing, strain_gradient, support_shape};
 use crate::particles::window::{Window, with_resting};
@@ -306,14 +306,14 @@ impl<const D: usize> Engine<D> {
                 heat.reorder(&self.new_place);
             }
         }
-        self.rebuild();
+        self.rebuild(Bonding::Anew);
     }
 
     /// Rebuilds everything that follows from positions and volumes in the reference, at which the particles are.
-    pub(crate) fn rebuild(&mut self) {
+    pub(crate) fn rebuild(&mut self, bonding: Bonding) {
         let Self { particles, reference, numerics, self_contact, pairing, .. } = self;
         let watched = (&mut self_contact.pairs, self_contact::watched_reach(numerics));
-        reference.rebuild(particles, numerics, watched);
+        reference.rebuild(particles, numerics, watched, bonding);
         pairing::find_pairs(pairing, reference, &particles.motion, numerics.spacing);
         self.set_time_step();
         let Self { particles, reference, numerics, tool, .. } = self;
@@ -362,5 +362,6 @@ impl<const D: usize> Engine<D> {
             + self.reference.cells.memory()
             + self.conduction.tensor.capacity() * size_of::<Matrix<D>>()
             + self.new_place.capacity() * size_of::<u32>()
+            + self.reference.bonds.capacity() * size_of::<(u64, u64)>()
     }
 }

@@ -164,7 +164,11 @@ mod tests {
         points = cells.order.iter().map(|&old| points[old as usize]).collect();
         let count = points.len();
         let (body, volume) = (vec![0; count], vec![1.0; count]);
+        let id: Vec<u64> = (0..count as u64).collect();
         let kinship = Kinship {
+            id: &id,
+            bonds: &[],
+            grows: false,
             body: &body,
             origin: &points,
             bonded: true,

@@ -77,8 +77,19 @@ pub(crate) struct ReferenceConfiguration<const D: usize> {
     /// Directions of cut, feed and edge as rows, where they are not the axes: what triggers an update is
     /// measured along them, so that a rotated scenario updates at the same times.
     pub(crate) tilted_axes: Option<Matrix<D>>,
-    /// Undeformed distance in m from which on particles of one body never bond.
+    /// Undeformed distance in m up to which particles of one body belong together wherever they meet.
     bonding_distance: f64,
+    /// Pairs that belong together though they were farther apart: [`Kinship::bonds`].
+    pub(crate) bonds: Vec<(u64, u64)>,
+}
+
+/// What may belong together after an update of the reference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Bonding {
+    /// Pairs between which flow has left no gap.
+    Anew,
+    /// Those that did before.
+    Kept,
 }
 
 impl<const D: usize> ReferenceConfiguration<D> {
@@ -99,6 +110,7 @@ impl<const D: usize> ReferenceConfiguration<D> {
             lattice_gradient: 0.0,
             tilted_axes: tilted_axes(&setup.frame),
             bonding_distance: setup.numerics.get("bonding_distance") * numerics.spacing,
+            bonds: Vec::new(),
         }
     }
 
@@ -150,6 +162,7 @@ impl<const D: usize> ReferenceConfiguration<D> {
         particles: &Particles<D>,
         numerics: &Numerics,
         self_contact: (&mut Vec<(u32, u32)>, f64),
+        bonding: Bonding,
     ) {
         (self.sizes, self.row_classes) = particles.sizes_and_classes();
         self.cells.note_sizes(&self.sizes);
@@ -157,6 +170,9 @@ impl<const D: usize> ReferenceConfiguration<D> {
             *volume = particles.volume[i] * self.frame[i].volume_ratio;
         }
         let kinship = Kinship {
+            id: &particles.id,
+            bonds: &self.bonds,
+            grows: bonding == Bonding::Anew,
             body: &particles.body,
             origin: &particles.origin,
             bonded: numerics.bonded,
@@ -171,7 +187,8 @@ impl<const D: usize> ReferenceConfiguration<D> {
             metrics: &metrics,
             rows: (&self.row_classes, &self.factors),
         };
-        build_list(&mut self.list, &self.cells, &cloud, numerics.smoothing, self_contact);
+        self.bonds =
+            build_list(&mut self.list, &self.cells, &cloud, numerics.smoothing, self_contact);
         self.limits = self.correct_operators(&particles.motion);
         if self.lattice_gradient == 0.0 {
             self.lattice_gradient = self.limits.gradient;

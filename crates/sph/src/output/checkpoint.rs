@@ -7,6 +7,7 @@ use crate::error::SetupError;
 use crate::ledger::Ledger;
 use crate::material::history::History;
 use crate::material::point::MaterialPoint;
+use crate::operators::reference::Bonding;
 use crate::output::observation::CheckpointState;
 use crate::particles::motion::Motion;
 use crate::particles::window::Window;
@@ -92,6 +93,8 @@ impl<const D: usize> Engine<D> {
         if let Some((_, waiting)) = window {
             integer("waiting", vec![waiting]);
         }
+        let bonds = self.reference.bonds.iter().flat_map(|&(a, b)| [a, b]);
+        integer("bonds", bonds.collect());
         integer("step", vec![self.clock.step]);
         state
     }
@@ -139,6 +142,8 @@ impl<const D: usize> Engine<D> {
         engine.particles.body = narrow(reader.integers("body")?)?;
         engine.particles.material = narrow(reader.integers("material")?)?;
         engine.particles.hold = narrow(reader.integers("hold")?)?;
+        let bonds = state.integer("bonds").ok_or_else(|| missing("bonds"))?;
+        engine.reference.bonds = bonds.chunks_exact(2).map(|bond| (bond[0], bond[1])).collect();
         engine.restore_clock(&reader)?;
         engine.restore_touches(&reader)?;
         if let Some(heat) = &mut engine.tool_heat {
@@ -168,7 +173,7 @@ impl<const D: usize> Engine<D> {
         let here = std::mem::replace(&mut particles.position, there);
         // The particles are stored in cell order already: their order stays.
         reference.lay_cells(&particles.position, numerics);
-        self.rebuild();
+        self.rebuild(Bonding::Kept);
         self.particles.position = here;
         if let Some(tool) = &mut self.tool {
             tool.holder.set(held);
