@@ -84,6 +84,8 @@ fn refuse_idle_share(findings: &mut Findings, record: &Record<'_>, share: &str, 
 /// How far supports stretch without a cut, where material is drawn out and keeps its neighbours. In a shear zone
 /// neighbours have to change (docs/numerics.md).
 const SUPPORT_STRETCH: f64 = 1.5;
+/// Below how many spacings crowded particles of a cut are shifted apart (docs/numerics.md, *Particles that crowd*).
+const SHIFTING_DISTANCE: f64 = 0.75;
 
 /// The Courant number of a preset in the plane: forces and balances are those of the half of it, and of 0.9 (docs/numerics.md, *Presets*).
 const PRESET_COURANT: f64 = 0.45;
@@ -97,9 +99,12 @@ pub(crate) fn numerics(
     optional_section(findings, root, &sections::numerics(), 2, |findings, record| {
         let mut given = given(record, options::NUMERICS);
         let stretch = if has_process { 1.0 } else { SUPPORT_STRETCH };
+        let shifting = if has_process { SHIFTING_DISTANCE } else { 0.0 };
         let careful = options::NUMERICS.iter().find(|option| option.key == "courant")?.default?;
         let courant = if spacing::is_plane_preset(root) { PRESET_COURANT } else { careful };
-        for (key, usual) in [("courant", courant), ("support_stretch", stretch)] {
+        let usual_values =
+            [("courant", courant), ("support_stretch", stretch), ("shifting_distance", shifting)];
+        for (key, usual) in usual_values {
             if !record.is_written(key) {
                 findings.derived("numerics", key, Quantity::Dimensionless, usual);
                 given.push((key, usual));

@@ -13,6 +13,8 @@ pub(crate) struct Numerics {
     pub(crate) density_diffusion: f64,
     pub(crate) residual_density_diffusion: f64,
     pub(crate) support_stretch: f64,
+    /// In spacings; 0 for none.
+    pub(crate) shifting_distance: f64,
     pub(crate) smoothing: Smoothing,
     /// Initial distance of particles in m, where it is smallest.
     pub(crate) spacing: f64,
@@ -42,6 +44,7 @@ impl Numerics {
             density_diffusion: option("density_diffusion"),
             residual_density_diffusion: option("residual_density_diffusion"),
             support_stretch: option("support_stretch"),
+            shifting_distance: option("shifting_distance"),
             smoothing: Smoothing {
                 kernel: setup.discretisation.kernel,
                 length: option("smoothing_ratio") * setup.particle_spacing,

@@ -129,6 +129,15 @@ pub const NUMERICS: &[Parameter] = &[
         "docs/numerics.md",
     ),
     number(
+        "shifting_distance",
+        "r_s/dx",
+        Range::closed(0.0, 1.0),
+        0.0,
+        "distance in particle spacings below which neighbours in material that has flowed far are moved apart at \
+         each reference update (particle shifting); 0 for none",
+        "docs/numerics.md",
+    ),
+    number(
         "linear_viscosity",
         "alpha_v",
         Range::closed(0.0, 4.0),

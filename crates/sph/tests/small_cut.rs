@@ -53,6 +53,39 @@ fn a_restored_run_goes_on_with_the_same_bits() {
     let options = [("mass_scaling", 400.0), ("support_stretch", 1.7)];
     stretching.numerics = Values::resolve(options::NUMERICS, &options).unwrap();
     restored_run_is_the_same(stretching);
+    restored_run_is_the_same(shifted());
+}
+
+/// The cut with shifted particles, of which those belong together from the start that are four spacings apart at most.
+fn shifted() -> Setup {
+    let mut setup = cut(0.0, Lattice::Square);
+    let options = [("mass_scaling", 400.0), ("shifting_distance", 0.9), ("bonding_distance", 4.0)];
+    setup.numerics = Values::resolve(options::NUMERICS, &options).unwrap();
+    setup.end_time *= 3.0;
+    setup
+}
+
+#[test]
+fn shifted_particles_keep_books_and_bits() {
+    let with_threads = |count: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        pool.install(|| run(shifted()))
+    };
+    let ((one, samples), (two, _)) = (with_threads(1), with_threads(2));
+    assert!(bits(&one.checkpoint()) == bits(&two.checkpoint()));
+    let last = samples.last().unwrap();
+    let work = last.get(ChannelId::ToolWork);
+    assert!(work > 0.0);
+    assert!(last.get(ChannelId::EnergyError).abs() < 1e-3 * work);
+    let (content, supplied) = (last.get(ChannelId::HeatContent), last.get(ChannelId::HeatSupplied));
+    assert!((content - supplied).abs() < 1e-6 * supplied, "{content} {supplied}");
+    // It does something, and the new neighbours along the tool belong to it.
+    let mut plain = shifted();
+    plain.numerics =
+        Values::resolve(options::NUMERICS, &[("mass_scaling", 400.0), ("bonding_distance", 4.0)])
+            .unwrap();
+    assert!(bits(&run(plain).0.checkpoint()) != bits(&one.checkpoint()));
+    assert!(!one.checkpoint().integer("bonds").unwrap().is_empty());
 }
 
 fn restored_run_is_the_same(setup: Setup) {

@@ -104,6 +104,20 @@ impl<const D: usize> ToolContact<D> {
             .map(|(&i, footing)| (i as usize, footing.half_thickness))
     }
 
+    /// The particles near the tool with the normal out of it.
+    pub(crate) fn near_normals(&self) -> impl Iterator<Item = (usize, Vector<D>)> + '_ {
+        let normals = self.footings.iter().map(|footing| reduced(footing.normal.as_ref()));
+        self.near.iter().map(|&i| i as usize).zip(normals)
+    }
+
+    /// Takes over the half thicknesses of the particles that touch.
+    pub(crate) fn follow_half_thicknesses(&mut self, particles: &Particles<D>) {
+        for touch in &mut self.touches {
+            let half_thickness = particles.point[touch.particle as usize].half_thickness;
+            touch.lever = touch.normal().map(|n| n * half_thickness);
+        }
+    }
+
     /// The same tool in a holder.
     pub(crate) fn held_by(self, holder: ToolHolder) -> Self {
         Self { holder, ..self }

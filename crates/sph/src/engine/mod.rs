@@ -32,7 +32,7 @@ use crate::ledger::Ledger;
 use crate::numerics::Numerics;
 use crate::operators::reference::{Bonding, Frame, ReferenceConfiguration};
 use crate::operators::sweeps::{Sweeps, exchange_width};
-use crate::operators::{density_diffusion, pairing, strain_gradient, support_shape};
+use crate::operators::{density_diffusion, pairing, shifting, strain_gradient, support_shape};
 use crate::particles::window::{Window, with_resting};
 use crate::particles::{Particles, Rest, lattice};
 use crate::setup::{HeatSource, Setup, Tool};
@@ -197,6 +197,7 @@ impl<const D: usize> Engine<D> {
         self.conduct_heat(dt);
         passed(Stage::Diffusion);
         if self.update_is_due() {
+            self.shift_particles();
             self.move_window();
             self.update_reference();
             self.find_internal_forces();
@@ -288,6 +289,13 @@ impl<const D: usize> Engine<D> {
         let way = |tool: &ToolContact<D>| tool.way(self.reference.time, self.clock.time);
         let (strain, spread) = self.reference.changes(self.tool.as_ref().map(way));
         strain >= self.numerics.refresh_strain || spread > UPDATE_SPREAD * self.numerics.spacing
+    }
+
+    /// Moves crowded particles apart; an update of the reference must come after it.
+    fn shift_particles(&mut self) {
+        let Self { particles, reference, sweeps, tool, numerics, clock, .. } = self;
+        let elapsed = clock.time - reference.time;
+        shifting::shift(particles, reference, sweeps, tool.as_mut(), numerics, elapsed);
     }
 
     /// Makes the present configuration the reference.

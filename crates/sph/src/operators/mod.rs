@@ -1,11 +1,12 @@
 //! The discrete operators: neighbours, reference configuration, gradients and forces, Laplacian, support shapes, density
-//! diffusion.
+//! diffusion, particle shifting.
 
 pub(crate) mod density_diffusion;
 pub(crate) mod laplacian;
 pub(crate) mod neighbours;
 pub(crate) mod pairing;
 pub(crate) mod reference;
+pub(crate) mod shifting;
 pub(crate) mod strain_gradient;
 pub(crate) mod support_shape;
 pub(crate) mod sweeps;
