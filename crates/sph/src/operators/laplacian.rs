@@ -152,7 +152,8 @@ fn solution<const D: usize>(gram: &[[f64; MOST]; MOST]) -> Option<Matrix<D>> {
 mod tests {
     use super::*;
     use crate::kernel::KernelChoice;
-    use crate::operators::neighbours::{Cells, Cloud, Kinship, Smoothing, build_list};
+    use crate::operators::cells::Cells;
+    use crate::operators::neighbours::{Cloud, Kinship, Smoothing, build_list};
     use approx::assert_relative_eq;
     use nalgebra::DMatrix;
 

@@ -1,6 +1,7 @@
 //! The discrete operators: neighbours, reference configuration, gradients and forces, Laplacian, support shapes, density
 //! diffusion, particle shifting.
 
+pub(crate) mod cells;
 pub(crate) mod density_diffusion;
 pub(crate) mod laplacian;
 pub(crate) mod neighbours;

@@ -3,7 +3,8 @@
 
 use crate::ledger::Tally;
 use crate::numerics::Numerics;
-use crate::operators::neighbours::{Cells, Cloud, Kinship, NeighbourList, build_list, pair_mean};
+use crate::operators::cells::Cells;
+use crate::operators::neighbours::{Cloud, Kinship, NeighbourList, build_list, pair_mean};
 use crate::parallel::{CHUNK, TURN};
 use crate::particles::Particles;
 use crate::particles::lattice::RowClasses;
