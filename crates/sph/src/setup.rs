@@ -515,3 +515,31 @@ pub enum Lattice {
     /// `Square`, each particle moved at random by up to a fifth of the spacing (seeded).
     Disordered,
 }
+
+#[cfg(test)]
+impl Setup {
+    /// A square of elastic metal with sides of this length in m, at rest.
+    pub(crate) fn elastic_square(particle_spacing: f64, side: f64) -> Self {
+        let mut setup = Self::empty(Dimension::Two, particle_spacing, 1.0);
+        let law = sphcut_physics::flow_stress::find("elastic").unwrap();
+        setup.materials.push(Material {
+            name: "metal".to_owned(),
+            density: 7850.0,
+            moduli: ElasticModuli::from_young(210e9, 0.3),
+            specific_heat: 480.0,
+            thermal_conductivity: 0.0,
+            tables: TemperatureTables::default(),
+            equation_of_state: None,
+            flow_stress: law,
+            flow_stress_values: Values::defaults(law.parameters),
+        });
+        setup.bodies.push(Body {
+            name: "block".to_owned(),
+            material: 0,
+            shape: Shape::Box { min: [0.0; 3], max: [side; 3], rotation: 0.0, mirrored: false },
+            velocity: VelocityField::Uniform([0.0; 3]),
+            temperature: 300.0,
+        });
+        setup
+    }
+}

@@ -175,14 +175,11 @@ fn diffuse<const D: usize>(
 mod tests {
     use super::*;
     use crate::engine::Engine;
-    use crate::setup::{
-        Body, Dimension, Material, Setup, Shape, TemperatureTables, Tool, VelocityField,
-    };
+    use crate::setup::{Setup, Tool};
     use crate::tensor::reduced;
     use sphcut_geometry::tool_surface::ToolSurface;
     use sphcut_physics::Values;
-    use sphcut_physics::elasticity::ElasticModuli;
-    use sphcut_physics::{flow_stress, friction};
+    use sphcut_physics::friction;
 
     /// A tool out of reach of the block.
     fn passing_tool(speed: f64) -> Tool {
@@ -202,26 +199,7 @@ mod tests {
     /// A square of 20 x 20 particles at rest whose rows alternate in volume on top of a gradient,
     /// and a tool that passes it.
     fn alternating(plastic_strain: f64, speed: f64) -> Engine<2> {
-        let mut setup = Setup::empty(Dimension::Two, 0.05, 1.0);
-        let law = flow_stress::find("elastic").unwrap();
-        setup.materials.push(Material {
-            name: "metal".to_owned(),
-            density: 7850.0,
-            moduli: ElasticModuli::from_young(210e9, 0.3),
-            specific_heat: 480.0,
-            thermal_conductivity: 0.0,
-            tables: TemperatureTables::default(),
-            equation_of_state: None,
-            flow_stress: law,
-            flow_stress_values: Values::defaults(law.parameters),
-        });
-        setup.bodies.push(Body {
-            name: "block".to_owned(),
-            material: 0,
-            shape: Shape::Box { min: [0.0; 3], max: [1.0; 3], rotation: 0.0, mirrored: false },
-            velocity: VelocityField::Uniform([0.0; 3]),
-            temperature: 300.0,
-        });
+        let mut setup = Setup::elastic_square(0.05, 1.0);
         setup.tool = Some(passing_tool(speed));
         let mut engine = Engine::<2>::new(&setup).unwrap();
         for (point, position) in engine.particles.point.iter_mut().zip(&engine.particles.position) {

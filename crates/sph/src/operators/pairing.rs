@@ -70,10 +70,7 @@ pub(crate) fn find_pairs<const D: usize>(
 mod tests {
     use super::*;
     use crate::engine::Engine;
-    use crate::setup::{Body, Dimension, Material, Setup, Shape, TemperatureTables, VelocityField};
-    use sphcut_physics::Values;
-    use sphcut_physics::elasticity::ElasticModuli;
-    use sphcut_physics::flow_stress;
+    use crate::setup::Setup;
 
     const SPACING: f64 = 0.05;
 
@@ -83,26 +80,7 @@ mod tests {
 
     /// A square of 16 x 16 particles, one of which sits next to its neighbour, and the two.
     fn with_a_pair(core_distance: f64) -> (Engine<2>, usize, usize) {
-        let mut setup = Setup::empty(Dimension::Two, SPACING, 1.0);
-        let law = flow_stress::find("elastic").unwrap();
-        setup.materials.push(Material {
-            name: "metal".to_owned(),
-            density: 7850.0,
-            moduli: ElasticModuli::from_young(210e9, 0.3),
-            specific_heat: 480.0,
-            thermal_conductivity: 0.0,
-            tables: TemperatureTables::default(),
-            equation_of_state: None,
-            flow_stress: law,
-            flow_stress_values: Values::defaults(law.parameters),
-        });
-        setup.bodies.push(Body {
-            name: "block".to_owned(),
-            material: 0,
-            shape: Shape::Box { min: [0.0; 3], max: [0.8; 3], rotation: 0.0, mirrored: false },
-            velocity: VelocityField::Uniform([0.0; 3]),
-            temperature: 300.0,
-        });
+        let setup = Setup::elastic_square(SPACING, 0.8);
         let mut engine = Engine::<2>::new(&setup).unwrap();
         assert!(engine.pairing.pairs.is_empty(), "an undisturbed lattice");
         engine.pairing.distance = core_distance * SPACING;
