@@ -138,8 +138,10 @@ fn keep_gaps<const D: usize>(
 mod tests {
     use super::*;
     use crate::engine::Engine;
-    use crate::setup::Setup;
+    use crate::setup::{Setup, Tool};
     use crate::tensor::Vector;
+    use sphcut_geometry::tool_surface::ToolSurface;
+    use sphcut_physics::{Values, friction};
 
     const SPACING: f64 = 0.05;
     const ELAPSED: f64 = 1e-3;
@@ -197,6 +199,46 @@ mod tests {
             let mut engine = flowing(strain, rate);
             crowd(&mut engine);
             assert!(stays(&mut engine), "{strain} {rate}");
+        }
+    }
+
+    #[test]
+    fn on_the_tool_no_gap_changes() {
+        let law = friction::find("coulomb").unwrap();
+        let mut setup = Setup::elastic_square(SPACING, 0.8);
+        let corners = vec![[0.83, -0.5], [2.0, -0.5], [2.0, 1.3], [0.83, 1.3]];
+        setup.tool = Some(Tool {
+            surface: ToolSurface::Polygon(corners),
+            velocity: [-50.0, 0.0, 0.0],
+            velocity_changes: Vec::new(),
+            edge_radius: None,
+            friction: law,
+            friction_values: Values::resolve(law.parameters, &[("friction_coefficient", 0.0)])
+                .unwrap(),
+            heat: None,
+        });
+        let mut engine = Engine::<2>::new(&setup).unwrap();
+        while engine.tool.as_ref().unwrap().touches.is_empty() {
+            engine.advance(&mut |_| ()).unwrap();
+        }
+        let Engine { particles, tool, .. } = &mut engine;
+        let tool = tool.as_mut().unwrap();
+        let half = |particles: &Particles<2>, i: usize| particles.point[i].half_thickness;
+        // Along the normal, which is -x, within the limits of the half thickness and beyond them.
+        for (way, kept) in [(-0.1, -0.1), (0.1, 0.1), (-3.0, -0.5), (3.0, 0.9)] {
+            particles.force.fill([way * SPACING, 0.2 * SPACING]);
+            let touched: Vec<usize> = tool.touches.iter().map(|t| t.particle as usize).collect();
+            let before: Vec<f64> = touched.iter().map(|&i| half(particles, i)).collect();
+            keep_gaps(particles, tool, SPACING);
+            for ((&i, before), touch) in touched.iter().zip(before).zip(&tool.touches) {
+                let [along, across] = particles.force[i];
+                assert!((half(particles, i) - before + along).abs() < 1e-12, "{way}");
+                assert!((along / SPACING - kept).abs() < 0.05, "{way}: {along}");
+                assert!((across - 0.2 * SPACING).abs() < 1e-12);
+                assert!(
+                    (dot(&touch.lever, &touch.lever).sqrt() - half(particles, i)).abs() < 1e-12
+                );
+            }
         }
     }
 }
