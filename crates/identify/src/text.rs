@@ -14,12 +14,13 @@ const NAMES: [&str; 5] = [
     "softening_exponent",
 ];
 
-/// A material file with the law of `fit`, or with a table if `table_file` names one; `source` says where the
-/// curves come from.
+/// A material file with the law of `fit` to `points`, or with a table if `table_file` names one; `source` says where
+/// the curves come from.
 #[must_use]
 pub fn material_toml(
     title: &str,
     properties: &[(&str, f64, Quantity)],
+    points: &[CurvePoint],
     fit: &LawFit,
     table_file: Option<&str>,
     source: &str,
@@ -61,11 +62,20 @@ pub fn material_toml(
             text += &line;
         }
     }
+    let last = |of: fn(&CurvePoint) -> f64| points.iter().map(of).fold(0.0, f64::max);
+    writeln!(
+        text,
+        "\n[tested]\nplastic_strain = {:.4}\nstrain_rate = \"{:?} 1/s\"\ntemperature = \"{:?} K\"",
+        last(|point| point.plastic_strain),
+        last(|point| point.plastic_strain_rate),
+        last(|point| point.temperature)
+    )
+    .expect("a string");
     text += "\n[sources]\n";
     for (key, _, _) in properties {
         writeln!(text, "{key} = \"as stated for the identification\"").expect("a string");
     }
-    writeln!(text, "flow_stress = {}", quoted(source)).expect("a string");
+    writeln!(text, "flow_stress = {0}\ntested = {0}", quoted(source)).expect("a string");
     text
 }
 

@@ -25,7 +25,7 @@ pub(crate) fn bodies(
         let material = shelf.material(findings, &record);
         let shape = shape(findings, &record, dimension);
         let velocity = velocity(findings, &record, dimension);
-        if let (Some(material), Some(shape), Some(velocity)) = (material, shape, velocity) {
+        if let (Some(known), Some(shape), Some(velocity)) = (material, shape, velocity) {
             let (Some(name), Some(temperature)) =
                 (record.text("name"), record.number("temperature"))
             else {
@@ -38,7 +38,7 @@ pub(crate) fn bodies(
                 velocity,
                 temperature,
             });
-            materials.push(material);
+            materials.push(known.material);
         }
     }
     (bodies.len() == count).then_some((bodies, materials))

@@ -122,6 +122,12 @@ fn materials(page: &mut String) {
          name its value at 20 degC.\n\n",
     );
     rows(page, sections::material("material").fields.iter());
+    line!(
+        page,
+        "`tested`: where a cut goes farther, its forces rest on an extrapolation, and a warning says so. A law that is a \
+         table has the ends of its table.\n"
+    );
+    rows(page, sections::tested("tested").fields.iter());
     line!(page, "Shipped materials:\n\n| name | title | law |\n|---|---|---|");
     for (name, text) in library::MATERIALS {
         let field = |key: &str| {

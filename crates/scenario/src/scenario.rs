@@ -235,7 +235,12 @@ fn read_cut(
     cut.fill(&mut setup);
     setup.window = window?;
     let speed = Some((process.cutting_speed, process.depth));
-    let mut told = cut.warnings();
+    let heat_share = if setup.heat.plastic_heating.is_on() {
+        setup.heat.values.get("taylor_quinney")
+    } else {
+        0.0
+    };
+    let mut told = cut.warnings(heat_share);
     told.extend(inertia::scale(findings, root, &mut setup, speed));
     let stop = Stop { time, travel: stop.extent, steady: stop.steady };
     Some(finished(findings, root, setup, output.output, stop, told))

@@ -129,6 +129,7 @@ fn material_child(field: &Field, completeness: Completeness) -> Option<Value> {
             });
             Some(json!({ "oneOf": laws.collect::<Vec<_>>() }))
         }
+        "tested" => Some(leaf(&sections::tested("tested"))),
         "sources" => Some(free_texts()),
         _ => None,
     }

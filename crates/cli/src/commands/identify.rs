@@ -86,7 +86,7 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<ExitCode, Failure> {
     };
     let source = format!("identified by sphcut {} from: {}", page.version, plan.source);
     let material = |law: &LawFit, file: Option<&str>| {
-        material_toml(&plan.title, &plan.material, law, file, &source)
+        material_toml(&plan.title, &plan.material, &points, law, file, &source)
     };
     let texts = [
         render_identification(&page),

@@ -49,6 +49,9 @@ fn raw_tests_give_the_parameters_back_and_a_material_that_runs() {
         shop.write("tiny.toml", &scenario);
         let checked = shop.sphcut(&["check", "tiny.toml", "--no-measure"]).expect_code(0);
         assert!(checked.out.contains(law), "{}", checked.out);
+        // Bars reach rates of 1e3 1/s, a cut 1e5.
+        let told = checked.out.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(told.contains("the flow stress was fitted to tests up to"), "{told}");
     }
     let run = ["run", "tiny.toml", "--quiet", "--threads", "1", "--out", "cut"];
     shop.sphcut(&run).expect_code(0);

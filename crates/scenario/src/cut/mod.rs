@@ -6,6 +6,7 @@ pub(crate) mod passes;
 pub(crate) mod window;
 use crate::cut::passes::{PassPlan, Passes};
 use crate::material::Shelf;
+use crate::material::tested::{ShearZone, Tested};
 use crate::process::{CuttingProcess, ProcessKind};
 use crate::shared::{self, Resolution, refuse_keys, require};
 use crate::tool::{ToolShape, ToolVolume};
@@ -28,6 +29,7 @@ use sphcut_tool_heat::ToolHeat;
 #[derive(Debug)]
 pub(crate) struct WorkpieceBlock {
     pub(crate) material: Material,
+    pub(crate) tested: Tested,
     pub(crate) length: f64,
     pub(crate) height: f64,
     /// Along z; zero in the plane.
@@ -122,8 +124,10 @@ pub(crate) fn workpiece(
         require(findings, &record, &["width"]);
         record.number("width")
     };
+    let known = material?;
     Some(WorkpieceBlock {
-        material: material?,
+        material: known.material,
+        tested: known.tested,
         length: record.number("length")?,
         height: record.number("height")?,
         width: width?,
@@ -499,8 +503,8 @@ impl CutScenario {
         }
     }
 
-    /// What the user should know before trusting the run.
-    pub(crate) fn warnings(&self) -> Vec<String> {
+    /// What the user should know before trusting the run, if `heat_share` of the plastic work heats.
+    pub(crate) fn warnings(&self, heat_share: f64) -> Vec<String> {
         let side_room = match self.process.kind {
             ProcessKind::Orthogonal { .. } => None,
             ProcessKind::Turning { .. } => Some(0.5 * (self.workpiece.width - self.grooves())),
@@ -521,6 +525,16 @@ impl CutScenario {
             tool_top: self.tool.body.top(),
         });
         told.extend(self.tool.notes.iter().cloned());
+        told.extend(self.tool.rake_angle.and_then(|rake_angle| {
+            let zone = ShearZone {
+                rake_angle,
+                cutting_speed: self.process.cutting_speed,
+                uncut_chip_thickness: self.section.uncut_chip_thickness,
+                initial_temperature: self.workpiece.temperature,
+                heat_share,
+            };
+            self.workpiece.tested.warning(&zone, &self.workpiece.material)
+        }));
         told
     }
 }

@@ -5,6 +5,8 @@ pub(crate) mod effects;
 pub(crate) mod equation_of_state;
 pub(crate) mod flow_stress_table;
 pub(crate) mod library;
+pub(crate) mod tested;
+use crate::material::tested::Tested;
 use crate::sections;
 use sphcut_input::files::{LARGEST_TEXT, Surroundings};
 use sphcut_input::findings::Findings;
@@ -43,6 +45,13 @@ struct Draft {
     law_numbers: Vec<(&'static str, f64)>,
     law_table: Option<Arc<FlowStressTable>>,
     equation_of_state: Option<equation_of_state::Chosen>,
+    tested: Tested,
+}
+
+/// A material for the solver, and how far it was tested.
+pub(crate) struct KnownMaterial {
+    pub(crate) material: Material,
+    pub(crate) tested: Tested,
 }
 
 impl Draft {
@@ -119,7 +128,7 @@ impl<'t> Shelf<'t> {
         &mut self,
         findings: &mut Findings,
         owner: &Record<'_>,
-    ) -> Option<Material> {
+    ) -> Option<KnownMaterial> {
         let before = findings.problems.len();
         let mut draft = self.chosen(findings, owner)?;
         if let Some(table) = owner.table("override") {
@@ -128,7 +137,8 @@ impl<'t> Shelf<'t> {
         if findings.problems.len() > before {
             return None;
         }
-        self.finished(findings, owner, &draft)
+        let material = self.finished(findings, owner, &draft)?;
+        Some(KnownMaterial { material, tested: draft.tested })
     }
 
     fn chosen(&mut self, findings: &mut Findings, owner: &Record<'_>) -> Option<Draft> {
@@ -191,6 +201,11 @@ impl<'t> Shelf<'t> {
         let mut law_numbers = Vec::new();
         if let Some(flow) = record.table("flow_stress") {
             law_numbers = self.override_flow_stress(findings, &name, flow, draft);
+            // Other constants were not fitted to those tests.
+            draft.tested = draft.law_table.as_deref().map(tested::of_table).unwrap_or_default();
+        }
+        if let Some(table) = record.table("tested") {
+            draft.tested = tested::read(findings, &owner.source, table, &format!("{name}.tested"));
         }
         if let Some(table) = record.table("equation_of_state") {
             let name = format!("{name}.equation_of_state");
@@ -404,6 +419,7 @@ fn read_draft(
             let record = reader::read(findings, source, flow, &section, 2);
             draft.law_numbers = record.written_numbers();
             draft.law_table = flow_stress_table::named(findings, &record, surroundings);
+            draft.tested = draft.law_table.as_deref().map(tested::of_table).unwrap_or_default();
         } else {
             read_unknown_law(findings, source, flow, &flow_section);
         }
@@ -411,6 +427,9 @@ fn read_draft(
     if let Some(table) = record.table("equation_of_state") {
         let name = format!("{section}.equation_of_state");
         draft.equation_of_state = equation_of_state::read(findings, source, table, &name);
+    }
+    if let Some(table) = record.table("tested") {
+        draft.tested = tested::read(findings, source, table, &format!("{section}.tested"));
     }
     if sources == Sources::Required {
         require_sources(findings, &record, draft.law);
@@ -456,9 +475,7 @@ fn require_sources(
     if law.is_some_and(|law| !law.parameters.is_empty() || law.table.is_some()) {
         keys.push("flow_stress");
     }
-    if record.is_written("equation_of_state") {
-        keys.push("equation_of_state");
-    }
+    keys.extend(["equation_of_state", "tested"].into_iter().filter(|key| record.is_written(key)));
     let heading = sources.as_ref().map_or_else(|| record.heading.clone(), |(_, span)| span.clone());
     for key in keys.into_iter().filter(|key| !has(key)) {
         let mistake = Mistake::Missing {

@@ -56,6 +56,11 @@ pub(crate) fn material(name: &str) -> Section {
                 "linear",
                 "pressure over volume and temperature",
             ),
+            Field::optional(
+                "tested",
+                Kind::Table,
+                "how far the tests went to which the flow stress was fitted; a cut that goes farther is warned of",
+            ),
             Field::derived(
                 "sources",
                 Kind::Table,
@@ -79,6 +84,31 @@ pub(crate) fn flow_stress(name: &str, law: Option<&'static FlowStressEntry>) -> 
         section.fields.push(file.example("\"flow_stress.csv\""));
     }
     section.with_parameters(law.parameters)
+}
+
+/// `tested` of a material.
+pub(crate) fn tested(name: &str) -> Section {
+    Section::new(
+        name,
+        "How far the tests went to which the flow stress was fitted.",
+        vec![
+            Field::optional(
+                "plastic_strain",
+                positive(Quantity::Dimensionless, 100.0),
+                "largest equivalent plastic strain of the tests",
+            ),
+            Field::optional(
+                "strain_rate",
+                positive(Quantity::Rate, 1e9),
+                "largest strain rate of the tests",
+            ),
+            Field::optional(
+                "temperature",
+                positive(Quantity::Temperature, 1e4),
+                "highest temperature of the tests",
+            ),
+        ],
+    )
 }
 
 /// `equation_of_state` of a material.

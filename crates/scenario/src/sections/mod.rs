@@ -13,7 +13,9 @@ pub(crate) use cut::{
     boundaries, compliance, compliance_of, passes, process, run_out, tool, window, workpiece,
 };
 pub(crate) use heat_source::{HEAT_SOURCE_FORMS, heat_source};
-pub(crate) use material::{effect, effects, equation_of_state, flow_stress, friction, material};
+pub(crate) use material::{
+    effect, effects, equation_of_state, flow_stress, friction, material, tested,
+};
 pub(crate) use tool_heat::{SUBSTANCE, coating, tool_heat};
 
 use sphcut_input::section::{Field, Kind, Presence, Section, between, positive};

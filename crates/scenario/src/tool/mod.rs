@@ -26,6 +26,8 @@ use sphcut_tool_heat::ToolHeat;
 #[derive(Debug)]
 pub(crate) struct ToolShape {
     pub(crate) edge_radius: Option<f64>,
+    /// `None` for a tool of corners or triangles.
+    pub(crate) rake_angle: Option<f64>,
     pub(crate) body: ToolVolume,
     pub(crate) friction: (&'static FrictionEntry, Values),
     /// Its places as those of the polygon.
@@ -80,6 +82,7 @@ pub(crate) fn tool(
         record.table("friction").and_then(|table| shared::friction(findings, &record, table));
     refuse_unit_without_mesh(findings, &record);
     let edge_radius = record.number("edge_radius");
+    let rake_angle = record.number("rake_angle");
     if let Space::Solid { width } = space {
         refuse_keys(
             findings,
@@ -100,6 +103,7 @@ pub(crate) fn tool(
         let heat = heat::tool_heat(findings, &record, &around)?;
         return Some(ToolShape {
             edge_radius,
+            rake_angle,
             body: ToolVolume::Solid(turned.surface),
             friction: friction?,
             heat,
@@ -133,7 +137,15 @@ pub(crate) fn tool(
     around.by_default = whole.is_none() && space == Space::Plane { tool_takes_heat: true };
     let heat = heat::tool_heat(findings, &record, &around)?;
     let body = ToolVolume::Section(polygon);
-    Some(ToolShape { edge_radius, body, friction: friction?, heat, machine: machine?, notes })
+    Some(ToolShape {
+        edge_radius,
+        rake_angle,
+        body,
+        friction: friction?,
+        heat,
+        machine: machine?,
+        notes,
+    })
 }
 
 /// Uncut chip thicknesses from the edge within which a chip touches the rake face.
