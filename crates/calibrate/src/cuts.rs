@@ -40,22 +40,24 @@ impl MeasuredCut {
     /// `150 m/min, 0.1 mm`.
     #[must_use]
     pub fn name(&self) -> String {
-        let CuttingCondition { cutting_speed, uncut_chip_thickness, tool, .. } = self.condition;
-        let short =
-            |x: f64| format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
-        let mut name = format!(
-            "{} m/min, {} mm",
-            short(cutting_speed * 60.0),
-            short(uncut_chip_thickness * 1e3)
-        );
-        if let Some(rake) = tool.rake_angle {
-            name += &format!(", rake {} deg", short(rake.to_degrees()));
-        }
-        if let Some(radius) = tool.edge_radius {
-            name += &format!(", edge {} um", short(radius * 1e6));
-        }
-        name
+        cut_name(&self.condition)
     }
+}
+
+/// `150 m/min, 0.1 mm`, with the tool where it is stated.
+#[must_use]
+pub fn cut_name(condition: &CuttingCondition) -> String {
+    let CuttingCondition { cutting_speed, uncut_chip_thickness, tool, .. } = *condition;
+    let short = |x: f64| format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
+    let mut name =
+        format!("{} m/min, {} mm", short(cutting_speed * 60.0), short(uncut_chip_thickness * 1e3));
+    if let Some(rake) = tool.rake_angle {
+        name += &format!(", rake {} deg", short(rake.to_degrees()));
+    }
+    if let Some(radius) = tool.edge_radius {
+        name += &format!(", edge {} um", short(radius * 1e6));
+    }
+    name
 }
 
 /// The rows as cuts: repeats of a condition become one, forces those of the width `width` of the scenario.
@@ -116,7 +118,17 @@ pub fn measured_cuts(rows: &[CutTableRow], width: f64, noise: Option<f64>) -> Ve
     groups.iter().map(cut).collect()
 }
 
-fn same(a: &CuttingCondition, b: &CuttingCondition) -> bool {
+/// Variance of the logarithm of a channel at a further cut: the mean of those measured, else `noise` or [`NOISE`].
+pub(crate) fn noise_of(cuts: &[MeasuredCut], channel: usize, noise: Option<f64>) -> f64 {
+    let known: Vec<f64> = cuts.iter().filter_map(|cut| Some(cut.values[channel]?.1)).collect();
+    if known.is_empty() {
+        return noise.unwrap_or(NOISE[channel]).powi(2);
+    }
+    known.iter().sum::<f64>() / known.len() as f64
+}
+
+/// Whether two cuts are made alike.
+pub(crate) fn same(a: &CuttingCondition, b: &CuttingCondition) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
     let tools = a.tool.parts().into_iter().zip(b.tool.parts());
     close(a.cutting_speed, b.cutting_speed)

@@ -1,6 +1,7 @@
 //! Files of a calibration.
 
 use crate::constants::PublishedSet;
+use crate::next::NextCuts;
 use crate::posterior::AMPLITUDES;
 use crate::session::{ComparedValue, CutCalibration};
 use crate::words::{NORMAL_95, standings};
@@ -59,9 +60,66 @@ fn interval(log: f64, deviation: f64) -> [f64; 2] {
     [(log - NORMAL_95 * deviation).exp(), (log + NORMAL_95 * deviation).exp()]
 }
 
+/// Further cuts, in SI units: `open` is the standard deviation of ln y by channel, root mean square over all candidates.
+#[must_use]
+pub fn next_json(next: &NextCuts) -> Value {
+    let open = |open: &[f64]| {
+        let all = next.channels.iter().zip(open);
+        all.map(|(c, s)| (c.symbol().to_owned(), json!(s))).collect::<serde_json::Map<_, _>>()
+    };
+    json!({
+        "candidates": next.candidates,
+        "open": open(&next.open),
+        "cuts": next.cuts.iter().map(|cut| json!({
+            "condition": condition_json(&cut.condition), "open": open(&cut.open),
+        })).collect::<Vec<_>>(),
+    })
+}
+
+/// A table for the further cuts, to be filled in and measured: `calibrate --measured` reads it.
+#[must_use]
+pub fn next_csv(next: &NextCuts) -> String {
+    let heads: Vec<String> = next
+        .channels
+        .iter()
+        .map(|channel| match channel {
+            Channel::InterfaceTemperature => format!("{} [degC]", channel.symbol()),
+            channel if channel.is_force() => format!("{} [N]", channel.symbol()),
+            channel => format!("{} [mm]", channel.symbol()),
+        })
+        .collect();
+    let tool =
+        next.cuts.first().map_or([false; 2], |cut| cut.condition.tool.parts().map(|p| p.is_some()));
+    let mut text = "v_c [m/min],h [mm]".to_owned();
+    for (name, is_known) in ["rake [deg]", "edge_radius [um]"].into_iter().zip(tool) {
+        if is_known {
+            text += &format!(",{name}");
+        }
+    }
+    text += &format!(",{}\n", heads.join(","));
+    for cut in &next.cuts {
+        let CuttingCondition { cutting_speed, uncut_chip_thickness, tool, .. } = cut.condition;
+        // As many digits as a machine can be set to.
+        let short =
+            |x: f64| format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
+        text += &format!("{},{}", short(cutting_speed * 60.0), short(uncut_chip_thickness * 1e3));
+        let parts = [tool.rake_angle.map(f64::to_degrees), tool.edge_radius.map(|r| r * 1e6)];
+        for part in parts.into_iter().flatten() {
+            text += &format!(",{}", short(part));
+        }
+        text += &",".repeat(heads.len());
+        text.push('\n');
+    }
+    text
+}
+
 /// `calibration.json`, in SI units.
 #[must_use]
-pub fn cut_calibration_json(source: &CalibrationSource<'_>, found: &CutCalibration) -> String {
+pub fn cut_calibration_json(
+    source: &CalibrationSource<'_>,
+    found: &CutCalibration,
+    next: Option<&NextCuts>,
+) -> String {
     let posterior = &found.posterior;
     let standing = standings(found);
     let constants = found.constants.iter().enumerate().map(|(k, constant)| {
@@ -115,6 +173,7 @@ pub fn cut_calibration_json(source: &CalibrationSource<'_>, found: &CutCalibrati
             "predicted": f.log.exp(),
             "interval": interval(f.log, f.deviation),
         })).collect::<Vec<_>>(),
+        "next": next.map(next_json),
         "runs": runs.collect::<Vec<_>>(),
     });
     let mut text =

@@ -14,6 +14,7 @@ mod emulator;
 mod evaluator;
 mod files;
 mod left_out;
+mod next;
 mod posterior;
 mod session;
 #[cfg(test)]
@@ -27,16 +28,17 @@ pub use constants::{
     CONSTANTS, ConstantError, ConstantRule, FreeConstant, PublishedSet, free_constants,
     published_sets,
 };
-pub use cuts::{MeasuredCut, measured_cuts, mistakes};
+pub use cuts::{MeasuredCut, cut_name, measured_cuts, mistakes};
 pub use emulator::PriorModel;
 pub use evaluator::{CutEvaluator, QuickEvaluator};
-pub use files::{CalibrationSource, cut_calibration_json, material_file};
+pub use files::{CalibrationSource, cut_calibration_json, material_file, next_csv, next_json};
 pub use left_out::Foreseen;
+pub use next::{NextCut, NextCuts, NextRequest, grid, next_cuts};
 pub use posterior::{AMPLITUDES, MeasuredValue, Posterior};
 pub use session::{
     CalibrationRequest, ComparedValue, CutCalibration, LeftOutErrors, calibrate, expected,
 };
-pub use words::{ConstantStanding, cut_calibration_words, expected_words, standings};
+pub use words::{ConstantStanding, cut_calibration_words, expected_words, next_words, standings};
 
 /// A value for every channel of [`Channel::RECORDED`].
 pub type Channels<T> = [T; Channel::RECORDED.len()];

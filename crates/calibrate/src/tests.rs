@@ -4,8 +4,10 @@ use crate::constants::{CONSTANTS, FreeConstant, free_constants, published_sets};
 use crate::cuts::{MeasuredCut, mistakes};
 use crate::emulator::PriorModel;
 use crate::evaluator::CutEvaluator;
+use crate::files::next_csv;
+use crate::next::{NextRequest, grid, next_cuts};
 use crate::session::{CalibrationRequest, CutCalibration, calibrate, expected};
-use crate::words::{ConstantStanding, cut_calibration_words, standings};
+use crate::words::{ConstantStanding, cut_calibration_words, next_words, standings};
 use crate::{Channels, CutValues, RunPoint};
 use sphcut_greybox::Random;
 use sphcut_physics::{Channel, CuttingCondition};
@@ -276,4 +278,93 @@ fn priors_are_the_spread_of_published_sets_each_once() {
     let [a, _, _, c, _] = set.values;
     let stress = |a: f64, c: f64, r0: f64| a * (1.0 + c * (1e5_f64 / r0).ln());
     assert!((stress(a, c, 1e3) / stress(553.1e6, 0.0134, 1.0) - 1.0).abs() < 1e-12);
+}
+
+/// Mean over all of `wanted` of |error| in F_c and half that in F_f, of a fit to cuts at `conditions`.
+fn error_with(conditions: &[CuttingCondition], wanted: &[CuttingCondition], seed: u64) -> f64 {
+    let mut random = Random::new(seed, &[1]);
+    let t: Vec<f64> = (0..4).map(|_| random.normal()).collect();
+    let cut = |condition: &CuttingCondition, noise: f64, random: &mut Random| {
+        let logs = SOLVER.logs(condition, &t);
+        let mut values = [None; Channel::RECORDED.len()];
+        for (value, log) in values.iter_mut().zip(&logs[..2]) {
+            *value = Some((log + noise * random.normal(), 0.03_f64.powi(2)));
+        }
+        MeasuredCut { condition: *condition, lines: Vec::new(), values }
+    };
+    let cuts: Vec<MeasuredCut> = conditions.iter().map(|c| cut(c, 0.03, &mut random)).collect();
+    let truth: Vec<MeasuredCut> = wanted.iter().map(|c| cut(c, 0.0, &mut random)).collect();
+    let one = found(&cuts, &truth, &SOLVER, seed);
+    let share =
+        |f: &crate::Foreseen| if f.value.channel == Channel::CuttingForce { 1.0 } else { 0.5 };
+    let sum: f64 = one.foreseen.iter().map(|(_, f)| share(f) * f.error().abs()).sum();
+    sum / one.foreseen.len() as f64
+}
+
+#[test]
+fn cuts_that_are_chosen_tell_more_than_cuts_at_random() {
+    let mut corners = measured(&SOLVER, &[0.0; 4], 2, &mut Random::new(1, &[1]));
+    corners[0].condition = CuttingCondition::new(0.6, 4.5e-5);
+    corners[1].condition = CuttingCondition::new(6.6, 2.2e-4);
+    let all = grid(&corners);
+    assert_eq!(all.len(), 36);
+    let constants = constants();
+    let request = NextRequest {
+        constants: &constants,
+        known: None,
+        candidates: &all,
+        model: &QUICK,
+        noise: None,
+        count: 4,
+    };
+    let next = next_cuts(&request).unwrap();
+    let chosen: Vec<CuttingCondition> = next.cuts.iter().map(|cut| cut.condition).collect();
+    assert_eq!((next.candidates, next.known, chosen.len()), (36, false, 4));
+    let mut last = next.open.clone();
+    for cut in &next.cuts {
+        assert!(cut.open.iter().zip(&last).all(|(now, before)| now < before), "{next:?}");
+        last.clone_from(&cut.open);
+    }
+    let mut random = Random::new(9, &[3]);
+    let (mut by_choice, mut by_chance) = (0.0, 0.0);
+    for seed in 1..=40 {
+        let four: Vec<CuttingCondition> =
+            (0..4).map(|_| all[(random.uniform() * 36.0) as usize]).collect();
+        by_choice += error_with(&chosen, &all, seed) / 40.0;
+        by_chance += error_with(&four, &all, seed) / 40.0;
+    }
+    assert!(by_choice < 0.9 * by_chance, "{by_choice} {by_chance}");
+}
+
+#[test]
+fn further_cuts_are_new_ones_where_most_is_open() {
+    let mut random = Random::new(4, &[1]);
+    let mut cuts = measured(&SOLVER, &[0.3, 0.1, -0.2, 0.4], 6, &mut random);
+    // All slow and thin.
+    for (k, cut) in cuts.iter_mut().enumerate() {
+        cut.condition = CuttingCondition::new(0.5 + 0.02 * k as f64, 5e-5);
+        let logs = SOLVER.logs(&cut.condition, &[0.3, 0.1, -0.2, 0.4]);
+        for (value, log) in cut.values.iter_mut().zip(&logs[..2]) {
+            *value = Some((log + 0.03 * random.normal(), 0.03_f64.powi(2)));
+        }
+    }
+    let one = found(&cuts, &[], &SOLVER, 4);
+    let fast = CuttingCondition::new(5.0, 2e-4);
+    let near = CuttingCondition::new(0.55, 5.1e-5);
+    let constants = constants();
+    let request = NextRequest {
+        constants: &constants,
+        known: Some(&one),
+        candidates: &[near, cuts[2].condition, fast],
+        model: &QUICK,
+        noise: None,
+        count: 9,
+    };
+    let next = next_cuts(&request).unwrap();
+    let order: Vec<CuttingCondition> = next.cuts.iter().map(|cut| cut.condition).collect();
+    assert_eq!(order, [fast, near], "the third is measured already");
+    let words = next_words(&next).join("\n");
+    assert!(words.contains(" 1. 300 m/min, 0.2 mm"), "{words}");
+    let table = next_csv(&next);
+    assert_eq!(table, "v_c [m/min],h [mm],F_c [N],F_f [N]\n300,0.2,,\n33,0.051,,\n");
 }

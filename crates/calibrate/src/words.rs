@@ -1,5 +1,7 @@
 //! What a calibration says, in sentences.
 
+use crate::cuts::cut_name;
+use crate::next::NextCuts;
 use crate::session::{CutCalibration, LeftOutErrors};
 use sphcut_physics::Channel;
 
@@ -96,6 +98,28 @@ pub fn expected_words(found: &CutCalibration) -> Vec<String> {
         ));
     }
     words.extend(constant_words(found));
+    words
+}
+
+/// The further cuts: a sentence and a line for each.
+#[must_use]
+pub fn next_words(next: &NextCuts) -> Vec<String> {
+    let open = |open: &[f64]| -> String {
+        let all = next.channels.iter().zip(open);
+        let parts: Vec<String> = all
+            .map(|(channel, s)| format!("{} ± {}", channel.short_name(), percent(NORMAL_95 * s)))
+            .collect();
+        parts.join(", ")
+    };
+    let mut words = vec![format!(
+        "Most telling cuts of {} that could be made, one after the other, and how well all of them are then predicted (95 %):",
+        next.candidates
+    )];
+    let first = if next.known { "as it is" } else { "without a cut" };
+    words.push(format!("      {first:<32} {}", open(&next.open)));
+    for (k, cut) in next.cuts.iter().enumerate() {
+        words.push(format!("  {:>2}. {:<32} {}", k + 1, cut_name(&cut.condition), open(&cut.open)));
+    }
     words
 }
 

@@ -125,3 +125,55 @@ fn a_friction_coefficient_is_found_with_particle_runs() {
     assert!(!again.err.contains("to be computed"), "{}", again.err);
     assert_eq!(numbers(&shop, "twin"), found);
 }
+
+/// Which cuts to make, the same table filled in, and which to make next.
+#[test]
+fn cuts_are_chosen_before_any_is_made_and_further_ones_after() {
+    let shop = Workshop::new("calibrate_next");
+    shop.write("cut.toml", &windowed());
+    let all = "v_c [m/min],h [mm]\n100,0.08\n100,0.12\n150,0.1\n200,0.08\n200,0.12\n150,0.08\n";
+    shop.write("possible.csv", all);
+    let design =
+        ["calibrate", "cut.toml", "--candidates", "possible.csv", "--next", "5", "--out", "first"];
+    let said = shop.sphcut(&design).expect_code(0).out;
+    assert!(said.contains("of 6 that could be made") && said.contains("without a cut"), "{said}");
+    let table = shop.read("first/next.csv");
+    assert_eq!(table.lines().next(), Some("v_c [m/min],h [mm],F_c [N],F_f [N]"));
+    assert_eq!(table.lines().count(), 6);
+    shop.sphcut(&design).expect_code(2).expect_err("--force");
+    let filled: Vec<String> = table
+        .lines()
+        .map(|line| {
+            let place = line.split(',').nth(1).and_then(|h| h.parse::<f64>().ok());
+            place.map_or_else(
+                || line.to_owned(),
+                |h| line.replace(",,", &format!(",{},{}", 200.0 + 6000.0 * h, 180.0 + 2500.0 * h)),
+            )
+        })
+        .collect();
+    shop.write("cuts.csv", &filled.join("\n"));
+    let command = [
+        "calibrate",
+        "cut.toml",
+        "--measured",
+        "cuts.csv",
+        "--out",
+        "twin",
+        "--model",
+        "closed-form",
+        "--next",
+        "2",
+    ];
+    let said = shop.sphcut(&[&command[..], &["--dry-run"]].concat()).expect_code(0).out;
+    assert!(said.contains("Most telling cuts"), "{said}");
+    let said = shop.sphcut(&command).expect_code(0).out;
+    assert!(said.contains("of 31 that could be made") || said.contains("of 36"), "{said}");
+    assert_eq!(numbers(&shop, "twin")["next"]["cuts"].as_array().unwrap().len(), 2);
+    assert!(shop.read("twin/calibration.html").contains("Further cuts"));
+    assert_eq!(shop.read("twin/next.csv").lines().count(), 3);
+    let without = ["calibrate", "cut.toml", "--candidates", "possible.csv"];
+    shop.sphcut(&without).expect_code(2).expect_err("--next");
+    let many: Vec<String> = (0..401).map(|k| format!("{},0.1", 100 + k)).collect();
+    shop.write("possible.csv", &format!("v_c [m/min],h [mm]\n{}\n", many.join("\n")));
+    shop.sphcut(&[&design[..], &["--force"]].concat()).expect_code(2).expect_err("400 is the most");
+}

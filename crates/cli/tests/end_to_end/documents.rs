@@ -103,6 +103,14 @@ const COMMANDS: &[(&str, Trial)] = &[
         AsItStands,
     ),
     (
+        "sphcut calibrate scenarios/calibration/cut.toml --candidates scenarios/calibration/cuts.csv --next 3 --out plan",
+        AsItStands,
+    ),
+    (
+        "sphcut calibrate scenarios/calibration/cut.toml --measured scenarios/calibration/cuts.csv --out second --model closed-form --next 3",
+        AsItStands,
+    ),
+    (
         "sphcut calibrate scenarios/calibration/cut.toml --measured scenarios/calibration/cuts.csv --out twin",
         Elsewhere("calibrate"),
     ),

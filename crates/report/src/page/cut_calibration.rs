@@ -7,7 +7,8 @@ use crate::kit::table::{ColumnHead, or_dash, table};
 use crate::kit::text::indexed;
 use maud::{Markup, html};
 use sphcut_calibrate::{
-    CalibrationSource, ComparedValue, CutCalibration, cut_calibration_words, standings,
+    CalibrationSource, ComparedValue, CutCalibration, NextCuts, cut_calibration_words, cut_name,
+    standings,
 };
 use sphcut_physics::Channel;
 
@@ -21,12 +22,14 @@ pub struct CutCalibrationPage<'a> {
     pub source: CalibrationSource<'a>,
     /// What was found.
     pub found: &'a CutCalibration,
+    /// Further cuts, if they were asked for.
+    pub next: Option<&'a NextCuts>,
 }
 
 /// The text of `calibration.html`; nothing is loaded.
 #[must_use]
 pub fn render_cut_calibration(page: &CutCalibrationPage<'_>) -> String {
-    let CutCalibrationPage { source, found } = page;
+    let CutCalibrationPage { source, found, next } = page;
     let lead = html! { (source.title) ": " (found.constants.len()) " constants from " (found.cuts.len()) " cuts ("
     (source.measured) ") with " (found.runs.len()) " runs of " (source.model) "." };
     let body = html! {
@@ -35,6 +38,7 @@ pub fn render_cut_calibration(page: &CutCalibrationPage<'_>) -> String {
         (cuts(found))
         (left_out(found))
         (held_out(found))
+        @if let Some(next) = next { (further(next)) }
         (limits())
     };
     let title = "Constants from measured cuts";
@@ -199,6 +203,32 @@ fn held_out(found: &CutCalibration) -> Markup {
             h2 { "Cuts held out" }
             p { "Run with the constants found. Predicted: with what the other cuts say of the discrepancy of the model. The interval is that of a measured value." }
             (table("Cuts held out", columns, &rows))
+        }
+    }
+}
+
+fn further(next: &NextCuts) -> Markup {
+    let heads: Vec<String> =
+        next.channels.iter().map(|c| format!("{} open", c.short_name())).collect();
+    let columns: Vec<ColumnHead<'_>> = std::iter::once(ColumnHead::Text("Cut"))
+        .chain(heads.iter().map(|head| ColumnHead::Number(head)))
+        .collect();
+    let row = |name: &str, open: &[f64]| {
+        html! { tr {
+            th scope="row" { (name) }
+            @for s in open { td.n { "± " (percent_tenths(NORMAL_95 * s)) } }
+        } }
+    };
+    let rows = html! {
+        (row("as it is", &next.open))
+        @for cut in &next.cuts { (row(&cut_name(&cut.condition), &cut.open)) }
+    };
+    html! {
+        section {
+            h2 { "Further cuts" }
+            p { "Of " (next.candidates) " cuts that could be made, the most telling, one after the other. Open: how well all of them are predicted then, \
+                 root mean square of their 95 % intervals, by the constants and by what the cuts say of the discrepancy of the model." }
+            (table("Further cuts", columns, &rows))
         }
     }
 }

@@ -9,12 +9,13 @@ use clap::{Args, ValueEnum};
 use runs::{ParticleRuns, Stopped};
 use sphcut_calibrate::{
     CalibrationRequest, CalibrationSource, ClosedCut, CutCalibration, FreeConstant, MeasuredCut,
-    PublishedSet, QuickEvaluator, calibrate as fit, cut_calibration_json, cut_calibration_words,
-    expected, expected_words, free_constants, material_file, measured_cuts, mistakes,
-    published_sets,
+    NextCuts, NextRequest, PublishedSet, QuickEvaluator, calibrate as fit, cut_calibration_json,
+    cut_calibration_words, expected, expected_words, free_constants, grid, material_file,
+    measured_cuts, mistakes, next_csv, next_cuts, next_words, published_sets,
 };
 use sphcut_diagnose::{Change, DiagnoseError, closed_form_cut, scenario_patch};
-use sphcut_input::{CutTableRow, read_cut_table};
+use sphcut_input::{CutTableRow, read_condition_table, read_cut_table};
+use sphcut_physics::CuttingCondition;
 use sphcut_report::{CutCalibrationPage, render_cut_calibration};
 use sphcut_scenario::Scenario;
 use std::convert::Infallible;
@@ -26,6 +27,8 @@ Examples:
   sphcut calibrate cut.toml --measured cuts.csv --out twin --dry-run     runs, minutes, intervals to be expected
   sphcut calibrate cut.toml --measured cuts.csv --out twin
   sphcut calibrate cut.toml --measured cuts.csv --out twin --fit A,C,m,mu --held-out others.csv
+  sphcut calibrate cut.toml --candidates possible.csv --next 10          before a cut is made: which ten?
+  sphcut calibrate cut.toml --measured cuts.csv --out twin --next 3      and which three further ones?
   sphcut calibrate cut.toml --measured cuts.csv --out first --model closed-form   a first answer in seconds
   sphcut run cut.toml --patch twin/scenario.patch.toml
 
@@ -37,6 +40,7 @@ What appears in the output folder:
   calibration.json      the same as numbers, with every run
   scenario.patch.toml   for `sphcut run SCENARIO --patch`
   material.toml         the material with the constants found
+  next.csv              with --next: the further cuts, as a table to be filled in
   runs/                 the runs of the particle solver: a store, and a sweep with table and page for each round
 
 Ctrl-C writes checkpoints; the same command goes on. Runs that are in the store already are not computed again.
@@ -59,9 +63,9 @@ pub struct CutCalibrationArguments {
     /// The scenario: one cut with the material, tool and friction to begin with.
     #[command(flatten)]
     scene: PatchableArguments,
-    /// Table of measured cuts.
-    #[arg(long, value_name = "FILE")]
-    measured: PathBuf,
+    /// Table of measured cuts; without it --candidates and --next say which to make.
+    #[arg(long, value_name = "FILE", required_unless_present = "candidates")]
+    measured: Option<PathBuf>,
     /// Output folder [default: out/NAME_calibrate, NAME being that of the scenario].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -71,6 +75,12 @@ pub struct CutCalibrationArguments {
     /// Table of measured cuts that are predicted and not fitted.
     #[arg(long, value_name = "FILE")]
     held_out: Option<PathBuf>,
+    /// Name the N most telling further cuts: those that leave the forces of all candidates least open.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=100))]
+    next: Option<u16>,
+    /// Table of cuts that could be made, for --next: v_c, h, and the tool where cuts differ in it [default: a grid over those measured].
+    #[arg(long, value_name = "FILE", requires = "next")]
+    candidates: Option<PathBuf>,
     /// What computes the cuts.
     #[arg(long, value_enum, default_value = "particles")]
     model: CutModel,
@@ -101,6 +111,11 @@ pub struct CutCalibrationArguments {
 }
 
 impl CutCalibrationArguments {
+    /// The table of measured cuts, for messages.
+    fn measured_name(&self) -> String {
+        self.measured.as_deref().map_or_else(String::new, |path| path.display().to_string())
+    }
+
     /// Output folder.
     fn folder(&self) -> PathBuf {
         files::out(self.out.as_deref(), &self.scene.file.scenario, "_calibrate")
@@ -119,6 +134,10 @@ fn travel(text: &str) -> Result<f64, String> {
 
 const FILES: [&str; 4] =
     ["calibration.html", "calibration.json", "scenario.patch.toml", "material.toml"];
+/// Table of the further cuts.
+const NEXT: &str = "next.csv";
+/// Most candidates.
+const MOST_CANDIDATES: usize = 400;
 
 /// All that is read before anything is computed.
 struct CalibrationInput {
@@ -127,16 +146,46 @@ struct CalibrationInput {
     constants: Vec<FreeConstant>,
     cuts: Vec<MeasuredCut>,
     held_out: Vec<MeasuredCut>,
+    /// Cuts that could be made.
+    candidates: Vec<CuttingCondition>,
     quick: ClosedCut,
+}
+
+impl CalibrationInput {
+    /// The further cuts, if they are asked for.
+    fn next(
+        &self,
+        arguments: &CutCalibrationArguments,
+        known: Option<&CutCalibration>,
+    ) -> Result<Option<NextCuts>, Failure> {
+        let Some(count) = arguments.next else { return Ok(None) };
+        let request = NextRequest {
+            constants: &self.constants,
+            known,
+            candidates: &self.candidates,
+            model: &self.quick,
+            noise: arguments.noise,
+            count: usize::from(count),
+        };
+        let next = next_cuts(&request).filter(|next| !next.cuts.is_empty());
+        next.map(Some).ok_or_else(|| {
+            Failure::input("none of the candidates tells anything that the measured cuts do not")
+        })
+    }
 }
 
 /// Calibrates and writes page, numbers, patch and material.
 pub fn calibrate(arguments: &CutCalibrationArguments) -> Result<ExitCode, Failure> {
     let out = &arguments.folder();
     if !arguments.dry_run {
-        files::unless_there(FILES.map(|name| out.join(name)), arguments.force)?;
+        let of_fit = FILES.into_iter().filter(|_| arguments.measured.is_some());
+        let all = of_fit.chain(arguments.next.map(|_| NEXT));
+        files::unless_there(all.map(|name| out.join(name)), arguments.force)?;
     }
     let input = read(arguments)?;
+    if arguments.measured.is_none() {
+        return design(arguments, &input);
+    }
     let request = CalibrationRequest {
         constants: &input.constants,
         cuts: &input.cuts,
@@ -148,7 +197,11 @@ pub fn calibrate(arguments: &CutCalibrationArguments) -> Result<ExitCode, Failur
     if arguments.dry_run {
         let foreseen = expected(&request)
             .ok_or_else(|| Failure::input("the closed form has no answer at these cuts"))?;
-        let mut page = expected_words(&foreseen).join("\n");
+        let mut words = expected_words(&foreseen);
+        if let Some(next) = input.next(arguments, Some(&foreseen))? {
+            words.extend(next_words(&next));
+        }
+        let mut page = words.join("\n");
         if arguments.model == CutModel::Particles {
             let points: Vec<_> = foreseen.runs.iter().map(|(point, _)| point.clone()).collect();
             page = format!("{}\n{page}", runs?.cost(&points)?);
@@ -193,17 +246,54 @@ fn read(arguments: &CutCalibrationArguments) -> Result<CalibrationInput, Failure
     let of = |path: &Path| -> Result<Vec<MeasuredCut>, Failure> {
         Ok(measured_cuts(&table(path)?, width, arguments.noise))
     };
-    let cuts = of(&arguments.measured)?;
+    let cuts = arguments.measured.as_deref().map(of).transpose()?.unwrap_or_default();
     let held_out = arguments.held_out.as_deref().map(of).transpose()?.unwrap_or_default();
     let quick = ClosedCut::new(&scenario, &constants).map_err(refused)?;
     let stated: Vec<f64> = constants.iter().map(|c| c.coordinate(c.stated)).collect();
     let wrong = mistakes(&cuts, &quick, &stated);
     if !wrong.is_empty() {
-        let message = format!("`{}`: {}", arguments.measured.display(), wrong.join("; "));
+        let message = format!("`{}`: {}", arguments.measured_name(), wrong.join("; "));
         return Err(Failure::input(message)
             .advise("correct the table; a single wrong value may be left out, as an empty cell"));
     }
-    Ok(CalibrationInput { scenario, sets, constants, cuts, held_out, quick })
+    let candidates = match &arguments.candidates {
+        None => grid(&cuts),
+        Some(path) => {
+            let rows = read_condition_table(&files::read(path)?)
+                .map_err(|problem| Failure::input(format!("`{}`, {problem}", path.display())))?;
+            measured_cuts(&rows, width, arguments.noise).into_iter().map(|c| c.condition).collect()
+        }
+    };
+    if candidates.len() > MOST_CANDIDATES {
+        let message = format!("{} candidates: {MOST_CANDIDATES} is the most", candidates.len());
+        return Err(Failure::input(message).advise("leave out conditions that lie close together"));
+    }
+    Ok(CalibrationInput { scenario, sets, constants, cuts, held_out, candidates, quick })
+}
+
+/// Before a cut is made: which ones.
+fn design(
+    arguments: &CutCalibrationArguments,
+    input: &CalibrationInput,
+) -> Result<ExitCode, Failure> {
+    let Some(next) = input.next(arguments, None)? else {
+        return Err(Failure::input("--candidates asks for --next"));
+    };
+    next_words(&next).iter().for_each(|words| terminal::line(words));
+    if arguments.dry_run {
+        return Ok(ExitCode::Done);
+    }
+    let path = arguments.folder().join(NEXT);
+    files::save_all(&arguments.folder(), &[NEXT], &[next_csv(&next)])?;
+    let scenario = arguments.scene.file.scenario.display();
+    terminal::report(
+        &path,
+        &format!(
+            "make these cuts, fill in the table, `sphcut calibrate {scenario} --measured {}`",
+            path.display()
+        ),
+    );
+    Ok(ExitCode::Done)
 }
 
 fn table(path: &Path) -> Result<Vec<CutTableRow>, Failure> {
@@ -220,7 +310,7 @@ fn write(
     let source = CalibrationSource {
         title: &input.scenario.title,
         version: env!("CARGO_PKG_VERSION"),
-        measured: &arguments.measured.display().to_string(),
+        measured: &arguments.measured_name(),
         model,
         sets: &input.sets,
     };
@@ -232,12 +322,18 @@ fn write(
          # `sphcut run SCENARIO --patch FILE` (also check, sweep) sets the keys under [scenario].\n{patch}",
         source.measured
     );
-    let page = render_cut_calibration(&CutCalibrationPage { source, found });
-    let mut texts = vec![page, cut_calibration_json(&source, found), patch];
+    let next = input.next(arguments, Some(found))?;
+    let next = next.as_ref();
+    let page = render_cut_calibration(&CutCalibrationPage { source, found, next });
+    let mut texts = vec![page, cut_calibration_json(&source, found, next), patch];
     texts.extend(material_file((&input.scenario, &arguments.scene.file.scenario), &source, found));
     let out = &arguments.folder();
     files::save_all(out, &FILES[..texts.len()], &texts)?;
     cut_calibration_words(found).iter().for_each(|words| terminal::line(words));
+    if let Some(next) = next {
+        files::save_all(out, &[NEXT], &[next_csv(next)])?;
+        next_words(next).iter().for_each(|words| terminal::line(words));
+    }
     let (base, patch) = (arguments.scene.file.scenario.display(), out.join(FILES[2]));
     let next = format!("`sphcut run {base} --patch {}` cuts with the constants", patch.display());
     terminal::report(&out.join(FILES[0]), &next);
