@@ -55,12 +55,14 @@ pub struct NextCuts {
 /// A grid over the speeds and thicknesses of `cuts` in equal ratios, with each of their tools.
 #[must_use]
 pub fn grid(cuts: &[MeasuredCut]) -> Vec<CuttingCondition> {
-    let along = |of: fn(&CuttingCondition) -> f64| -> Vec<f64> {
-        let all = || cuts.iter().map(|cut| of(&cut.condition));
+    // Three digits in the units that machines are set in.
+    let along = |of: fn(&CuttingCondition) -> f64, scale: f64| -> Vec<f64> {
+        let all = || cuts.iter().map(|cut| of(&cut.condition) * scale);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
         let count = if high > low { GRID } else { 1 };
         let last = (count - 1).max(1) as f64;
-        (0..count).map(|k| three_digits(low * (high / low).powf(k as f64 / last))).collect()
+        let at = |k: usize| three_digits(low * (high / low).powf(k as f64 / last)) / scale;
+        (0..count).map(at).collect()
     };
     let mut tools: Vec<_> = Vec::new();
     for cut in cuts {
@@ -68,7 +70,8 @@ pub fn grid(cuts: &[MeasuredCut]) -> Vec<CuttingCondition> {
             tools.push(cut.condition.tool);
         }
     }
-    let (speeds, thicknesses) = (along(|c| c.cutting_speed), along(|c| c.uncut_chip_thickness));
+    let speeds = along(|c| c.cutting_speed, 60.0);
+    let thicknesses = along(|c| c.uncut_chip_thickness, 1e3);
     let mut all = Vec::new();
     for tool in tools {
         for &speed in &speeds {
