@@ -15,6 +15,8 @@ const FAST: f64 = 1000.0 / 60.0;
 const STEADY_TRAVEL: f64 = 10.0;
 /// Distance from the back side, in uncut chip thicknesses, below which it changes the forces.
 const BACK_ROOM: f64 = 3.0;
+/// Below the reference temperature by more K a material has another strength than the law gives it: some per cent. A room has 20 or 25 degC.
+const COLDER: f64 = 10.0;
 /// Material below the cut in uncut chip thicknesses.
 const DEPTH_BELOW: f64 = 2.0;
 
@@ -158,7 +160,8 @@ pub(crate) fn temperatures(setup: &Setup) -> Vec<String> {
             values.find(|value| value.0.key == key).map(|value| value.1)
         };
         let start = body.temperature;
-        if let Some(reference) = of("reference_temperature").filter(|limit| start < *limit) {
+        if let Some(reference) = of("reference_temperature").filter(|limit| start < *limit - COLDER)
+        {
             warnings.push(format!(
                 "`{}` starts at {} K, below the reference temperature of its flow stress ({} K): it \
                  has the strength of that temperature",

@@ -383,3 +383,17 @@ fn shipped_materials_have_the_figures_of_their_sources() {
         max_relative = 1e-12
     );
 }
+
+#[test]
+fn a_start_far_below_the_reference_temperature_is_warned_of() {
+    let told = |temperature: &str| {
+        let text = include_str!("../../../scenarios/quickstart.toml")
+            .replace("aisi1045_table5", "ti6al4v_johnson_1985")
+            .replace("temperature = \"20 degC\"", &format!("temperature = \"{temperature}\""));
+        let parsed = sphcut_scenario::parse(&text, "cut.toml", None, &LoadOptions::default());
+        parsed.unwrap().warnings.iter().any(|warning| warning.contains("reference temperature"))
+    };
+    // 300 K; rooms have 20 or 25 degC.
+    assert!(!told("20 degC") && !told("30 degC"));
+    assert!(told("-50 degC"));
+}
