@@ -191,7 +191,10 @@ fn header(
             column: Some((index + 1, name.clone())),
             message,
         };
-        let Some(found) = rules.iter().position(|rule| rule.name == name) else {
+        let exact = rules.iter().position(|rule| rule.name == name);
+        // `Fc`, `FC` and `F-c` are `F_c` to everybody.
+        let alike = || rules.iter().position(|rule| plain(rule.name) == plain(&name));
+        let Some(found) = exact.or_else(alike) else {
             let known: Vec<&'static str> = rules.iter().map(|rule| rule.name).collect();
             let hint = meant_column(&name, rules).map_or_else(
                 || format!("there are {}", known.join(", ")),
@@ -283,14 +286,18 @@ fn row(
     Ok(found)
 }
 
+/// Without case, `_`, `-` and blanks.
+fn plain(name: &str) -> String {
+    name.to_lowercase().replace(['_', '-', ' '], "")
+}
+
 /// The column that a name is a misspelling of: never one of another quantity, which `F_t` would be for `F_c`. Of a symbol and of what
-/// begins with one (`F_t_sd`) letter and index have to agree; of a bare symbol case, `_` and `-` alone may differ.
+/// begins with one (`F_t_sd`) letter and index have to agree; a bare symbol is none.
 fn meant_column(name: &str, rules: &[ColumnRule]) -> Option<&'static str> {
-    let plain = |name: &str| name.to_lowercase().replace(['_', '-', ' '], "");
     let is_symbol = |name: &str| plain(name).len() <= 3;
     let known = rules.iter().map(|rule| rule.name);
     if is_symbol(name) {
-        return known.into_iter().find(|known| plain(known) == plain(name));
+        return None;
     }
     let symbol = |name: &str| plain(name).chars().take(2).collect::<String>();
     let begins_with_symbol = |name: &str| name.chars().nth(1) == Some('_');

@@ -183,6 +183,15 @@ mod tests {
     }
 
     #[test]
+    fn symbols_without_their_underscore_are_the_same() {
+        let text = "vc [m/min];h [mm];FC [N];Ff_sd [N];F-f [N]\n100;0,1;200,8;10;128\n";
+        let rows = read_cut_table(text).unwrap();
+        assert!((rows[0].cutting_speed - 100.0 / 60.0).abs() < 1e-12);
+        assert_eq!((rows[0].values[0], rows[0].values[1]), (Some(200.8), Some(128.0)));
+        assert_eq!(rows[0].deviations[1], Some(10.0));
+    }
+
+    #[test]
     fn tools_differ_from_cut_to_cut() {
         let text = "v_c [m/min],rake [deg],h [mm],F_c [N],edge_radius [um]\n200,-7,0.1,5,20\n200,60,0.1,5,0\n";
         let rows = read_cut_table(text).unwrap();

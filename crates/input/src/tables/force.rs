@@ -153,8 +153,8 @@ mod tests {
                 "line 1, column 2 `F_c_std`: no such column; did you mean `F_c_sd`?",
             ),
             (
-                good.replace("F_c", "Fc"),
-                "line 1, column 3 `Fc`: no such column; did you mean `F_c`?",
+                good.replace("h [mm]", "Fc [N]"),
+                "line 1, column 3 `F_c`: the column is there twice",
             ),
             (format!("{good}150,0.1,nan,5\n"), "line 2, column 3 `F_c`: `nan`"),
             (format!("{good}150,0.1,inf,5\n"), "line 2, column 3 `F_c`: `inf`"),

@@ -184,8 +184,8 @@ mod tests {
             (String::new(), "line 1: the table is empty"),
             (good.to_owned(), "line 1: no measurement follows the header"),
             (
-                good.replace("springback", "spring_back"),
-                "line 1, column 2 `spring_back`: no such column; did you mean `springback`?",
+                good.replace("springback", "sprigback"),
+                "line 1, column 2 `sprigback`: no such column; did you mean `springback`?",
             ),
             (good.replace(" [um]", ""), "line 1, column 2 `springback`: the unit is missing"),
             (good.replace("[m/min]", "[mm]"), "line 1, column 1 `v_c`: `mm`: this is a length"),
