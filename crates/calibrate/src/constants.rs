@@ -1,6 +1,7 @@
 //! Which constants may be fitted, and what is known of each before a cut is made.
 
-use sphcut_diagnose::closed_form_cut;
+use crate::words::NORMAL_95;
+use sphcut_diagnose::{Change, closed_form_cut, effect_strengths};
 use sphcut_input::Problem;
 use sphcut_scenario::{KeyPath, LoadOptions, Scenario, parse, shipped_materials};
 use std::path::Path;
@@ -73,6 +74,8 @@ pub struct FreeConstant {
     pub deviation: f64,
     /// In how many published sets it was found; 0: only the general spread.
     pub sets: usize,
+    /// The effect whose strength it is, and what is missing without it.
+    pub effect: Option<(&'static str, &'static str)>,
 }
 
 impl FreeConstant {
@@ -95,6 +98,19 @@ impl FreeConstant {
         (self.value(t) / self.stated).ln()
     }
 
+    /// A change of the scenario to values of constants at coordinates.
+    #[must_use]
+    pub fn change(constants: &[Self], t: &[f64]) -> Change {
+        let mut change = Change::default();
+        for (constant, &t) in constants.iter().zip(t) {
+            match constant.effect {
+                Some((key, _)) => change.effects.push((key, vec![constant.value(t)])),
+                None => change.nuisances.push((constant.rule.key, constant.log_factor(t))),
+            }
+        }
+        change
+    }
+
     /// The ends of an interval of so many standard deviations about a coordinate.
     #[must_use]
     pub fn interval(&self, t: f64, half_width: f64) -> [f64; 2] {
@@ -109,6 +125,8 @@ pub enum ConstantError {
     Unknown(String),
     /// The scenario has no such constant, or it is 0.
     Absent(&'static str),
+    /// An effect that has not the strength of one positive number, or none.
+    Effect(String),
     /// Nothing to be fitted.
     Nothing,
     /// The scenario cannot be taken.
@@ -123,6 +141,10 @@ impl std::fmt::Display for ConstantError {
                 write!(f, "`{name}` is no constant that can be fitted; there are {all}")
             }
             Self::Absent(symbol) => write!(f, "the scenario has no {symbol} that could be fitted"),
+            Self::Effect(name) => {
+                let all: Vec<&str> = effect_strengths().iter().map(|effect| effect.key).collect();
+                write!(f, "`{name}` is no effect that can be fitted; there are {}", all.join(", "))
+            }
             Self::Nothing => write!(f, "no constant is to be fitted"),
             Self::Scenario(what) => write!(f, "{what}"),
         }
@@ -190,9 +212,43 @@ pub fn free_constants(
             (mean, (variance * (1.0 + 1.0 / k)).sqrt())
         };
         let sets = if logs.len() < 2 { 0 } else { logs.len() };
-        Ok(FreeConstant { rule, stated, mean, deviation, sets })
+        Ok(FreeConstant { rule, stated, mean, deviation, sets, effect: None })
     };
     rules.into_iter().map(of).collect()
+}
+
+/// The strengths of effects as constants: 95 % of the prior lie where the catalogue looks for them, evenly about the middle in the logarithm; in the
+/// scenario, which lacks them, they are at the end at which they act least.
+///
+/// # Errors
+/// A name that is no effect with one positive strength and runs of the particle solver.
+pub fn effect_constants(names: &[String]) -> Result<Vec<FreeConstant>, ConstantError> {
+    let known = effect_strengths();
+    let of = |name: &String| {
+        let effect = known.iter().find(|effect| effect.key == name);
+        let effect = effect.ok_or_else(|| ConstantError::Effect(name.clone()))?;
+        let [low, high] = effect.prior;
+        let deviation = (high / low).ln() / (2.0 * NORMAL_95);
+        let rule = ConstantRule {
+            key: effect.parameter,
+            symbol: effect.parameter,
+            shown: (1.0, effect.unit),
+            spread: deviation,
+            limits: effect.prior,
+            usual: false,
+        };
+        let mean = 0.5 * (low * high).ln();
+        let effect_of = Some((effect.key, effect.title));
+        Ok(FreeConstant {
+            rule,
+            stated: effect.weakest,
+            mean,
+            deviation,
+            sets: 0,
+            effect: effect_of,
+        })
+    };
+    names.iter().map(of).collect()
 }
 
 /// The published sets of the library for the material of `scenario`, whose name begins with `family` (up to the first `_` of the

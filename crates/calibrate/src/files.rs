@@ -126,6 +126,7 @@ pub fn cut_calibration_json(
         let (t, half) = (posterior.mean[k], NORMAL_95 * posterior.deviation(k));
         json!({
             "key": constant.rule.key,
+            "effect": constant.effect.map(|(key, _)| key),
             "symbol": constant.rule.symbol,
             "stated": constant.stated,
             "prior": { "median": constant.value(0.0), "interval": constant.interval(0.0, NORMAL_95), "sets": constant.sets },
@@ -161,6 +162,9 @@ pub fn cut_calibration_json(
         "discrepancy": AMPLITUDES.iter().zip(&posterior.weights)
             .map(|(amplitude, probability)| json!({ "amplitude": amplitude, "probability": probability })).collect::<Vec<_>>(),
         "cuts": found.values.iter().map(|v| value_json(found, v)).collect::<Vec<_>>(),
+        "effects": found.effects.iter().map(|(k, evidence)| json!({
+            "effect": found.constants[*k].effect.map(|(key, _)| key), "log_evidence": evidence,
+        })).collect::<Vec<_>>(),
         "left_out": found.errors.iter().map(|e| json!({
             "by": e.by, "channel": e.channel.symbol(), "calibrated": e.calibrated, "regression": e.regression,
             "corrected": e.corrected, "covered": e.covered,

@@ -25,8 +25,8 @@ use sphcut_physics::{Channel, CuttingCondition};
 
 pub use closed_cut::ClosedCut;
 pub use constants::{
-    CONSTANTS, ConstantError, ConstantRule, FreeConstant, PublishedSet, free_constants,
-    published_sets,
+    CONSTANTS, ConstantError, ConstantRule, FreeConstant, PublishedSet, effect_constants,
+    free_constants, published_sets,
 };
 pub use cuts::{MeasuredCut, cut_name, measured_cuts, mistakes};
 pub use emulator::PriorModel;

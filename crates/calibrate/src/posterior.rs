@@ -159,6 +159,8 @@ pub struct Posterior {
     pub covariance: DMatrix<f64>,
     /// Probability of each of [`AMPLITUDES`].
     pub weights: Vec<f64>,
+    /// ln of the evidence, the mean over the amplitudes (Laplace); only differences on the same values say something.
+    pub evidence: f64,
 }
 
 impl Posterior {
@@ -198,16 +200,42 @@ pub fn infer(
     values: &[MeasuredValue],
     emulator: &Emulator<'_>,
 ) -> Option<Posterior> {
+    infer_with(None, start, cuts, values, emulator)
+}
+
+/// The same with the constant `k` held at `held`: what the others say without it.
+#[must_use]
+pub fn infer_without(
+    k: usize,
+    held: f64,
+    start: &[f64],
+    cuts: &[MeasuredCut],
+    values: &[MeasuredValue],
+    emulator: &Emulator<'_>,
+) -> Option<Posterior> {
+    let mut start = start.to_vec();
+    start[k] = held;
+    infer_with(Some(k), &start, cuts, values, emulator)
+}
+
+fn infer_with(
+    held: Option<usize>,
+    start: &[f64],
+    cuts: &[MeasuredCut],
+    values: &[MeasuredValue],
+    emulator: &Emulator<'_>,
+) -> Option<Posterior> {
     let measured = DVector::from_iterator(values.len(), values.iter().map(|v| v.log));
     let components: Option<Vec<Component>> = AMPLITUDES
         .into_iter()
-        .map(|amplitude| component(amplitude, start, cuts, (values, &measured), emulator))
+        .map(|amplitude| component(amplitude, (start, held), cuts, (values, &measured), emulator))
         .collect();
     let components = components?;
     let best = components.iter().map(|c| c.evidence).fold(f64::NEG_INFINITY, f64::max);
     let raw: Vec<f64> =
         components.iter().zip(PRIOR).map(|(c, prior)| prior * (c.evidence - best).exp()).collect();
     let sum: f64 = raw.iter().sum();
+    let evidence = best + sum.ln();
     let weights: Vec<f64> = raw.iter().map(|w| w / sum).collect();
     let mut mean = DVector::zeros(start.len());
     for (weight, own) in weights.iter().zip(&components) {
@@ -220,13 +248,13 @@ pub fn infer(
     }
     debug_assert_eq!(components.len(), AMPLITUDES.len());
     debug_assert!(components.iter().zip(AMPLITUDES).all(|(c, a)| c.amplitude == a));
-    Some(Posterior { mean, covariance, weights })
+    Some(Posterior { mean, covariance, weights, evidence })
 }
 
-/// Gauss and Newton with halved steps; the covariance is that of the last place.
+/// Gauss and Newton with halved steps; the covariance is that of the last place. A constant that is held does not move.
 fn component(
     amplitude: f64,
-    start: &[f64],
+    (start, held): (&[f64], Option<usize>),
     cuts: &[MeasuredCut],
     (values, measured): (&[MeasuredValue], &DVector<f64>),
     emulator: &Emulator<'_>,
@@ -234,7 +262,14 @@ fn component(
     let mut t = DVector::from_column_slice(start);
     let prior = DMatrix::identity(start.len(), start.len());
     let mut places = vec![t.clone()];
-    let mut law = LinearLaw::about((t.as_slice(), &places), cuts, values, emulator);
+    let about = |t: &DVector<f64>, places: &[DVector<f64>]| {
+        let mut law = LinearLaw::about((t.as_slice(), places), cuts, values, emulator);
+        if let Some(k) = held {
+            law.slopes.column_mut(k).fill(0.0);
+        }
+        law
+    };
+    let mut law = about(&t, &places);
     let mut known: Cholesky<f64, Dyn> = law.covariance(amplitude).cholesky()?;
     let cost = |t: &DVector<f64>, known: &Cholesky<f64, Dyn>| {
         let of = |v: &MeasuredValue| emulator.log(v.channel, &cuts[v.cut].condition, t.as_slice());
@@ -245,7 +280,10 @@ fn component(
         let rest = measured - &law.logs;
         let weighed = known.solve(&law.slopes);
         let normal = law.slopes.transpose() * &weighed + &prior;
-        let gradient = weighed.transpose() * &rest - &t;
+        let mut gradient = weighed.transpose() * &rest - &t;
+        if let Some(k) = held {
+            gradient[k] = 0.0;
+        }
         let step = normal.clone().cholesky()?.solve(&gradient);
         let before = cost(&t, &known);
         let mut share = 1.0;
@@ -260,7 +298,10 @@ fn component(
         t = next;
         // Where the runs are, the emulator knows the cuts, but not how they change: that is open where the constants may be as well.
         places = around(&t, &normal.try_inverse()?);
-        law = LinearLaw::about((t.as_slice(), &places), cuts, values, emulator);
+        if let Some(k) = held {
+            places.iter_mut().for_each(|place| place[k] = t[k]);
+        }
+        law = about(&t, &places);
         known = law.covariance(amplitude).cholesky()?;
         if moved < MOVED {
             break;

@@ -5,9 +5,12 @@ use crate::cuts::MeasuredCut;
 use crate::emulator::{Emulator, Places, PriorModel};
 use crate::evaluator::{CutEvaluator, QuickEvaluator};
 use crate::left_out::{Foreseen, foresee, grouped, left_out, mean_error, regression};
-use crate::posterior::{AMPLITUDES, LinearLaw, MeasuredValue, PRIOR, Posterior, infer, values};
+use crate::posterior::{
+    AMPLITUDES, LinearLaw, MeasuredValue, PRIOR, Posterior, infer, infer_without, values,
+};
 use crate::{CutValues, RunPoint};
 use nalgebra::DVector;
+use sphcut_diagnose::Change;
 use sphcut_physics::Channel;
 use std::convert::Infallible;
 
@@ -88,6 +91,8 @@ pub struct CutCalibration {
     pub values: Vec<ComparedValue>,
     /// Errors of values that were left out.
     pub errors: Vec<LeftOutErrors>,
+    /// Effects that were fitted: place of the constant, and ln of the evidence with it over that without it.
+    pub effects: Vec<(usize, f64)>,
     /// Cuts held out: simulated with the constants, and predicted with what the other cuts say of the discrepancy. Their `cut` counts on after
     /// those that were measured.
     pub foreseen: Vec<(f64, Foreseen)>,
@@ -102,11 +107,10 @@ impl CutCalibration {
         self.cuts.get(value.cut).unwrap_or_else(|| &self.held_out[value.cut - self.cuts.len()])
     }
 
-    /// The constants found: factors on those of the scenario as logarithms, by key.
+    /// The change of the scenario to the constants found.
     #[must_use]
-    pub fn changes(&self) -> Vec<(&'static str, f64)> {
-        let all = self.constants.iter().zip(self.posterior.mean.iter());
-        all.map(|(constant, &t)| (constant.rule.key, constant.log_factor(t))).collect()
+    pub fn change(&self) -> Change {
+        FreeConstant::change(&self.constants, self.posterior.mean.as_slice())
     }
 }
 
@@ -350,6 +354,13 @@ fn finished(
             });
         }
     }
+    let effects = (0..constants.len())
+        .filter(|&k| constants[k].effect.is_some())
+        .filter_map(|k| {
+            let without = infer_without(k, stated[k], t, cuts, &values, &emulator)?;
+            Some((k, posterior.evidence - without.evidence))
+        })
+        .collect();
     let together: Vec<MeasuredCut> = cuts
         .iter()
         .enumerate()
@@ -376,6 +387,7 @@ fn finished(
         posterior,
         values: all,
         errors,
+        effects,
         foreseen,
         runs,
     })

@@ -1,6 +1,6 @@
 //! Twins of a solver that is not the quick model: other levels, other trends, other changes with the constants, and runs that scatter.
 
-use crate::constants::{CONSTANTS, FreeConstant, free_constants, published_sets};
+use crate::constants::{CONSTANTS, FreeConstant, effect_constants, free_constants, published_sets};
 use crate::cuts::{MeasuredCut, mistakes};
 use crate::emulator::PriorModel;
 use crate::evaluator::CutEvaluator;
@@ -75,6 +75,7 @@ fn constants() -> Vec<FreeConstant> {
         mean: stated.ln(),
         deviation: 0.4,
         sets: 3,
+        effect: None,
     };
     vec![of(0, 8e8), of(3, 0.02), of(4, 0.7), of(5, 0.4)]
 }
@@ -367,4 +368,69 @@ fn further_cuts_are_new_ones_where_most_is_open() {
     assert!(words.contains(" 1. 300 m/min, 0.2 mm"), "{words}");
     let table = next_csv(&next);
     assert_eq!(table, "v_c [m/min],h [mm],F_c [N],F_f [N]\n300,0.2,,\n33,0.051,,\n");
+}
+
+/// F_f over speed by an effect beside the four constants: found where it acts, not wanted where it does not.
+#[test]
+fn the_evidence_says_whether_an_effect_acts() {
+    struct WithEffect<'a>(&'a PowerCut, &'a FreeConstant);
+    impl PriorModel for WithEffect<'_> {
+        fn logs(&self, condition: &CuttingCondition, t: &[f64]) -> Channels<f64> {
+            let mut logs = self.0.logs(condition, &t[..4]);
+            logs[1] -= self.1.value(t[4]) * (condition.cutting_speed / 2.0).ln();
+            logs
+        }
+    }
+    struct Solver<'a>(WithEffect<'a>, Random);
+    impl CutEvaluator for Solver<'_> {
+        type Error = Infallible;
+        fn evaluate(&mut self, _: &str, points: &[RunPoint]) -> Result<Vec<CutValues>, Infallible> {
+            let mut one = |point: &RunPoint| {
+                let logs = self.0.logs(&point.condition, &point.t);
+                let mut values = CutValues::default();
+                for k in 0..2 {
+                    values[k] = Some((logs[k] + SCATTER[k] * self.1.normal(), SCATTER[k].powi(2)));
+                }
+                values
+            };
+            Ok(points.iter().map(&mut one).collect())
+        }
+    }
+    let names = ["speed_dependent_friction".to_owned()];
+    let effect = effect_constants(&names).unwrap().remove(0);
+    assert_eq!((effect.rule.symbol, effect.stated), ("speed_exponent", 0.02));
+    assert!((effect.coordinate(0.02) + 1.96).abs() < 1e-9);
+    let mut constants = constants();
+    constants.push(effect.clone());
+    let evidence = |strength: f64, seed: u64| {
+        let truth = PowerCut { lacking: -strength, ..SOLVER };
+        let cuts = measured(&truth, &[0.2, 0.1, -0.4, 0.3], 10, &mut Random::new(seed, &[1]));
+        let quick = WithEffect(&QUICK, &effect);
+        let request = CalibrationRequest {
+            constants: &constants,
+            cuts: &cuts,
+            held_out: &[],
+            model: &quick,
+            refreshes: 2,
+        };
+        let mut solver = Solver(WithEffect(&SOLVER, &effect), Random::new(seed, &[2]));
+        let Ok(found) = calibrate(&request, &mut solver);
+        let found = found.unwrap();
+        let words = cut_calibration_words(&found).join("\n");
+        assert_eq!(found.change().effects[0].0, "speed_dependent_friction");
+        (found.effects[0].1, found.constants[4].value(found.posterior.mean[4]), words)
+    };
+    for seed in 1..=4 {
+        let (wanted, strength, words) = evidence(0.3, seed);
+        assert!(
+            wanted > 3.0 && words.contains("The cuts want speed_dependent_friction"),
+            "{words}"
+        );
+        assert!((0.15..0.41).contains(&strength), "{strength}");
+        let (unwanted, ..) = evidence(0.0, seed);
+        assert!(unwanted < 3.0, "{unwanted}");
+    }
+    assert!(
+        effect_constants(&["gain".to_owned()]).unwrap_err().to_string().contains("tanh_softening")
+    );
 }

@@ -16,6 +16,9 @@ const TOGETHER: f64 = 0.7;
 const PROBABLE: f64 = 0.9;
 /// Discrepancies that are asked for.
 const MISSES: [f64; 3] = [0.16, 0.08, 0.04];
+/// ln of the evidence from which on it tells (20 to 1: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795), and the largest that is said.
+const TELLING: f64 = 3.0;
+const LARGEST: f64 = 9.21;
 /// Half width of a 95 % interval in standard deviations.
 pub(crate) const NORMAL_95: f64 = 1.96;
 
@@ -74,8 +77,31 @@ pub fn cut_calibration_words(found: &CutCalibration) -> Vec<String> {
     words.extend(wrong_words(found));
     words.extend(constant_words(found));
     words.extend(together_words(found));
+    words.extend(effect_words(found));
     words.extend(discrepancy_words(found));
     words
+}
+
+/// Whether the cuts want the effects that were fitted.
+fn effect_words(found: &CutCalibration) -> Vec<String> {
+    let of = |&(k, evidence): &(usize, f64)| {
+        let (key, title) = found.constants[k].effect?;
+        let odds =
+            |x: f64| if x > LARGEST { "more than 10 000".to_owned() } else { short(x.exp()) };
+        Some(match evidence {
+            x if x > TELLING => {
+                format!("The cuts want {key} ({title}): evidence {} to 1.", odds(x))
+            }
+            x if x < -TELLING => {
+                format!("The cuts speak against {key} ({title}): evidence 1 to {}.", odds(-x))
+            }
+            x => format!(
+                "The cuts do not tell whether {key} acts ({title}): evidence {} to 1, from 20 on it would count.",
+                short(x.exp())
+            ),
+        })
+    };
+    found.effects.iter().filter_map(of).collect()
 }
 
 /// What is to be expected before anything is computed.
@@ -83,6 +109,7 @@ pub fn cut_calibration_words(found: &CutCalibration) -> Vec<String> {
 pub fn expected_words(found: &CutCalibration) -> Vec<String> {
     let mut words =
         vec!["Intervals to be expected (95 %), if the solver follows the cuts:".to_owned()];
+    let width = found.constants.iter().map(|c| c.rule.symbol.len()).max().unwrap_or(0).max(5);
     for (k, constant) in found.constants.iter().enumerate() {
         let (scale, unit) = constant.rule.shown;
         let range = |t: f64, half: f64| {
@@ -91,7 +118,7 @@ pub fn expected_words(found: &CutCalibration) -> Vec<String> {
         };
         let half = NORMAL_95 * found.posterior.deviation(k);
         words.push(format!(
-            "  {:<5} before {:<18} after {:<18} {unit}",
+            "  {:<width$} before {:<18} after {:<18} {unit}",
             constant.rule.symbol,
             range(0.0, NORMAL_95),
             range(found.posterior.mean[k], half)

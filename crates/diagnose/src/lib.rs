@@ -71,7 +71,8 @@ pub use inference::verdict::{ClaimVerdict, Conclusion, Gate, judge};
 pub use model::closed_form::ClosedForm;
 pub use model::closed_form_cut::closed_form_cut;
 pub use model::paired::{
-    Change, PairedRun, PairedRuns, PairedScenario, changes, run_effects, support,
+    Change, EffectStrength, PairedRun, PairedRuns, PairedScenario, changes, effect_strengths,
+    run_effects, support,
 };
 pub use model::predictor::{Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior};
 pub use patch::{patch, scenario_patch};

@@ -126,6 +126,30 @@ fn a_friction_coefficient_is_found_with_particle_runs() {
     assert_eq!(numbers(&shop, "twin"), found);
 }
 
+/// A law beside that of the scenario: its strength, whether the cuts want it, and a patch that has it.
+#[test]
+fn an_effect_is_fitted_and_its_patch_runs() {
+    let shop = Workshop::new("calibrate_effects");
+    shop.write("cut.toml", &windowed());
+    shop.write("cuts.csv", CUTS);
+    let command = [
+        "calibrate", "cut.toml", "--measured", "cuts.csv", "--out", "twin", "--model", "closed-form",
+        "--fit", "A,mu", "--effects", "speed_dependent_friction",
+    ];
+    let said = shop.sphcut(&command).expect_code(0).out;
+    assert!(said.contains("speed_dependent_friction"), "{said}");
+    let found = numbers(&shop, "twin");
+    assert_eq!(found["constants"][2]["effect"], "speed_dependent_friction");
+    assert!(found["effects"][0]["log_evidence"].as_f64().unwrap().is_finite());
+    assert!(shop.read("twin/scenario.patch.toml").contains("speed_exponent"));
+    let patched =
+        ["check", "cut.toml", "--patch", "twin/scenario.patch.toml", "--no-measure", "--all"];
+    let checked = shop.sphcut(&patched).expect_code(0).out;
+    assert!(checked.contains("speed_dependent"), "{checked}");
+    let wrong = [&command[..11], &["gain", "--force"]].concat();
+    shop.sphcut(&wrong).expect_code(2).expect_err("tanh_softening");
+}
+
 /// Which cuts to make, the same table filled in, and which to make next.
 #[test]
 fn cuts_are_chosen_before_any_is_made_and_further_ones_after() {

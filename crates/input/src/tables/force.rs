@@ -152,10 +152,7 @@ mod tests {
                 good.replace("h [mm]", "F_c_std [N]"),
                 "line 1, column 2 `F_c_std`: no such column; did you mean `F_c_sd`?",
             ),
-            (
-                good.replace("h [mm]", "Fc [N]"),
-                "line 1, column 3 `F_c`: the column is there twice",
-            ),
+            (good.replace("h [mm]", "Fc [N]"), "line 1, column 3 `F_c`: the column is there twice"),
             (format!("{good}150,0.1,nan,5\n"), "line 2, column 3 `F_c`: `nan`"),
             (format!("{good}150,0.1,inf,5\n"), "line 2, column 3 `F_c`: `inf`"),
             (format!("{good}150,0.1,,5\n"), "line 2, column 3 `F_c`: ``: not a number"),

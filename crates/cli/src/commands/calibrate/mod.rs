@@ -8,12 +8,13 @@ use crate::{files, loading, terminal};
 use clap::{Args, ValueEnum};
 use runs::{ParticleRuns, Stopped};
 use sphcut_calibrate::{
-    CalibrationRequest, CalibrationSource, ClosedCut, CutCalibration, FreeConstant, MeasuredCut,
-    NextCuts, NextRequest, PublishedSet, QuickEvaluator, calibrate as fit, cut_calibration_json,
-    cut_calibration_words, expected, expected_words, free_constants, grid, material_file,
-    measured_cuts, mistakes, next_csv, next_cuts, next_words, published_sets,
+    CalibrationRequest, CalibrationSource, ClosedCut, ConstantError, CutCalibration, FreeConstant,
+    MeasuredCut, NextCuts, NextRequest, PublishedSet, QuickEvaluator, calibrate as fit,
+    cut_calibration_json, cut_calibration_words, effect_constants, expected, expected_words,
+    free_constants, grid, material_file, measured_cuts, mistakes, next_csv, next_cuts, next_words,
+    published_sets,
 };
-use sphcut_diagnose::{Change, DiagnoseError, closed_form_cut, scenario_patch};
+use sphcut_diagnose::{DiagnoseError, closed_form_cut, scenario_patch};
 use sphcut_input::{CutTableRow, read_condition_table, read_cut_table};
 use sphcut_physics::CuttingCondition;
 use sphcut_report::{CutCalibrationPage, render_cut_calibration};
@@ -27,6 +28,7 @@ Examples:
   sphcut calibrate cut.toml --measured cuts.csv --out twin --dry-run     runs, minutes, intervals to be expected
   sphcut calibrate cut.toml --measured cuts.csv --out twin
   sphcut calibrate cut.toml --measured cuts.csv --out twin --fit A,C,m,mu --held-out others.csv
+  sphcut calibrate cut.toml --measured cuts.csv --out twin --effects tanh_softening     do the cuts want it?
   sphcut calibrate cut.toml --candidates possible.csv --next 10          before a cut is made: which ten?
   sphcut calibrate cut.toml --measured cuts.csv --out twin --next 3      and which three further ones?
   sphcut calibrate cut.toml --measured cuts.csv --out first --model closed-form   a first answer in seconds
@@ -72,6 +74,9 @@ pub struct CutCalibrationArguments {
     /// Constants to be fitted: of A, B, n, C, m, mu, m_s, r_n [default: A,B,n,C,m,mu].
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fit: Vec<String>,
+    /// Effects whose strength is fitted as well, by names of the catalogue: softening, friction over speed or temperature and so on.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    effects: Vec<String>,
     /// Table of measured cuts that are predicted and not fitted.
     #[arg(long, value_name = "FILE")]
     held_out: Option<PathBuf>,
@@ -239,8 +244,9 @@ fn read(arguments: &CutCalibrationArguments) -> Result<CalibrationInput, Failure
         );
         return Err(Failure::input(message).advise("`sphcut catalogue materials` lists them"));
     }
-    let constants = free_constants(&scenario, &arguments.fit, &sets)
-        .map_err(|error| Failure::input(error.to_string()))?;
+    let told = |error: ConstantError| Failure::input(error.to_string());
+    let mut constants = free_constants(&scenario, &arguments.fit, &sets).map_err(told)?;
+    constants.extend(effect_constants(&arguments.effects).map_err(told)?);
     let refused = |error: DiagnoseError| Failure::input(error.to_string());
     let width = closed_form_cut(&scenario).map_err(refused)?.width_of_cut;
     let of = |path: &Path| -> Result<Vec<MeasuredCut>, Failure> {
@@ -314,8 +320,7 @@ fn write(
         model,
         sets: &input.sets,
     };
-    let change = Change { nuisances: found.changes(), ..Change::default() };
-    let patch = scenario_patch(&input.scenario, &change)
+    let patch = scenario_patch(&input.scenario, &found.change())
         .map_err(|error| Failure::input(error.to_string()))?;
     let patch = format!(
         "# Constants calibrated to `{}` by {model}: see calibration.html beside this file.\n\

@@ -7,7 +7,7 @@ use crate::commands::sweep::{dry_run, local};
 use crate::failure::Failure;
 use crate::loading;
 use sphcut_calibrate::{CutEvaluator, CutValues, FreeConstant, RunPoint};
-use sphcut_diagnose::{Change, PairedScenario};
+use sphcut_diagnose::PairedScenario;
 use sphcut_scenario::Scenario;
 use sphcut_sweep::Sweep;
 
@@ -51,9 +51,7 @@ impl<'a> ParticleRuns<'a> {
         let values: Result<Vec<Vec<String>>, Failure> = points
             .iter()
             .map(|point| {
-                let all = self.constants.iter().zip(&point.t);
-                let nuisances = all.map(|(c, &t)| (c.rule.key, c.log_factor(t))).collect();
-                let change = Change { nuisances, ..Change::default() };
+                let change = FreeConstant::change(self.constants, &point.t);
                 self.paired.values(&point.condition, &change, false).map_err(refused)
             })
             .collect();

@@ -40,6 +40,46 @@ pub fn run_effects() -> Vec<&'static str> {
     run_levels().map(|(effect, _)| effect.key).filter(|key| *key != "flank_wear").collect()
 }
 
+/// An effect whose strength is one positive number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EffectStrength {
+    /// The effect.
+    pub key: &'static str,
+    /// What is missing without it, for people.
+    pub title: &'static str,
+    /// Key of the number.
+    pub parameter: &'static str,
+    /// Its SI unit.
+    pub unit: &'static str,
+    /// Where it is looked for, in SI.
+    pub prior: [f64; 2],
+    /// The end of the prior at which it acts least.
+    pub weakest: f64,
+}
+
+/// The effects of [`run_effects`] whose strength is one positive number.
+#[must_use]
+pub fn effect_strengths() -> Vec<EffectStrength> {
+    let of = |effect: &'static Effect| {
+        let [free] = effect.candidate.free else { return None };
+        let (low, high) = free.prior;
+        let vanishing = free.vanishing.filter(|_| low > 0.0)?;
+        let weakest = if (vanishing - low).abs() < (vanishing - high).abs() { low } else { high };
+        Some(EffectStrength {
+            key: effect.key,
+            title: effect.candidate.title,
+            parameter: free.key,
+            unit: effect.parameter(free).quantity.si_unit(),
+            prior: [low, high],
+            weakest,
+        })
+    };
+    run_levels()
+        .filter(|(effect, _)| effect.key != "flank_wear")
+        .filter_map(|(e, _)| of(e))
+        .collect()
+}
+
 /// Whether paired runs know an effect.
 pub(crate) fn can_be_run(key: &str) -> bool {
     run_levels().any(|(effect, _)| effect.key == key)

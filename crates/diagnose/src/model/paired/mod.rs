@@ -8,6 +8,6 @@ mod model;
 mod tests;
 
 pub(crate) use change::can_be_run;
-pub use change::{Change, changes, run_effects, support};
+pub use change::{Change, EffectStrength, changes, effect_strengths, run_effects, support};
 pub use keys::PairedScenario;
 pub use model::{PairedRun, PairedRuns};
