@@ -133,8 +133,18 @@ fn an_effect_is_fitted_and_its_patch_runs() {
     shop.write("cut.toml", &windowed());
     shop.write("cuts.csv", CUTS);
     let command = [
-        "calibrate", "cut.toml", "--measured", "cuts.csv", "--out", "twin", "--model", "closed-form",
-        "--fit", "A,mu", "--effects", "speed_dependent_friction",
+        "calibrate",
+        "cut.toml",
+        "--measured",
+        "cuts.csv",
+        "--out",
+        "twin",
+        "--model",
+        "closed-form",
+        "--fit",
+        "A,mu",
+        "--effects",
+        "speed_dependent_friction",
     ];
     let said = shop.sphcut(&command).expect_code(0).out;
     assert!(said.contains("speed_dependent_friction"), "{said}");
@@ -191,7 +201,8 @@ fn cuts_are_chosen_before_any_is_made_and_further_ones_after() {
     let said = shop.sphcut(&[&command[..], &["--dry-run"]].concat()).expect_code(0).out;
     assert!(said.contains("Most telling cuts"), "{said}");
     let said = shop.sphcut(&command).expect_code(0).out;
-    assert!(said.contains("of 31 that could be made") || said.contains("of 36"), "{said}");
+    // Three corners of the grid are measured already.
+    assert!(said.contains("of 33 that could be made"), "{said}");
     assert_eq!(numbers(&shop, "twin")["next"]["cuts"].as_array().unwrap().len(), 2);
     assert!(shop.read("twin/calibration.html").contains("Further cuts"));
     assert_eq!(shop.read("twin/next.csv").lines().count(), 3);
