@@ -1,6 +1,6 @@
 //! Which constants may be fitted, and what is known of each before a cut is made.
 
-use crate::words::NORMAL_95;
+use crate::NORMAL_95;
 use sphcut_diagnose::{Change, closed_form_cut, effect_strengths};
 use sphcut_input::Problem;
 use sphcut_scenario::{KeyPath, LoadOptions, Scenario, parse, shipped_materials};

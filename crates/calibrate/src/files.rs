@@ -1,10 +1,11 @@
 //! Files of a calibration.
 
+use crate::NORMAL_95;
 use crate::constants::PublishedSet;
 use crate::next::NextCuts;
 use crate::posterior::AMPLITUDES;
 use crate::session::{ComparedValue, CutCalibration};
-use crate::words::{NORMAL_95, standings};
+use crate::words::standings;
 use serde_json::{Value, json};
 use sphcut_physics::{Channel, CuttingCondition};
 use sphcut_scenario::{KeyPath, Scenario, shipped_materials};

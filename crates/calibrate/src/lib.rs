@@ -40,6 +40,9 @@ pub use session::{
 };
 pub use words::{ConstantStanding, cut_calibration_words, expected_words, next_words, standings};
 
+/// Half width of a 95 % interval in standard deviations.
+pub(crate) const NORMAL_95: f64 = 1.96;
+
 /// A value for every channel of [`Channel::RECORDED`].
 pub type Channels<T> = [T; Channel::RECORDED.len()];
 

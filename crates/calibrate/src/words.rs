@@ -1,5 +1,6 @@
 //! What a calibration says, in sentences.
 
+use crate::NORMAL_95;
 use crate::cuts::cut_name;
 use crate::next::NextCuts;
 use crate::session::{CutCalibration, LeftOutErrors};
@@ -19,8 +20,6 @@ const MISSES: [f64; 3] = [0.16, 0.08, 0.04];
 /// ln of the evidence from which on it tells (20 to 1: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795), and the largest that is said.
 const TELLING: f64 = 3.0;
 const LARGEST: f64 = 9.21;
-/// Half width of a 95 % interval in standard deviations.
-pub(crate) const NORMAL_95: f64 = 1.96;
 
 /// What the cuts say of a constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ pub(crate) mod passes;
 pub(crate) mod window;
 use crate::cut::passes::{PassPlan, Passes};
 use crate::material::Shelf;
-use crate::material::tested::{ShearZone, Tested};
+use crate::material::tested::{LeastShear, Tested};
 use crate::process::{CuttingProcess, ProcessKind};
 use crate::shared::{self, Resolution, refuse_keys, require};
 use crate::tool::{ToolShape, ToolVolume};
@@ -526,7 +526,7 @@ impl CutScenario {
         });
         told.extend(self.tool.notes.iter().cloned());
         told.extend(self.tool.rake_angle.and_then(|rake_angle| {
-            let zone = ShearZone {
+            let zone = LeastShear {
                 rake_angle,
                 cutting_speed: self.process.cutting_speed,
                 uncut_chip_thickness: self.section.uncut_chip_thickness,

@@ -67,7 +67,7 @@ pub(crate) fn of_table(table: &FlowStressTable) -> Tested {
 ///
 /// Source: M. E. Merchant, J. Appl. Phys. 16 (1945) 267-275; P. L. B. Oxley, The Mechanics of Machining (1989).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ShearZone {
+pub(crate) struct LeastShear {
     /// In rad.
     pub(crate) rake_angle: f64,
     /// In m/s.
@@ -80,7 +80,7 @@ pub(crate) struct ShearZone {
     pub(crate) heat_share: f64,
 }
 
-impl ShearZone {
+impl LeastShear {
     /// The state of `material` behind it.
     fn state(&self, material: &Material) -> FlowState {
         let rake = self.rake_angle;
@@ -110,7 +110,7 @@ impl ShearZone {
 
 impl Tested {
     /// What the user should know if `cut` goes farther than the tests of its workpiece.
-    pub(crate) fn warning(&self, cut: &ShearZone, material: &Material) -> Option<String> {
+    pub(crate) fn warning(&self, cut: &LeastShear, material: &Material) -> Option<String> {
         let state = cut.state(material);
         let round = |value: f64| significant(two_digits(value));
         let celsius = |kelvin: f64| format!("{:.0} degC", kelvin - ZERO_CELSIUS);
@@ -185,7 +185,7 @@ mod tests {
         }
     }
 
-    const CUT: ShearZone = ShearZone {
+    const CUT: LeastShear = LeastShear {
         rake_angle: 0.1,
         cutting_speed: 2.5,
         uncut_chip_thickness: 1e-4,
@@ -211,7 +211,7 @@ mod tests {
         let state = CUT.state(&ideally_plastic());
         let rise = 0.9 * 600e6 * state.plastic_strain / (7850.0 * 480.0);
         assert_relative_eq!(state.temperature, 300.0 + rise, max_relative = 1e-12);
-        let cold = ShearZone { heat_share: 0.0, ..CUT }.state(&ideally_plastic());
+        let cold = LeastShear { heat_share: 0.0, ..CUT }.state(&ideally_plastic());
         assert_eq!(cold.temperature, 300.0);
         // Length 1.38e-4 m along the plane, 2.5 m/s of shear at no rake: a tenth of a millimetre in some 1e-5 s.
         assert_relative_eq!(state.plastic_strain_rate, 1.05e5 * 0.9, max_relative = 0.2);
