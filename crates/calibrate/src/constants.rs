@@ -24,6 +24,14 @@ pub struct ConstantRule {
     pub usual: bool,
 }
 
+impl ConstantRule {
+    /// Standard deviation of its logarithm between published sets of one material.
+    #[must_use]
+    pub const fn spread(&self) -> f64 {
+        self.spread
+    }
+}
+
 const fn rule(
     (key, symbol): (&'static str, &'static str),
     shown: (f64, &'static str),
@@ -74,6 +82,8 @@ pub struct FreeConstant {
     pub deviation: f64,
     /// In how many published sets it was found; 0: only the general spread.
     pub sets: usize,
+    /// Whether tests of the material have told of it, too.
+    pub is_tested: bool,
     /// The effect whose strength it is, and what is missing without it.
     pub effect: Option<(&'static str, &'static str)>,
 }
@@ -212,7 +222,7 @@ pub fn free_constants(
             (mean, (variance * (1.0 + 1.0 / k)).sqrt())
         };
         let sets = if logs.len() < 2 { 0 } else { logs.len() };
-        Ok(FreeConstant { rule, stated, mean, deviation, sets, effect: None })
+        Ok(FreeConstant { rule, stated, mean, deviation, sets, is_tested: false, effect: None })
     };
     rules.into_iter().map(of).collect()
 }
@@ -245,6 +255,7 @@ pub fn effect_constants(names: &[String]) -> Result<Vec<FreeConstant>, ConstantE
             mean,
             deviation,
             sets: 0,
+            is_tested: false,
             effect: effect_of,
         })
     };
@@ -279,15 +290,14 @@ pub fn published_sets(
             continue;
         }
         let of = |key: &str| material.flow_stress_values.get(key);
-        // (1 + C ln(r/r1)) = (1 + C ln(r0/r1)) (1 + C' ln(r/r0)), C' = C / (1 + C ln(r0/r1)).
-        let turned = 1.0 + of("rate_coefficient") * (rate / of("reference_rate")).ln();
         let values = [
-            of("initial_yield") * turned,
-            of("hardening_modulus") * turned,
+            of("initial_yield"),
+            of("hardening_modulus"),
             of("hardening_exponent"),
-            of("rate_coefficient") / turned,
+            of("rate_coefficient"),
             of("softening_exponent"),
         ];
+        let values = turned(values, of("reference_rate"), rate);
         let sources: Option<Table> = text.parse::<Table>().ok();
         let sources = sources.as_ref().and_then(|t| t.get("sources")?.as_table());
         let source = sources.and_then(|own| own.get("flow_stress")?.as_str()).unwrap_or_default();
@@ -300,6 +310,16 @@ pub fn published_sets(
         }
     }
     found
+}
+
+/// A, B, n, C, m at the reference rate `to` instead of `from`: the same law.
+///
+/// ```text
+/// (1 + C ln(r/r1)) = (1 + C ln(r0/r1)) (1 + C' ln(r/r0)),   C' = C / (1 + C ln(r0/r1))
+/// ```
+pub(crate) fn turned([a, b, n, c, m]: [f64; 5], from: f64, to: f64) -> [f64; 5] {
+    let factor = 1.0 + c * (to / from).ln();
+    [a * factor, b * factor, n, c / factor, m]
 }
 
 /// The scenario with another material of the library and nothing overridden.

@@ -130,7 +130,7 @@ pub fn cut_calibration_json(
             "effect": constant.effect.map(|(key, _)| key),
             "symbol": constant.rule.symbol,
             "stated": constant.stated,
-            "prior": { "median": constant.value(0.0), "interval": constant.interval(0.0, NORMAL_95), "sets": constant.sets },
+            "prior": { "median": constant.value(0.0), "interval": constant.interval(0.0, NORMAL_95), "sets": constant.sets, "material_tests": constant.is_tested },
             "value": constant.value(t),
             "interval": constant.interval(t, half),
             "share_of_prior": posterior.deviation(k),

@@ -14,6 +14,7 @@ mod emulator;
 mod evaluator;
 mod files;
 mod left_out;
+mod material_tests;
 mod next;
 mod posterior;
 mod session;
@@ -33,6 +34,7 @@ pub use emulator::PriorModel;
 pub use evaluator::{CutEvaluator, QuickEvaluator};
 pub use files::{CalibrationSource, cut_calibration_json, material_file, next_csv, next_json};
 pub use left_out::Foreseen;
+pub use material_tests::MaterialTests;
 pub use next::{NextCut, NextCuts, NextRequest, grid, next_cuts};
 pub use posterior::{AMPLITUDES, MeasuredValue, Posterior};
 pub use session::{

@@ -75,6 +75,7 @@ fn constants() -> Vec<FreeConstant> {
         mean: stated.ln(),
         deviation: 0.4,
         sets: 3,
+        is_tested: false,
         effect: None,
     };
     vec![of(0, 8e8), of(3, 0.02), of(4, 0.7), of(5, 0.4)]

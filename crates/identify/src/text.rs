@@ -65,7 +65,7 @@ pub fn material_toml(
     let last = |of: fn(&CurvePoint) -> f64| points.iter().map(of).fold(0.0, f64::max);
     writeln!(
         text,
-        "\n[tested]\nplastic_strain = {:.4}\nstrain_rate = \"{:?} 1/s\"\ntemperature = \"{:?} K\"",
+        "\n[tested]\nplastic_strain = {:.4}\nstrain_rate = \"{:.2e} 1/s\"\ntemperature = \"{:?} K\"",
         last(|point| point.plastic_strain),
         last(|point| point.plastic_strain_rate),
         last(|point| point.temperature)

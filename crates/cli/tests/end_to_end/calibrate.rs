@@ -47,7 +47,7 @@ fn the_closed_form_answers_at_once_and_its_patch_and_material_run() {
         assert!(low < value && value < high, "{constant}");
     }
     let page = shop.read("twin/calibration.html");
-    for text in ["What these figures say", "Published sets", "Cuts left out", "Before and after"] {
+    for text in ["What these figures say", "Sets of constants", "Cuts left out", "Before and after"] {
         assert!(page.contains(text), "{text}");
     }
     let patched = ["check", "cut.toml", "--patch", "twin/scenario.patch.toml", "--no-measure"];
@@ -158,6 +158,42 @@ fn an_effect_is_fitted_and_its_patch_runs() {
     assert!(checked.contains("speed_dependent"), "{checked}");
     let wrong = [&command[..11], &["gain", "--force"]].concat();
     shop.sphcut(&wrong).expect_code(2).expect_err("tanh_softening");
+}
+
+/// Bar and compression tests of the same steel make the intervals of its constants narrower.
+#[test]
+fn tests_of_the_material_are_joined_with_cuts() {
+    let shop = Workshop::new("calibrate_tests");
+    let folder =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/identification");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, shop.path(path.file_name().unwrap().to_str().unwrap())).unwrap();
+    }
+    shop.sphcut(&["identify", "example.toml", "--out", "steel"]).expect_code(0);
+    shop.write("cut.toml", &windowed());
+    shop.write("cuts.csv", CUTS);
+    let command =
+        ["calibrate", "cut.toml", "--measured", "cuts.csv", "--model", "closed-form", "--out"];
+    shop.sphcut(&[&command[..], &["alone"]].concat()).expect_code(0);
+    let joined = [&command[..], &["joined", "--material-tests", "steel"]].concat();
+    shop.sphcut(&joined).expect_code(0);
+    let width = |folder: &str, key: &str, of: &str| {
+        let found = numbers(&shop, folder);
+        let all = found["constants"].as_array().unwrap();
+        let one = all.iter().find(|constant| constant["key"] == key).unwrap();
+        let interval = if of == "prior" { &one["prior"]["interval"] } else { &one["interval"] };
+        (interval[1].as_f64().unwrap() / interval[0].as_f64().unwrap()).ln()
+    };
+    for key in ["initial_yield", "hardening_exponent", "rate_coefficient", "softening_exponent"] {
+        assert!(width("joined", key, "prior") < 0.6 * width("alone", key, "prior"), "{key}");
+        assert!(width("joined", key, "found") < width("alone", key, "found"), "{key}");
+    }
+    let friction = |folder| width(folder, "friction_coefficient", "prior");
+    assert_eq!(friction("joined"), friction("alone"));
+    assert!(shop.read("joined/calibration.html").contains("Tests of the material count"));
+    let none = [&command[..], &["other", "--material-tests", "alone"]].concat();
+    shop.sphcut(&none).expect_code(2).expect_err("sphcut identify");
 }
 
 /// Which cuts to make, the same table filled in, and which to make next.

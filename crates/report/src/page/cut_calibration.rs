@@ -78,11 +78,14 @@ fn constants(page: &CutCalibrationPage<'_>) -> Markup {
             h2 { "The constants" }
             (table("Before: the spread of published sets. Found: with these cuts. Interval left: standard deviation of the logarithm over that before.", columns, &rows))
             @if sets.len() > 1 {
-                p { "Published sets behind the intervals of the flow stress, each source once:" }
+                p { "Sets of constants behind the intervals of the flow stress, each source once:" }
                 ul { @for set in sets { li { (set.name) ": " (set.source) } } }
             } @else {
                 p { "Fewer than two published sets of this material are in the library: the intervals before are the general spread of published \
                      constants about those of the scenario." }
+            }
+            @if found.constants.iter().any(|constant| constant.is_tested) {
+                p { "Tests of the material count with their own intervals and half of the general spread: they end at strains and rates far below those of a cut." }
             }
             p { "Friction and edge have their general spread about the values of the scenario." }
         }

@@ -9,10 +9,10 @@ use clap::{Args, ValueEnum};
 use runs::{ParticleRuns, Stopped};
 use sphcut_calibrate::{
     CalibrationRequest, CalibrationSource, ClosedCut, ConstantError, CutCalibration, FreeConstant,
-    MeasuredCut, NextCuts, NextRequest, PublishedSet, QuickEvaluator, calibrate as fit,
-    cut_calibration_json, cut_calibration_words, effect_constants, expected, expected_words,
-    free_constants, grid, material_file, measured_cuts, mistakes, next_csv, next_cuts, next_words,
-    published_sets,
+    MaterialTests, MeasuredCut, NextCuts, NextRequest, PublishedSet, QuickEvaluator,
+    calibrate as fit, cut_calibration_json, cut_calibration_words, effect_constants, expected,
+    expected_words, free_constants, grid, material_file, measured_cuts, mistakes, next_csv,
+    next_cuts, next_words, published_sets,
 };
 use sphcut_diagnose::{DiagnoseError, closed_form_cut, scenario_patch};
 use sphcut_input::{CutTableRow, read_condition_table, read_cut_table};
@@ -28,6 +28,7 @@ Examples:
   sphcut calibrate cut.toml --measured cuts.csv --out twin --dry-run     runs, minutes, intervals to be expected
   sphcut calibrate cut.toml --measured cuts.csv --out twin
   sphcut calibrate cut.toml --measured cuts.csv --out twin --fit A,C,m,mu --held-out others.csv
+  sphcut calibrate cut.toml --measured cuts.csv --out twin --material-tests out/steel_identify     and tests of the material
   sphcut calibrate cut.toml --measured cuts.csv --out twin --effects tanh_softening     do the cuts want it?
   sphcut calibrate cut.toml --candidates possible.csv --next 10          before a cut is made: which ten?
   sphcut calibrate cut.toml --measured cuts.csv --out twin --next 3      and which three further ones?
@@ -95,6 +96,9 @@ pub struct CutCalibrationArguments {
     /// Published sets whose names begin so give the priors [default: those of the scenario's material].
     #[arg(long, value_name = "NAME")]
     published: Option<String>,
+    /// Folder of `sphcut identify`: what tests of this material say of A, B, n, C and m, beside the cuts.
+    #[arg(long, value_name = "DIR")]
+    material_tests: Option<PathBuf>,
     /// How far each run goes, in uncut chip thicknesses.
     #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = travel)]
     travel: f64,
@@ -237,7 +241,7 @@ fn read(arguments: &CutCalibrationArguments) -> Result<CalibrationInput, Failure
     let scenario = loading::scenario(&arguments.scene)?;
     let path = &arguments.scene.file.scenario;
     let options = loading::options(&arguments.scene.file);
-    let sets = published_sets((&scenario, path), arguments.published.as_deref(), &options);
+    let mut sets = published_sets((&scenario, path), arguments.published.as_deref(), &options);
     if let (Some(family), true) = (&arguments.published, sets.is_empty()) {
         let message = format!(
             "no material of the library with the law of the scenario begins with `{family}`"
@@ -246,6 +250,14 @@ fn read(arguments: &CutCalibrationArguments) -> Result<CalibrationInput, Failure
     }
     let told = |error: ConstantError| Failure::input(error.to_string());
     let mut constants = free_constants(&scenario, &arguments.fit, &sets).map_err(told)?;
+    if let Some(folder) = &arguments.material_tests {
+        let rate = scenario.setup.materials[0].flow_stress_values.get("reference_rate");
+        let tests = MaterialTests::read(folder, rate).map_err(|message| {
+            Failure::input(message).advise("name the folder that `sphcut identify` has written")
+        })?;
+        tests.join(&mut constants);
+        sets.push(tests.as_set(&folder.display().to_string()));
+    }
     constants.extend(effect_constants(&arguments.effects).map_err(told)?);
     let refused = |error: DiagnoseError| Failure::input(error.to_string());
     let width = closed_form_cut(&scenario).map_err(refused)?.width_of_cut;
