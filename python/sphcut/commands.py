@@ -177,6 +177,19 @@ class Calibration(_Answer):
         ]
         return pd.DataFrame(rows).set_index("symbol")
 
+    @property
+    def effects(self) -> dict[str, float]:
+        """Effects that were fitted, each with ln of the evidence with it over that without it: from 3 on the cuts want it."""
+        return {one["effect"]: one["log_evidence"] for one in self.data.get("effects") or []}
+
+    @property
+    def next(self) -> pd.DataFrame:
+        """The most telling further cuts, where they were asked for: conditions in SI units and what is open once each is made."""
+        import pandas as pd
+
+        cuts = (self.data.get("next") or {}).get("cuts", [])
+        return pd.DataFrame([{**cut["condition"], **{f"{k} open": v for k, v in cut["open"].items()}} for cut in cuts])
+
 
 def diagnose(
     case: _Path,
@@ -204,7 +217,11 @@ def calibrate(
     measured: pd.DataFrame | _Path,
     *,
     fit: Sequence[str] | None = None,
+    effects: Sequence[str] | None = None,
+    material_tests: _Path | None = None,
     held_out: _Path | None = None,
+    next: int | None = None,
+    candidates: _Path | None = None,
     closed_form: bool = False,
     noise: float | None = None,
     published: str | None = None,
@@ -222,6 +239,9 @@ def calibrate(
     measured: a table, or its file, with `v_c [m/min]`, `h [mm]` and any of `F_c [N]`, `F_f [N]`, `chip_thickness [mm]`,
         `contact_length [mm]`, `T_interface [degC]`.
     fit: symbols of the constants, of A, B, n, C, m, mu, m_s, r_n; default: A, B, n, C, m, mu.
+    effects: effects of the catalogue whose strength is fitted as well, such as `tanh_softening`.
+    material_tests: folder that `sphcut identify` has written of tests of the same material.
+    next: how many further cuts are named, of `candidates` (a table of `v_c [m/min]`, `h [mm]`) or of a grid over those measured.
     closed_form: compute the cuts in closed form (seconds, right in trends only) instead of with the particle solver.
     noise: of a value without a standard deviation of its own, in %.
     travel: how far each run goes, in uncut chip thicknesses.
@@ -242,7 +262,11 @@ def calibrate(
         measured=measured,
         out=folder,
         fit=None if fit is None else ",".join(fit),
+        effects=None if effects is None else ",".join(effects),
+        material_tests=material_tests,
         held_out=held_out,
+        next=next,
+        candidates=candidates,
         model="closed-form" if closed_form else None,
         noise=noise,
         published=published,

@@ -39,6 +39,12 @@ def test_a_calibration_of_a_table(tmp_path: Path) -> None:
     # Pa, of a titanium alloy.
     assert 5e8 < table.loc["A", "value"] < 2e9
     assert found.patch is not None and found.report.is_file() and str(found)
+    more = sphcut.calibrate(
+        cut, measured, fit=["A", "mu"], effects=["tanh_softening"], next=2, closed_form=True, out=tmp_path / "more", progress=False
+    )
+    assert list(more.effects) == ["tanh_softening"] and len(more.next) == 2
+    assert (more.next["F_c open"] > 0).all() and "uncut_chip_thickness" in more.next
+    assert len(found.next) == 0 and found.effects == {}
     cut["process.width_of_cut"] = "1 mm"
     with pytest.raises(sphcut.ScenarioError, match="save it first"):
         sphcut.calibrate(cut, measured, closed_form=True)
