@@ -3,7 +3,7 @@
 use crate::Channels;
 use crate::emulator::PriorModel;
 use sphcut_input::CutTableRow;
-use sphcut_physics::{Channel, CuttingCondition};
+use sphcut_physics::{Channel, CuttingCondition, ToolGeometry};
 
 /// Noise of the logarithm of a single value where neither the table nor repeats tell it, by [`Channel::RECORDED`].
 const NOISE: Channels<f64> = [0.03, 0.03, 0.05, 0.03, 0.05, 0.10, 0.3];
@@ -44,20 +44,26 @@ impl MeasuredCut {
     }
 }
 
+fn short(x: f64) -> String {
+    format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// `150 m/min, 0.1 mm`, with the tool where it is stated.
 #[must_use]
 pub fn cut_name(condition: &CuttingCondition) -> String {
     let CuttingCondition { cutting_speed, uncut_chip_thickness, tool, .. } = *condition;
-    let short = |x: f64| format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
-    let mut name =
-        format!("{} m/min, {} mm", short(cutting_speed * 60.0), short(uncut_chip_thickness * 1e3));
-    if let Some(rake) = tool.rake_angle {
-        name += &format!(", rake {} deg", short(rake.to_degrees()));
-    }
-    if let Some(radius) = tool.edge_radius {
-        name += &format!(", edge {} um", short(radius * 1e6));
-    }
-    name
+    let (speed, thickness) = (short(cutting_speed * 60.0), short(uncut_chip_thickness * 1e3));
+    let name = format!("{speed} m/min, {thickness} mm");
+    if tool.parts() == [None, None] { name } else { format!("{name}, {}", tool_name(&tool)) }
+}
+
+/// `rake 5 deg, edge 20 um`, as far as it is stated.
+#[must_use]
+pub fn tool_name(tool: &ToolGeometry) -> String {
+    let rake = tool.rake_angle.map(|rake| format!("rake {} deg", short(rake.to_degrees())));
+    let edge = tool.edge_radius.map(|radius| format!("edge {} um", short(radius * 1e6)));
+    let parts: Vec<String> = rake.into_iter().chain(edge).collect();
+    parts.join(", ")
 }
 
 /// The rows as cuts: repeats of a condition become one, forces those of the width `width` of the scenario.

@@ -166,6 +166,10 @@ pub fn cut_calibration_json(
         "effects": found.effects.iter().map(|(k, evidence)| json!({
             "effect": found.constants[*k].effect.map(|(key, _)| key), "log_evidence": evidence,
         })).collect::<Vec<_>>(),
+        "contradicting_tools": found.contradicting.iter().map(|one| json!({
+            "rake_angle": one.tool.rake_angle, "edge_radius": one.tool.edge_radius, "channel": one.channel.symbol(),
+            "shift": one.log_shift.exp_m1(), "log_evidence": one.evidence,
+        })).collect::<Vec<_>>(),
         "left_out": found.errors.iter().map(|e| json!({
             "by": e.by, "channel": e.channel.symbol(), "calibrated": e.calibrated, "regression": e.regression,
             "corrected": e.corrected, "covered": e.covered,

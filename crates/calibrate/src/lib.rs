@@ -38,7 +38,8 @@ pub use material_tests::MaterialTests;
 pub use next::{NextCut, NextCuts, NextRequest, grid, next_cuts};
 pub use posterior::{AMPLITUDES, MeasuredValue, Posterior};
 pub use session::{
-    CalibrationRequest, ComparedValue, CutCalibration, LeftOutErrors, calibrate, expected,
+    CalibrationRequest, ComparedValue, ContradictingTool, CutCalibration, LeftOutErrors, calibrate,
+    expected,
 };
 pub use words::{ConstantStanding, cut_calibration_words, expected_words, next_words, standings};
 

@@ -11,7 +11,7 @@ use crate::posterior::{
 use crate::{CutValues, RunPoint};
 use nalgebra::DVector;
 use sphcut_diagnose::Change;
-use sphcut_physics::Channel;
+use sphcut_physics::{Channel, ToolGeometry};
 use std::convert::Infallible;
 
 /// How far the runs that find the changes with the constants go to either side, in standard deviations of the prior.
@@ -61,6 +61,19 @@ pub struct LeftOutErrors {
     pub covered: f64,
 }
 
+/// A tool whose cuts miss those of the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContradictingTool {
+    /// The tool.
+    pub tool: ToolGeometry,
+    /// In which channel.
+    pub channel: Channel,
+    /// ln of what it measures over what the constants of all cuts give.
+    pub log_shift: f64,
+    /// ln of the evidence with that shift over that without it.
+    pub evidence: f64,
+}
+
 /// A value before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedValue {
@@ -93,6 +106,8 @@ pub struct CutCalibration {
     pub errors: Vec<LeftOutErrors>,
     /// Effects that were fitted: place of the constant, and ln of the evidence with it over that without it.
     pub effects: Vec<(usize, f64)>,
+    /// Tools that contradict the others, the clearest first.
+    pub contradicting: Vec<ContradictingTool>,
     /// Cuts held out: simulated with the constants, and predicted with what the other cuts say of the discrepancy. Their `cut` counts on after
     /// those that were measured.
     pub foreseen: Vec<(f64, Foreseen)>,
@@ -257,8 +272,8 @@ fn fitted(
         let around = posterior.around();
         let about = (posterior.mean.as_slice(), around.as_slice());
         let law = LinearLaw::about(about, cuts, &values, &emulator);
-        let plain = evidence(&law, &values, None)?;
-        let gain = |k: usize| evidence(&law, &values, Some(k)).map(|e| (k, e - plain));
+        let plain = evidence(&law, &values, &[])?;
+        let gain = |k: usize| evidence(&law, &values, &[k]).map(|e| (k, e - plain));
         let best = (0..values.len()).filter_map(gain).max_by(|a, b| a.1.total_cmp(&b.1));
         match best.filter(|(_, gain)| *gain > CONVINCING && wrong.len() < most) {
             Some((k, _)) => wrong.push(values.remove(k)),
@@ -267,13 +282,15 @@ fn fitted(
     }
 }
 
-/// ln of the mean over the amplitudes of the evidence of all values, `doubted` with an error of its own.
-fn evidence(law: &LinearLaw, values: &[MeasuredValue], doubted: Option<usize>) -> Option<f64> {
+/// ln of the mean over the amplitudes of the evidence of all values, those that are `doubted` with one error of their own in common.
+fn evidence(law: &LinearLaw, values: &[MeasuredValue], doubted: &[usize]) -> Option<f64> {
     let measured = DVector::from_iterator(values.len(), values.iter().map(|v| v.log));
     let of = |amplitude: f64| {
         let (mean, mut covariance) = law.marginal(amplitude);
-        if let Some(k) = doubted {
-            covariance[(k, k)] += WRONG * WRONG;
+        for &i in doubted {
+            for &j in doubted {
+                covariance[(i, j)] += WRONG * WRONG;
+            }
         }
         let known = covariance.cholesky()?;
         let rest = &measured - mean;
@@ -284,6 +301,51 @@ fn evidence(law: &LinearLaw, values: &[MeasuredValue], doubted: Option<usize>) -
     let logs = logs?;
     let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     Some(best + logs.iter().zip(PRIOR).map(|(l, p)| p * (l - best).exp()).sum::<f64>().ln())
+}
+
+/// Tools whose values of a channel all miss those of the other tools by the same: as a value that is wrong is found.
+fn contradictions(
+    cuts: &[MeasuredCut],
+    values: &[MeasuredValue],
+    law: &LinearLaw,
+) -> Option<Vec<ContradictingTool>> {
+    let mut tools: Vec<ToolGeometry> = Vec::new();
+    for value in values {
+        let tool = cuts[value.cut].condition.tool;
+        if !tools.contains(&tool) {
+            tools.push(tool);
+        }
+    }
+    let mut found = Vec::new();
+    // Of two that contradict each other either may be the wrong one.
+    if tools.len() < 2 {
+        return Some(found);
+    }
+    let plain = evidence(law, values, &[])?;
+    let measured = DVector::from_iterator(values.len(), values.iter().map(|v| v.log));
+    for tool in tools {
+        for channel in Channel::RECORDED {
+            let is_own =
+                |v: &MeasuredValue| v.channel == channel && cuts[v.cut].condition.tool == tool;
+            let own: Vec<usize> = (0..values.len()).filter(|&k| is_own(&values[k])).collect();
+            if own.len() < 2 {
+                continue;
+            }
+            let gain = evidence(law, values, &own)? - plain;
+            if gain > CONVINCING {
+                let (mean, covariance) = law.marginal(AMPLITUDES[0]);
+                let pull = covariance.cholesky()?;
+                let shift =
+                    DVector::from_fn(values.len(), |k, _| if own.contains(&k) { 1.0 } else { 0.0 });
+                let weighed = pull.solve(&shift);
+                let precision = shift.dot(&weighed) + 1.0 / (WRONG * WRONG);
+                let log_shift = weighed.dot(&(&measured - mean)) / precision;
+                found.push(ContradictingTool { tool, channel, log_shift, evidence: gain });
+            }
+        }
+    }
+    found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    Some(found)
 }
 
 fn finished(
@@ -361,6 +423,7 @@ fn finished(
             Some((k, posterior.evidence - without.evidence))
         })
         .collect();
+    let contradicting = contradictions(cuts, &values, &law)?;
     let together: Vec<MeasuredCut> = cuts
         .iter()
         .enumerate()
@@ -388,6 +451,7 @@ fn finished(
         values: all,
         errors,
         effects,
+        contradicting,
         foreseen,
         runs,
     })

@@ -435,3 +435,31 @@ fn the_evidence_says_whether_an_effect_acts() {
         effect_constants(&["gain".to_owned()]).unwrap_err().to_string().contains("tanh_softening")
     );
 }
+
+/// Five cuts with each of two rakes, the forces of one of them 25 % too large: the tool is named, and not its single values.
+#[test]
+fn a_tool_that_contradicts_the_others_is_named() {
+    let t = [0.2, 0.1, -0.3, 0.4];
+    let cuts = |wrong: f64| -> Vec<MeasuredCut> {
+        let mut cuts = measured(&SOLVER, &t, 15, &mut Random::new(6, &[1]));
+        for (k, cut) in cuts.iter_mut().enumerate() {
+            let rake = [0.0, 0.1, 0.2][k % 3];
+            cut.condition.tool.rake_angle = Some(rake);
+            if k % 3 == 1 {
+                cut.values[1].as_mut().unwrap().0 += wrong;
+            }
+        }
+        cuts
+    };
+    let clean = found(&cuts(0.0), &[], &SOLVER, 6);
+    assert!(clean.contradicting.is_empty(), "{:?}", clean.contradicting);
+    let one = found(&cuts(0.4), &[], &SOLVER, 6);
+    let first = one.contradicting[0];
+    assert_eq!((first.tool.rake_angle, first.channel), (Some(0.1), Channel::FeedForce));
+    assert!((0.2..0.45).contains(&first.log_shift), "{first:?}");
+    let words = cut_calibration_words(&one).join("\n");
+    assert!(
+        words.contains("The tool with rake 5.7296 deg contradicts the others: its F_f is"),
+        "{words}"
+    );
+}

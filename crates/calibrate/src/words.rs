@@ -1,7 +1,7 @@
 //! What a calibration says, in sentences.
 
 use crate::NORMAL_95;
-use crate::cuts::cut_name;
+use crate::cuts::{cut_name, tool_name};
 use crate::next::NextCuts;
 use crate::session::{CutCalibration, LeftOutErrors};
 use sphcut_physics::Channel;
@@ -74,10 +74,33 @@ pub fn cut_calibration_words(found: &CutCalibration) -> Vec<String> {
     let mut words = vec![fit_words(found)];
     words.extend(left_out_words(found));
     words.extend(wrong_words(found));
+    words.extend(tool_words(found));
     words.extend(constant_words(found));
     words.extend(together_words(found));
     words.extend(effect_words(found));
     words.extend(discrepancy_words(found));
+    words
+}
+
+/// Tools that no constants bring together, once for each channel.
+fn tool_words(found: &CutCalibration) -> Vec<String> {
+    let mut told: Vec<Channel> = Vec::new();
+    let mut words = Vec::new();
+    for one in &found.contradicting {
+        if told.contains(&one.channel) {
+            continue;
+        }
+        told.push(one.channel);
+        let name = tool_name(&one.tool);
+        words.push(format!(
+            "The tool with {name} contradicts the others: its {} is {} what constants of all cuts give. Is its geometry right, is it worn, is it of another grade?",
+            one.channel.short_name(),
+            match one.log_shift.exp_m1() {
+                x if x > 0.0 => format!("{:.0} % above", 100.0 * x),
+                x => format!("{:.0} % below", -100.0 * x),
+            }
+        ));
+    }
     words
 }
 

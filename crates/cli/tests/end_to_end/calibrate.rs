@@ -47,7 +47,8 @@ fn the_closed_form_answers_at_once_and_its_patch_and_material_run() {
         assert!(low < value && value < high, "{constant}");
     }
     let page = shop.read("twin/calibration.html");
-    for text in ["What these figures say", "Sets of constants", "Cuts left out", "Before and after"] {
+    for text in ["What these figures say", "Sets of constants", "Cuts left out", "Before and after"]
+    {
         assert!(page.contains(text), "{text}");
     }
     let patched = ["check", "cut.toml", "--patch", "twin/scenario.patch.toml", "--no-measure"];
