@@ -118,8 +118,12 @@ fn effect_words(found: &CutCalibration) -> Vec<String> {
                 format!("The cuts speak against {key} ({title}): evidence 1 to {}.", odds(-x))
             }
             x => format!(
-                "The cuts do not tell whether {key} acts ({title}): evidence {} to 1, from 20 on it would count.",
-                short(x.exp())
+                "The cuts do not tell whether {key} acts ({title}): evidence {}, from 20 to 1 on it would count.",
+                if x < 0.0 {
+                    format!("1 to {}", short((-x).exp()))
+                } else {
+                    format!("{} to 1", short(x.exp()))
+                }
             ),
         })
     };

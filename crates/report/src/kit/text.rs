@@ -6,15 +6,22 @@ use std::fmt::Write;
 /// Symbols that sentences have in them.
 const SYMBOLS: [&str; 4] = ["F_c", "F_f", "F_p", "v_c"];
 
-/// Text in which the letter after an underscore is an index.
+/// Most characters between an index's underscore and its end: `k_c1`, and no word of a key such as `tanh_softening`.
+const LONGEST_INDEX: usize = 3;
+
+/// Text in which the letter after an underscore is an index; the underscores of keys stay.
 pub(crate) fn indexed(text: &str) -> Markup {
     let mut parts = text.split('_');
     let first = parts.next().unwrap_or_default();
     html! {
         (first)
         @for part in parts {
-            @let (index, rest) = after_underscore(part);
-            sub { (index) } (rest)
+            @if part.chars().take_while(|c| c.is_alphanumeric()).count() > LONGEST_INDEX {
+                "_" (part)
+            } @else {
+                @let (index, rest) = after_underscore(part);
+                sub { (index) } (rest)
+            }
         }
     }
 }
@@ -120,6 +127,10 @@ mod tests {
             "F<sub>c</sub> (and v<sub>c</sub>/h) of F<sub>f</sub>."
         );
         assert_eq!(html("F_c.csv and my_F_c"), "F_c.csv and my_F_c");
+        assert_eq!(
+            indexed("more r_n, k_c1.1 and tanh_softening").into_string(),
+            "more r<sub>n</sub>, k<sub>c</sub>1.1 and tanh_softening"
+        );
         assert_eq!(
             svg_text("F_c < 3"),
             "F<tspan dy=\"3\" font-size=\"75%\">c</tspan><tspan dy=\"-3\"> &lt; 3</tspan>"

@@ -1,6 +1,6 @@
 //! `calibration.html` of `sphcut calibrate`: constants of flow stress and friction from measured cuts.
 
-use crate::kit::numbers::{minus, percent_tenths, signed_percent, three_digits, with_ends};
+use crate::kit::numbers::{percent_tenths, signed_percent, three_digits, with_ends};
 use crate::kit::parity::{ComparedPoint, channel_unit, parity};
 use crate::kit::shell::{Shell, note, plotted, tab};
 use crate::kit::table::{ColumnHead, or_dash, table};
@@ -243,7 +243,7 @@ fn limits() -> Markup {
             p { "The constants have a normal prior in their logarithms. Runs teach an emulator about the closed form; noise of the cuts, scatter of the runs, what they leave open, \
                  and a discrepancy of the model whose size is weighed by its evidence are in the covariance. The interval of a constant says which value this solver wants with this \
                  resolution, friction law and heat; it is not the interval of a material test." }
-            p { (minus("A value is called wrong where the evidence rises four-hundredfold when it alone may be wrong by half.")) }
+            p { "A value is called wrong where the evidence rises four-hundredfold when it alone may be wrong by half." }
         }
     }
 }
