@@ -81,3 +81,4 @@ pub use progress::ProgressListener;
 pub use session::{Diagnosis, DiagnosisRequest, ParameterEstimate, diagnose};
 pub use wear::files::{growth_csv, growth_json, growth_words};
 pub use wear::growth::{Amount, Cause, Direction, LeftOutTool, WearGrowth, WearSegment, grows};
+pub use wear::land::{Land, Lands, lands};

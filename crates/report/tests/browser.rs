@@ -170,12 +170,12 @@ fn wear_page() -> String {
         let wobble = [1.0, -1.0, 0.5, -0.5][k % 4];
         let forces = [(500.0, 0.25), (350.0, 0.9), (150.0, 0.43)]
             .map(|(f, d)| f + 4.0 * k as f64 * d + wobble);
-        WearSegment { tool: tool.to_string(), time: 5.0 * k as f64, forces }
+        WearSegment { tool: tool.to_string(), time: 5.0 * k as f64, forces, land: None }
     };
     let all: Vec<WearSegment> =
         (0..3).flat_map(|tool| (0..20).map(move |k| segment(tool, k))).collect();
     let growth = grows(&all, 2).unwrap();
-    render_wear(&WearPage { table: "tools.csv", growth: &growth, version: "1" })
+    render_wear(&WearPage { table: "tools.csv", growth: &growth, lands: None, version: "1" })
 }
 
 #[test]

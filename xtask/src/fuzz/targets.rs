@@ -1,6 +1,6 @@
 //! What is fuzzed: every reader of a file that may come from elsewhere.
 
-use sphcut_diagnose::{WearSegment, grows, load_diagnosis_file};
+use sphcut_diagnose::{WearSegment, grows, lands, load_diagnosis_file};
 use sphcut_geometry::mesh::Mesh;
 use sphcut_greybox::{ForceKind, GreyBox};
 use sphcut_identify::load_identification;
@@ -80,9 +80,14 @@ fn tables(bytes: &[u8], _: &Path) {
     if let Ok(rows) = read_series_table(&text) {
         let segments: Vec<WearSegment> = rows
             .iter()
-            .map(|row| WearSegment { tool: row.tool.clone(), time: row.time, forces: row.forces })
+            .map(|row| WearSegment {
+                tool: row.tool.clone(),
+                time: row.time,
+                forces: row.forces,
+                land: row.land,
+            })
             .collect();
-        let _ = grows(&segments, 1);
+        let _ = grows(&segments, 1).map(|found| lands(&found));
     }
 }
 

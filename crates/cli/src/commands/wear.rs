@@ -3,7 +3,7 @@
 use crate::failure::{ExitCode, Failure};
 use crate::{files, terminal};
 use clap::Args;
-use sphcut_diagnose::{WearSegment, grows, growth_csv, growth_json, growth_words};
+use sphcut_diagnose::{WearSegment, grows, growth_csv, growth_json, growth_words, lands};
 use sphcut_input::read_series_table;
 use sphcut_report::{WearPage, render_wear};
 use std::num::NonZeroUsize;
@@ -14,12 +14,12 @@ Example:
   sphcut wear validation/diagnosis_wear/reference.csv --out wear
 
 The table: tool,time [s],F_c [N],F_f [N],F_p [N]; a segment per line, the tools by name or number in the order in which they cut,
-all under the same conditions.
+all under the same conditions. With VB [um] in some rows, others left empty, the land of every tool follows in micrometres.
 
 What appears in the output folder:
   wear.json   the causes with their probabilities, each tool left out in turn
   wear.csv    the normal force of wear on every segment, with its interval, as the other tools predict,
-              and its isotonic fit
+              and its isotonic fit; the land where some rows have it
   wear.html   both as curves, tool by tool, and the limits
 
 See docs/howto/wear.md.";
@@ -56,17 +56,29 @@ pub fn wear(arguments: &WearArguments) -> Result<ExitCode, Failure> {
         .map_err(|problem| Failure::input(format!("`{table}`: {problem}")))?;
     let segments: Vec<WearSegment> = rows
         .into_iter()
-        .map(|row| WearSegment { tool: row.tool, time: row.time, forces: row.forces })
+        .map(|row| WearSegment {
+            tool: row.tool,
+            time: row.time,
+            forces: row.forces,
+            land: row.land,
+        })
         .collect();
     let found = grows(&segments, arguments.fresh.get())
         .map_err(|error| Failure::input(format!("`{table}`: {error}")))?;
+    let lands = lands(&found).unwrap_or_else(|readings| {
+        terminal::note(&format!(
+            "{readings} readings of the land above 0: four are needed for its length, which is left out"
+        ));
+        None
+    });
+    let lands = lands.as_ref();
     let version = env!("CARGO_PKG_VERSION");
     files::create_folder(out)?;
-    files::save(&files[0], growth_json(&found, version).as_bytes())?;
-    files::save(&files[1], growth_csv(&found).as_bytes())?;
-    let page = WearPage { table: &table, growth: &found, version };
+    files::save(&files[0], growth_json(&found, lands, version).as_bytes())?;
+    files::save(&files[1], growth_csv(&found, lands).as_bytes())?;
+    let page = WearPage { table: &table, growth: &found, lands, version };
     files::save(&files[2], render_wear(&page).as_bytes())?;
-    growth_words(&found).iter().for_each(|words| terminal::line(words));
+    growth_words(&found, lands).iter().for_each(|words| terminal::line(words));
     terminal::line(&format!("amounts            {}", files[1].display()));
     terminal::report(&files[2], "open the page: each tool with its wear force and interval");
     Ok(ExitCode::Done)

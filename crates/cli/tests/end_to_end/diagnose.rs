@@ -145,9 +145,41 @@ fn wear_is_named_and_followed_from_forces_alone() {
     let [numbered, named] =
         ["found", "out/named_wear"].map(|at| shop.read(&format!("{at}/wear.csv")));
     assert_eq!(named.replace("\nedge ", "\n"), numbered);
+    lands_follow_from_a_few_readings(&shop, &table, &numbered);
     shop.write("tools.csv", "tool,time [s],F_c [N],F_f [N]\n1,0,5,5\n");
     let bad = ["wear", "tools.csv", "--out", "bad"];
     shop.sphcut(&bad).expect_code(2).expect_err("the column `F_p [N]` is missing");
+}
+
+/// Made-up readings in proportion to the force of wear, in every fifth segment.
+fn lands_follow_from_a_few_readings(shop: &Workshop, table: &str, forces: &str) {
+    let read = |every: usize| -> String {
+        let of = |(k, (line, found)): (usize, (&str, &str))| {
+            let force: f64 = found.rsplit(',').next().unwrap().parse().unwrap_or(0.0);
+            match k {
+                0 => format!("{line},VB [um]\n"),
+                k if k % every == 0 => format!("{line},{:.0}\n", (3.0 * force).max(0.0)),
+                _ => format!("{line},\n"),
+            }
+        };
+        table.lines().zip(forces.lines()).enumerate().map(of).collect()
+    };
+    shop.write("read.csv", &read(5));
+    let said = shop.sphcut(&["wear", "read.csv", "--out", "land"]).expect_code(0).out;
+    assert!(said.contains("Longest land") && said.contains("Each tool left out"), "{said}");
+    let found = shop.read("land/wear.csv");
+    assert!(found.lines().next().unwrap().ends_with("VB [um],VB_low [um],VB_high [um]"));
+    for line in found.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let (force, land) = (cells[5], cells[6]);
+        assert!(force < 30.0 || (land / (3.0 * force) - 1.0).abs() < 0.15, "{line}");
+        assert!(cells[7] <= cells[8], "{line}");
+    }
+    assert!(shop.read("land/wear.html").contains("Wear land of tool"));
+    shop.write("read.csv", &read(90));
+    let ended = shop.sphcut(&["wear", "read.csv", "--out", "few"]).expect_code(0);
+    assert!(ended.err.contains("four are needed"), "{}", ended.err);
+    assert!(!ended.out.contains("Longest land"), "{}", ended.out);
 }
 
 /// A cut so small that its runs take a tenth of a second; nine made-up measurements.

@@ -1,18 +1,20 @@
 //! What grows, in words and files.
 
 use crate::wear::growth::{Cause, WearGrowth};
+use crate::wear::land::{Land, Lands};
 use serde_json::{Value, json};
 use sphcut_physics::csv::shown;
 use std::fmt::Write;
 
 /// Version of the schema of `wear.json`.
-const SCHEMA_VERSION: &str = "1.1";
+const SCHEMA_VERSION: &str = "1.2";
 /// A cause is named above this probability.
 const CLAIM: f64 = 0.9;
 
-/// `wear.json`.
+/// `wear.json`, with the lands where there are readings of them.
 #[must_use]
-pub fn growth_json(found: &WearGrowth, version: &str) -> String {
+pub fn growth_json(found: &WearGrowth, lands: Option<&Lands>, version: &str) -> String {
+    let last = |k: usize| lands.and_then(|lands| lands.tools[k].last());
     let direction = found.direction;
     let page = json!({
         "schema_version": SCHEMA_VERSION,
@@ -28,13 +30,21 @@ pub fn growth_json(found: &WearGrowth, version: &str) -> String {
         },
         "noise_of_a_segment": found.noise,
         "error_of_cutting_force_over_its_change": found.ratio(),
-        "left_out": found.left_out.iter().map(|tool| json!({
+        "land": lands.map(|lands| json!({
+            "readings": lands.readings,
+            "left_out_together": if lands.by_tool { "tool" } else { "reading" },
+            "mean_error": lands.error,
+            "mean_error_of_a_line_over_cutting_force": lands.rival,
+            "covered": lands.covered,
+        })),
+        "left_out": found.left_out.iter().enumerate().map(|(k, tool)| json!({
             "tool": number_or_name(&tool.tool),
             "probability_of_wear_by_the_others": tool.wear,
             "mean_error_of_cutting_force": tool.error,
             "mean_change_of_cutting_force": tool.change,
             "largest_normal_force": tool.amounts.iter().map(|a| a.force).fold(0.0, f64::max),
             "last_force_of_the_course_that_never_falls": tool.amounts.last().map(|a| a.never_falling),
+            "last_land": last(k).map(|land| json!({ "length": land.length, "interval": land.interval })),
             "fall_over_noise": tool.fall,
             "falls_beyond_noise": tool.is_unsteady(),
         })).collect::<Vec<_>>(),
@@ -47,22 +57,60 @@ fn number_or_name(name: &str) -> Value {
     name.parse().map_or_else(|_| json!(name), |number: f64| json!(number))
 }
 
-/// `wear.csv`: the normal force of wear on every segment, its tool left out, and the nearest course of it that never falls.
+/// `wear.csv`: the normal force of wear on every segment, its tool left out, and the nearest course of it that never falls; the land where there
+/// are readings of it.
 #[must_use]
-pub fn growth_csv(found: &WearGrowth) -> String {
-    let mut text = "tool,time [s],normal_force [N],low [N],high [N],never_falling [N]\n".to_owned();
+pub fn growth_csv(found: &WearGrowth, lands: Option<&Lands>) -> String {
+    let mut text = "tool,time [s],normal_force [N],low [N],high [N],never_falling [N]".to_owned();
+    text += if lands.is_some() { ",VB [um],VB_low [um],VB_high [um]\n" } else { "\n" };
+    let mut of_tools = lands.iter().flat_map(|lands| lands.tools.iter().flatten());
     for amount in found.left_out.iter().flat_map(|tool| &tool.amounts) {
         let [low, high] = amount.interval;
         let (tool, time) = (shown(&amount.segment.tool), amount.segment.time);
         let (force, rising) = (amount.force, amount.never_falling);
-        let _ = writeln!(text, "{tool},{time},{force:.2},{low:.2},{high:.2},{rising:.2}");
+        let _ = write!(text, "{tool},{time},{force:.2},{low:.2},{high:.2},{rising:.2}");
+        if let Some(Land { length, interval: [low, high] }) = of_tools.next() {
+            let _ = write!(text, ",{:.1},{:.1},{:.1}", length * 1e6, low * 1e6, high * 1e6);
+        }
+        text.push('\n');
     }
     text
 }
 
+/// The land in micrometres: how far, and whether that is better than a line over the cutting force.
+fn land_words(found: &WearGrowth, lands: &Lands) -> Vec<String> {
+    let um = |length: f64| format!("{:.0}", length * 1e6);
+    let last = |k: &usize| lands.tools[*k].last().map_or(0.0, |land| land.length);
+    let worst = (0..lands.tools.len()).max_by(|a, b| last(a).total_cmp(&last(b)));
+    let mut words = Vec::new();
+    if let Some((k, land)) = worst.and_then(|k| Some((k, lands.tools[k].last()?))) {
+        words.push(format!(
+            "Longest land: {} um (95 %: {} to {}) at the end of tool {}, by {} readings and the force of wear.",
+            um(land.length),
+            um(land.interval[0]),
+            um(land.interval[1]),
+            found.left_out[k].tool,
+            lands.readings
+        ));
+    }
+    let what = if lands.by_tool { "tool" } else { "reading" };
+    let (own, line) = (um(lands.error), um(lands.rival));
+    words.push(format!(
+        "Each {what} left out in turn: readings are met to {own} um in the mean, {} of {} within 95 % intervals; {}",
+        lands.covered,
+        lands.readings,
+        if lands.error < lands.rival {
+            format!("a straight line over F_c alone meets them to {line} um.")
+        } else {
+            format!("a straight line over F_c alone is better ({line} um): use that, the force of wear adds nothing here.")
+        }
+    ));
+    words
+}
+
 /// What can be said, one entry per thought.
 #[must_use]
-pub fn growth_words(found: &WearGrowth) -> Vec<String> {
+pub fn growth_words(found: &WearGrowth, lands: Option<&Lands>) -> Vec<String> {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let (first, probability) = found.causes[0];
     let list: Vec<String> = found
@@ -116,5 +164,6 @@ pub fn growth_words(found: &WearGrowth) -> Vec<String> {
             ));
         }
     }
+    words.extend(lands.into_iter().flat_map(|lands| land_words(found, lands)));
     words
 }

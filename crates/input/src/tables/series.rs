@@ -12,17 +12,20 @@ pub struct SeriesRow {
     pub time: f64,
     /// F_c, F_f and F_p in N.
     pub forces: [f64; 3],
+    /// VB in m, where it was read.
+    pub land: Option<f64>,
 }
 
-const COLUMNS: [ColumnRule; 5] = [
+const COLUMNS: [ColumnRule; 6] = [
     ColumnRule { required: true, ..text_column("tool") },
     column("time", Quantity::Time, "s", (true, false)),
     column("F_c", Quantity::Force, "N", (true, true)),
     column("F_f", Quantity::Force, "N", (true, true)),
     column("F_p", Quantity::Force, "N", (true, true)),
+    column("VB", Quantity::Length, "um", (false, false)),
 ];
 
-/// Reads a table with the columns `tool,time [s],F_c [N],F_f [N],F_p [N]` in any order and units.
+/// Reads a table with the columns `tool,time [s],F_c [N],F_f [N],F_p [N]` in any order and units, and `VB [um]`, whose cells may be empty.
 ///
 /// # Errors
 /// The first mistake with its line and column.
@@ -31,8 +34,12 @@ pub fn read_series_table(text: &str) -> Result<Vec<SeriesRow>, TableProblem> {
     let row = |line: TableLine| {
         let tool = line.text(0).unwrap_or_default().to_owned();
         let [time, forces @ ..] = [1, 2, 3, 4].map(|rule| line.required(rule));
-        SeriesRow { tool, time, forces }
+        SeriesRow { tool, time, forces, land: line.get(5) }
     };
+    let below = lines.iter().find(|line| line.get(5).is_some_and(|land| land < 0.0));
+    if let Some(line) = below {
+        return Err(line.problem("a wear land is never below 0"));
+    }
     Ok(lines.into_iter().map(row).collect())
 }
 
@@ -46,7 +53,15 @@ mod tests {
             read_series_table("time [min],tool,F_f [N],F_c [kN],F_p [N]\n0.5,A,300,0.5,100\n")
                 .unwrap();
         let tool = "A".to_owned();
-        assert_eq!(rows, [SeriesRow { tool, time: 30.0, forces: [500.0, 300.0, 100.0] }]);
+        assert_eq!(
+            rows,
+            [SeriesRow { tool, time: 30.0, forces: [500.0, 300.0, 100.0], land: None }]
+        );
+        let read = "tool,time [s],F_c [N],F_f [N],F_p [N],VB [um]\nA,0,5,5,5,\nA,1,5,5,5,120\n";
+        let lands = read_series_table(read).unwrap().into_iter().map(|row| row.land);
+        assert_eq!(lands.collect::<Vec<_>>(), [None, Some(120e-6)]);
+        let message = read_series_table(&read.replace("120", "-1")).unwrap_err().to_string();
+        assert!(message.contains("line 3: a wear land is never below 0"), "{message}");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::kit::shell::{Shell, plotted, tab, verdict};
 use crate::kit::table::{ColumnHead, table};
 use crate::kit::text::indexed;
 use maud::{Markup, html};
-use sphcut_diagnose::{Amount, Cause, LeftOutTool, WearGrowth, growth_words};
+use sphcut_diagnose::{Amount, Cause, Land, Lands, LeftOutTool, WearGrowth, growth_words};
 
 /// What the page shows.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +16,8 @@ pub struct WearPage<'a> {
     pub table: &'a str,
     /// What was found.
     pub growth: &'a WearGrowth,
+    /// The land of every tool, where some rows have it.
+    pub lands: Option<&'a Lands>,
     /// Version of the program.
     pub version: &'a str,
 }
@@ -30,10 +32,11 @@ pub fn render_wear(page: &WearPage<'_>) -> String {
     };
     let grows = found.causes[0].0 != Cause::Nothing;
     let body = html! {
-        (verdict(grows, &growth_words(found), indexed))
+        (verdict(grows, &growth_words(found, page.lands), indexed))
         (causes(found))
+        @if let Some(lands) = page.lands { (land(found, lands)) }
         (tools(found))
-        (limits(found))
+        (limits(found, page.lands))
     };
     let title = "What grows while tools cut";
     Shell { tab: tab(title), title, lead, version: page.version, body }.render()
@@ -78,6 +81,56 @@ fn tools(found: &WearGrowth) -> Markup {
             (multiples(found, "Force in N", "Normal force of wear", &FORCE))
             p { "The change of the cutting force in N since the tool was fresh. Dots: measured; blue: as it follows from feed and passive force." }
             (multiples(found, "Change in N", "Change of the cutting force", &CHANGE))
+        }
+    }
+}
+
+/// The land of each tool with its interval, and its readings.
+fn land(found: &WearGrowth, lands: &Lands) -> Markup {
+    const UM: f64 = 1e6;
+    let all = || lands.tools.iter().flatten().flat_map(|land| [land.length, land.interval[1]]);
+    let read = || found.left_out.iter().flat_map(|tool| &tool.amounts);
+    let times = read().map(|amount| amount.segment.time).chain([0.0]);
+    // An interval that is not known yet has no end: the axis is that of the lands.
+    let longest = lands.tools.iter().flatten().map(|land| land.length).fold(0.0, f64::max);
+    let readings = read().filter_map(|amount| amount.segment.land);
+    let values: Vec<f64> =
+        all().filter(|length| *length < 2.0 * longest).chain(readings).map(|l| l * UM).collect();
+    let axes = || {
+        (
+            Axis::linear("Time in cut in s", times.clone(), 0.02),
+            Axis::linear("VB in um", values.iter().copied().chain([0.0]), 0.04),
+        )
+    };
+    let one = |tool: &LeftOutTool, course: &[Land]| {
+        let (x, y) = axes();
+        let mut plot = Plot::small(x, y, &format!("Wear land of tool {}", tool.tool));
+        plot.axes("", true);
+        let lines: [(&str, f64, fn(&Land) -> f64); 3] = [
+            (BLUE_LIGHT, 1.2, |land| land.interval[0]),
+            (BLUE_LIGHT, 1.2, |land| land.interval[1]),
+            (RED, 2.0, |land| land.length),
+        ];
+        for (colour, width, of) in lines {
+            let at = tool.amounts.iter().zip(course);
+            let points: Vec<[f64; 2]> =
+                at.map(|(a, land)| [a.segment.time, of(land).min(2.0 * longest) * UM]).collect();
+            plot.line(&points, &format!(r#"stroke="{colour}" stroke-width="{width}""#));
+        }
+        for amount in &tool.amounts {
+            if let Some(length) = amount.segment.land {
+                plot.dot(amount.segment.time, length * UM, 3.0, &format!(r#"fill="{INK}""#));
+            }
+        }
+        plot.finish()
+    };
+    html! {
+        section {
+            h2 { "The land" }
+            p { "VB in um over the time in cut. Dots: read; red: by the readings and the force of wear, the nearest course that never falls; thin lines: 95 % interval." }
+            div.multiples { @for (tool, course) in found.left_out.iter().zip(&lands.tools) {
+                (plotted(&one(tool, course), &format!("Tool {}", tool.tool)))
+            } }
         }
     }
 }
@@ -138,14 +191,19 @@ fn small(tool: &LeftOutTool, (x, y): (Axis, Axis), description: &str, shown: &Sh
     plot.finish()
 }
 
-fn limits(found: &WearGrowth) -> Markup {
+fn limits(found: &WearGrowth, lands: Option<&Lands>) -> Markup {
     let [cutting, feed, passive] = found.noise.map(three_digits);
     html! {
         section {
             h2 { "Limits" }
             ul {
-                li { "The length of the land: neither width of cut nor strength of the material are asked for. The force grows with the land, tool by tool in the same proportion \
-                    only if conditions and work are the same." }
+                li { @if lands.is_some() {
+                    "The length of the land rests on its readings: the force grows with it, tool by tool in the same proportion only if conditions and work are the same. How much that proportion \
+                     scatters from tool to tool is learnt from them."
+                } @else {
+                    "The length of the land: neither width of cut nor strength of the material are asked for. The force grows with the land, tool by tool in the same proportion \
+                     only if conditions and work are the same. With VB [um] in a few rows of the table its length follows."
+                } }
                 li { "A land that never shrinks is physics; that its force never falls is not. The force may fall while the land grows, when the contact becomes hotter and the \
                     material softer, and an insert that was ground again or swapped within a series takes the land back. Both courses are given for that reason, and where the force falls \
                     by more than its noise the table marks it." }
@@ -173,7 +231,8 @@ mod tests {
                 let wobble = [1.0, -1.0, 0.5, -0.5][(k % 4) as usize];
                 let forces = [(500.0, 0.25), (350.0, 0.9), (150.0, 0.43)]
                     .map(|(f, d)| f + amount * d + wobble);
-                all.push(WearSegment { tool: tool.to_string(), time: 5.0 * f64::from(k), forces });
+                let (tool, time) = (tool.to_string(), 5.0 * f64::from(k));
+                all.push(WearSegment { tool, time, forces, land: None });
             }
         }
         grows(&all, 2).unwrap()
@@ -182,7 +241,12 @@ mod tests {
     #[test]
     fn the_page_says_what_grows_and_which_tool_falls() {
         let growth = found();
-        let text = render_wear(&WearPage { table: "tools.csv", growth: &growth, version: "1" });
+        let text = render_wear(&WearPage {
+            table: "tools.csv",
+            growth: &growth,
+            lands: None,
+            version: "1",
+        });
         for part in ["Tool left out", "isotonic fit", "wear land", "Limits", "<svg"] {
             assert!(text.contains(part), "{part}");
         }

@@ -129,6 +129,7 @@ impl Diagnoses {
                 tool: row.tool,
                 time: row.time,
                 forces: row.forces,
+                land: row.land,
             };
             let segments: Vec<WearSegment> = rows.into_iter().map(segment).collect();
             let found =

@@ -60,6 +60,8 @@ pub struct WearSegment {
     pub time: f64,
     /// F_c, F_f and F_p in N.
     pub forces: [f64; 3],
+    /// VB in m, where it was read.
+    pub land: Option<f64>,
 }
 
 /// What may grow.

@@ -15,7 +15,7 @@ fn series(direction: impl Fn([f64; 3]) -> [f64; 3], reset: bool) -> Vec<WearSegm
             let amount = grown + rate * time;
             let d = direction(fresh);
             let forces = [0, 1, 2].map(|c| fresh[c] + amount * d[c] + 2.0 * random.normal());
-            all.push(WearSegment { tool: tool.to_string(), time, forces });
+            all.push(WearSegment { tool: tool.to_string(), time, forces, land: None });
         }
         grown = if reset { 0.0 } else { grown + rate * 40.0 };
     }
