@@ -56,6 +56,8 @@ struct Place {
     age: f64,
     /// ln of the normal force of wear.
     force: f64,
+    /// Variance of that by the noise of the forces.
+    noise: f64,
 }
 
 struct Reading {
@@ -73,7 +75,7 @@ struct Reading {
 ///
 /// W is the isotonic fit of the normal force of wear in the direction that the other tools taught: the land rubs with a pressure that is the same for
 /// all, so that W grows in proportion to VB (Waldorf, Kapoor and DeVor, J. Manuf. Sci. Eng. 121 (1999) 548-555), but for a factor of each tool and what
-/// changes along its life. s_u and s_f are weighed by their evidence; the course is the nearest one that never falls. A reading of 0 says nothing of the factor
+/// changes along its life; ln W has the noise of the forces, which is large where W is small. s_u and s_f are weighed by their evidence; the course is the nearest one that never falls. A reading of 0 says nothing of the factor
 /// and is left out.
 ///
 /// # Errors
@@ -140,12 +142,14 @@ fn places(found: &WearGrowth, tool: usize) -> Vec<Place> {
     let amounts = &found.left_out[tool].amounts;
     let time = |amount: &Amount| amount.segment.time;
     let (first, last) = (amounts.first().map_or(0.0, time), amounts.last().map_or(1.0, time));
-    let noise = |a: &Amount| (a.interval[1] - a.interval[0]) / (2.0 * NORMAL_95);
-    let place = |amount: &Amount| Place {
-        tool,
-        age: (time(amount) - first) / (last - first),
+    // Where hardly anything has grown, the interval is that of the noise alone.
+    let noise = amounts.iter().map(|a| (a.interval[1] - a.interval[0]) / (2.0 * NORMAL_95));
+    let noise = noise.fold(f64::INFINITY, f64::min);
+    let place = |amount: &Amount| {
         // Below its noise the force says that the land is small, and not how small.
-        force: amount.never_falling.max(0.0).hypot(noise(amount)).ln(),
+        let force = amount.never_falling.max(0.0).hypot(noise);
+        let age = (time(amount) - first) / (last - first);
+        Place { tool, age, force: force.ln(), noise: (noise / force).powi(2) }
     };
     amounts.iter().map(place).collect()
 }
@@ -178,7 +182,8 @@ fn predicted(readings: &[&Reading], at: &[Place]) -> Vec<(f64, f64)> {
         for along in ALONG {
             let sizes = (between, along);
             let covariance = DMatrix::from_fn(places.len(), places.len(), |i, j| {
-                let own = if i == j { own_scatter(readings[i].length) } else { 0.0 };
+                let own = own_scatter(readings[i].length) + places[i].noise;
+                let own = if i == j { own } else { 0.0 };
                 kernel(&places[i], &places[j], sizes) + own
             });
             let Some(known) = covariance.cholesky() else { continue };
@@ -198,7 +203,8 @@ fn predicted(readings: &[&Reading], at: &[Place]) -> Vec<(f64, f64)> {
                 places.iter().map(|own| kernel(own, &place, *sizes)),
             );
             let log = level + place.force + toward.dot(weights);
-            let variance = kernel(&place, &place, *sizes) - toward.dot(&known.solve(&toward));
+            let variance =
+                kernel(&place, &place, *sizes) + place.noise - toward.dot(&known.solve(&toward));
             let weight = (evidence - best).exp() / total;
             mean += weight * log;
             square += weight * (variance.max(0.0) + log * log);
