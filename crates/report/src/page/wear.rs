@@ -85,6 +85,9 @@ fn tools(found: &WearGrowth) -> Markup {
     }
 }
 
+/// Colour, width and values of a line.
+type LandLine = (&'static str, f64, fn(&Land) -> f64);
+
 /// The land of each tool with its interval, and its readings.
 fn land(found: &WearGrowth, lands: &Lands) -> Markup {
     const UM: f64 = 1e6;
@@ -106,7 +109,7 @@ fn land(found: &WearGrowth, lands: &Lands) -> Markup {
         let (x, y) = axes();
         let mut plot = Plot::small(x, y, &format!("Wear land of tool {}", tool.tool));
         plot.axes("", true);
-        let lines: [(&str, f64, fn(&Land) -> f64); 3] = [
+        let lines: [LandLine; 3] = [
             (BLUE_LIGHT, 1.2, |land| land.interval[0]),
             (BLUE_LIGHT, 1.2, |land| land.interval[1]),
             (RED, 2.0, |land| land.length),
