@@ -16,7 +16,7 @@ use sphcut_calibrate::{
 };
 use sphcut_diagnose::{DiagnoseError, closed_form_cut, scenario_patch};
 use sphcut_input::{CutTableRow, read_condition_table, read_cut_table};
-use sphcut_physics::CuttingCondition;
+use sphcut_physics::{CuttingCondition, ToolGeometry};
 use sphcut_report::{CutCalibrationPage, render_cut_calibration};
 use sphcut_scenario::Scenario;
 use std::convert::Infallible;
@@ -282,11 +282,33 @@ fn read(arguments: &CutCalibrationArguments) -> Result<CalibrationInput, Failure
             measured_cuts(&rows, width, arguments.noise).into_iter().map(|c| c.condition).collect()
         }
     };
+    let others = [&arguments.held_out, &arguments.candidates];
+    let named = held_out.first().map(|cut| cut.condition).into_iter();
+    let tables = [named.collect::<Vec<_>>(), candidates.clone()];
+    for (path, own) in others.into_iter().zip(&tables) {
+        if let (Some(path), Some(first), Some(cut)) = (path, own.first(), cuts.first()) {
+            same_columns(path, &first.tool, &cut.condition.tool)?;
+        }
+    }
     if candidates.len() > MOST_CANDIDATES {
         let message = format!("{} candidates: {MOST_CANDIDATES} is the most", candidates.len());
         return Err(Failure::input(message).advise("leave out conditions that lie close together"));
     }
     Ok(CalibrationInput { scenario, sets, constants, cuts, held_out, candidates, quick })
+}
+
+/// Tables of one calibration say the same of the tools: an empty place would be the scenario's tool in one and another's in the other.
+fn same_columns(path: &Path, own: &ToolGeometry, measured: &ToolGeometry) -> Result<(), Failure> {
+    let parts = own.parts().into_iter().zip(measured.parts());
+    for (name, (own, measured)) in ["rake", "edge_radius"].into_iter().zip(parts) {
+        if own.is_some() != measured.is_some() {
+            let which = if own.is_some() { "only here" } else { "only in the measured table" };
+            let message =
+                format!("`{}`: the column `{name}` is {which}: both need it", path.display());
+            return Err(Failure::input(message));
+        }
+    }
+    Ok(())
 }
 
 /// Before a cut is made: which ones.
