@@ -72,18 +72,53 @@ fn aligned(rows: &[Vec<String>]) -> String {
     page
 }
 
-/// More different warnings than anyone reads; those of single values differ in their numbers.
+/// More different warnings than anyone reads.
 const MOST_WARNINGS: usize = 6;
+
+/// Warnings that differ in their numbers alone as one, with least and largest: how many runs each holds for.
+fn together(warnings: &[(String, usize)]) -> Vec<(String, usize)> {
+    /// Words of a text, and how many runs have it.
+    type Words<'w> = (Vec<&'w str>, usize);
+    let number = |word: &str| word.trim_end_matches([',', ';', ':', ')', '.']).parse::<f64>().ok();
+    let alike = |a: &[&str], b: &[&str]| {
+        let same = |(a, b): (&&str, &&str)| a == b || number(a).is_some() && number(b).is_some();
+        a.len() == b.len() && a.iter().zip(b).all(same)
+    };
+    let mut groups: Vec<Vec<Words<'_>>> = Vec::new();
+    for (text, runs) in warnings {
+        let words: Vec<&str> = text.split(' ').collect();
+        match groups.iter_mut().find(|group| alike(&group[0].0, &words)) {
+            Some(group) => group.push((words, *runs)),
+            None => groups.push(vec![(words, *runs)]),
+        }
+    }
+    let told = |group: &Vec<Words<'_>>| {
+        let word = |place: usize| {
+            let all = || group.iter().map(|(words, _)| words[place]);
+            let value = |word: &&str| number(word).unwrap_or(0.0);
+            let least = all().min_by(|a, b| value(a).total_cmp(&value(b))).unwrap_or_default();
+            let largest = all().max_by(|a, b| value(a).total_cmp(&value(b))).unwrap_or_default();
+            if least == largest {
+                return largest.to_owned();
+            }
+            format!("{} to {largest}", least.trim_end_matches([',', ';', ':', ')', '.']))
+        };
+        let words: Vec<String> = (0..group[0].0.len()).map(word).collect();
+        (words.join(" "), group.iter().map(|(_, runs)| runs).sum())
+    };
+    groups.iter().map(told).collect()
+}
 
 /// What the scenarios warn of.
 pub fn warnings(plan: &SweepPlan) -> String {
     let mut page = String::new();
-    for (warning, runs) in plan.warnings.iter().take(MOST_WARNINGS) {
+    let warnings = together(&plan.warnings);
+    for (warning, runs) in warnings.iter().take(MOST_WARNINGS) {
         let plural = if *runs == 1 { "" } else { "s" };
         let _ = writeln!(page, "warning ({runs} run{plural}): {warning}");
     }
-    if plan.warnings.len() > MOST_WARNINGS {
-        let more = plan.warnings.len() - MOST_WARNINGS;
+    if warnings.len() > MOST_WARNINGS {
+        let more = warnings.len() - MOST_WARNINGS;
         let _ = writeln!(page, "and {more} more warning{}", if more == 1 { "" } else { "s" });
     }
     page
@@ -115,4 +150,28 @@ pub fn total(plan: &SweepPlan, speed: Option<f64>, threads: usize) -> String {
     }
     page.push('\n');
     page
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_that_differ_in_numbers_alone_are_one() {
+        let of = |text: &str, runs: usize| (text.to_owned(), runs);
+        let told = together(&[
+            of("particles across the edge radius: 2.8; below 5 it is blunt", 3),
+            of("the edge is sharp", 1),
+            of("particles across the edge radius: 1.87; below 2 it is blunter", 6),
+            of("particles across the edge radius: 4.08; below 5 it is blunt", 1),
+        ]);
+        assert_eq!(
+            told,
+            [
+                of("particles across the edge radius: 2.8 to 4.08; below 5 it is blunt", 4),
+                of("the edge is sharp", 1),
+                of("particles across the edge radius: 1.87; below 2 it is blunter", 6),
+            ]
+        );
+    }
 }
