@@ -78,16 +78,20 @@ pub enum Command {
     /// Find the friction coefficient that fits measured forces best, and test it at other speeds.
     CalibrateFriction(CalibrateArguments),
     /// Run a scenario with many combinations of values, and keep every result.
+    #[command(mut_arg("scenario", |file| file.value_name("FILE").help("The file of the sweep (TOML)")))]
     Sweep(SweepCommand),
     /// Look after a store of results: list it, check it, remove what no sweep needs.
     Store(StoreArguments),
     /// Turn recordings of a dynamometer into a table of mean forces with intervals.
+    #[command(mut_arg("scenario", |file| file.value_name("FILE").help("The file of the recordings (TOML)")))]
     Recordings(RecordingsArguments),
     /// Correct simulated forces by measured ones: fit a correction, use it, test it.
     Greybox(GreyboxArguments),
     /// Identify flow-stress laws from split Hopkinson bar and compression tests, and write material files.
+    #[command(mut_arg("scenario", |file| file.value_name("FILE").help("The file of the tests (TOML)")))]
     Identify(IdentifyArguments),
     /// Find which physics a simulation left out, from measurements over speed and thickness.
+    #[command(mut_arg("scenario", |file| file.value_name("FILE").help("The file of the diagnosis (TOML)")))]
     Diagnose(DiagnoseArguments),
     /// Predict forces at new conditions with the correction that a diagnosis found, each with its interval.
     Predict(PredictForcesArguments),
@@ -128,6 +132,15 @@ mod tests {
     #[test]
     fn the_declaration_is_consistent() {
         Arguments::command().debug_assert();
+        let mut all = Arguments::command();
+        for (name, what) in [
+            ("sweep", "of the sweep"),
+            ("diagnose", "of the diagnosis"),
+            ("identify", "of the tests"),
+        ] {
+            let help = all.find_subcommand_mut(name).unwrap().render_long_help().to_string();
+            assert!(help.contains(what) && !help.contains("<SCENARIO>"), "{help}");
+        }
     }
 
     #[test]
