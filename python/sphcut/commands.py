@@ -195,6 +195,7 @@ def diagnose(
     case: _Path,
     *,
     closed_form: bool = False,
+    confirm: bool = False,
     out: _Path | None = None,
     store: _Path | None = None,
     threads: int | None = None,
@@ -204,11 +205,12 @@ def diagnose(
     """Which physics did the simulation leave out? `case` is the file of a diagnosis (`docs/diagnosis_keys.md`).
 
     closed_form: explain with the closed-form model (half a minute) instead of some two hundred runs of the particle solver.
+    confirm: with closed_form, run the correction in the particle solver at some of the measured conditions.
     out: folder of page, numbers and patch; default: `out/<name>_diagnose`. An earlier answer there is replaced unless `force` is False.
     store: folder that keeps the runs of the particle solver, also for other diagnoses.
     """
     folder = Path("out") / f"{Path(case).stem}_diagnose" if out is None else Path(out)
-    options = _options(out=folder, closed_form=closed_form, store=store, threads=threads, force=force)
+    options = _options(out=folder, closed_form=closed_form, confirm=confirm, store=store, threads=threads, force=force)
     return Diagnosis._of(folder, _sentences(_command(["diagnose", str(case), *options], progress)))
 
 

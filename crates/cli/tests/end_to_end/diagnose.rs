@@ -276,6 +276,31 @@ fn paired_runs_explain_and_are_kept() {
     assert_eq!(shop.read("missing/diagnosis.json"), shop.read("again/diagnosis.json"));
 }
 
+/// The correction that the closed form finds, run in the particle solver: coarse runs of a tenth of a second, which decide nothing.
+#[test]
+fn a_correction_in_closed_form_is_confirmed_in_the_particle_solver() {
+    let shop = Workshop::new("diagnose_confirm");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let cut = read("cut.toml")
+        .replace("preset = \"standard\"", "particle_spacing = \"40 um\"")
+        .replace("inertia_number = 0.012", "inertia_number = 1.0");
+    shop.write("cut.toml", &cut);
+    shop.write("cuts.csv", &read("cuts.csv"));
+    let few = "[runs]\ntravel = 5\nrepaired = 2\n[checks]\nself_test = 5\ncontrol = 5\n";
+    shop.write("case.toml", &format!("{}\n{few}", read("example.toml")));
+    let command = ["diagnose", "case.toml", "--out", "missing", "--closed-form", "--confirm"];
+    let ended = shop.sphcut(&command).expect_code(0).expect_err("6 runs of the particle solver");
+    assert!(ended.out.contains("In the particle solver, at 2 of the conditions"), "{}", ended.out);
+    let numbers: serde_json::Value =
+        serde_json::from_str(&shop.read("missing/diagnosis.json")).unwrap();
+    assert_eq!(numbers["particle_solver"]["conditions"], 2);
+    let runs = shop.read("missing/runs/repaired/table.csv");
+    assert!(runs.contains("speed_dependent"), "{runs}");
+    let without = ["diagnose", "case.toml", "--out", "other", "--confirm"];
+    shop.sphcut(&without).expect_code(2).expect_err("--closed-form");
+}
+
 /// A page without its fonts and pictures, whose letters can be any.
 fn without_embedded_data(page: &str) -> String {
     let is_data = |c: char| c.is_ascii_alphanumeric() || "+/=".contains(c);

@@ -24,6 +24,7 @@ use std::path::PathBuf;
 const HELP: &str = "\
 Examples:
   sphcut diagnose scenarios/diagnosis/example.toml --out missing --closed-form
+  sphcut diagnose CASE.toml --out missing --closed-form --confirm   and its correction in particles, some twenty runs
   sphcut diagnose CASE.toml --out missing --dry-run       what it takes with the particle solver
   sphcut diagnose CASE.toml --out missing --store kept    the runs are kept for the next diagnosis
   sphcut predict --diagnosis missing --conditions new.csv --out new_forces.csv    corrected forces at other cuts
@@ -55,8 +56,11 @@ pub struct DiagnoseArguments {
     /// Explain with the closed-form model instead of runs of the particle solver.
     #[arg(long)]
     pub closed_form: bool,
+    /// With --closed-form: run the scenario as it is, fitted again and corrected in the particle solver at some of the measured conditions.
+    #[arg(long, requires = "closed_form")]
+    pub confirm: bool,
     /// Folder that keeps the runs of the particle solver, also for other diagnoses of the same scenario [default: DIR/runs/store].
-    #[arg(long, value_name = "DIR", conflicts_with = "closed_form")]
+    #[arg(long, value_name = "DIR")]
     pub store: Option<PathBuf>,
     /// Say how many runs it takes and how long, and compute nothing.
     #[arg(long, conflicts_with = "closed_form")]
@@ -125,7 +129,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let found = pool.install(|| diagnose_case_as(case, model, ProgressListener(&told), |_| {}));
     display.finish();
     let (recordings, mut found) = found.map_err(mistaken)?;
-    if !arguments.closed_form
+    if (!arguments.closed_form || arguments.confirm)
         && let Some((runs, null, repair)) = Paired::repaired(case, arguments, (&found, model))?
     {
         match runs.run(arguments)? {

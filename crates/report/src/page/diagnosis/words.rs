@@ -1,10 +1,11 @@
 //! The verdict in plain words.
 
 use super::DiagnosisPage;
-use crate::kit::numbers::{percent, three_digits};
+use crate::kit::numbers::{percent, three_digits, with_ends};
 use crate::kit::text::listed;
 use sphcut_diagnose::{
-    BiasOrigin, ClaimVerdict, Competitor, Fit, HeldOutErrors, ParameterEstimate, Part, Rate,
+    BiasOrigin, ClaimVerdict, Competitor, Fit, HeldOutErrors, ParameterEstimate, Part, Rate, Rerun,
+    RerunChannel,
 };
 use sphcut_physics::Channel;
 
@@ -47,6 +48,34 @@ pub(super) fn competitor(competitor: Competitor) -> String {
         Competitor::RunnerUp => "the runner-up explanation".to_owned(),
         Competitor::Regression(method) => format!("the best regression ({})", method.name()),
     }
+}
+
+/// What the particle solver says of the correction: channel by channel better, worse, or not decided.
+fn in_the_solver(rerun: &Rerun) -> String {
+    let standing = |one: &RerunChannel| {
+        let [_, low, high] = one.ratio;
+        if high < 1.0 { 0 } else { 1 + usize::from(low <= 1.0) }
+    };
+    let parts = ["better in", "worse in", "not decided in"].into_iter().enumerate();
+    let parts: Vec<String> = parts
+        .filter_map(|(k, what)| {
+            let own = rerun.channels.iter().filter(|one| standing(one) == k);
+            let own: Vec<String> = own
+                .map(|one| {
+                    let [_, recalibrated, corrected] = one.errors.map(error);
+                    let ratio = with_ends(one.ratio);
+                    let title = one.channel.title();
+                    format!("{title} ({corrected} instead of {recalibrated}, ratio {ratio})")
+                })
+                .collect();
+            (!own.is_empty()).then(|| format!("{what} {}", listed(&own)))
+        })
+        .collect();
+    format!(
+        "In the particle solver, at {} of the conditions, the corrected scenario against the one recalibrated without the effect is {}.",
+        rerun.conditions,
+        parts.join("; ")
+    )
 }
 
 /// A mean error of the logarithm: where it is small it is a share, where it is large a factor.
@@ -119,6 +148,7 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
     let mut words = vec![verdict(page)];
     words.extend(whereabouts(page));
     words.extend(page.diagnosis.help.first().map(|held| help(page, held)));
+    words.extend(page.diagnosis.rerun.as_ref().map(in_the_solver));
     if let Some(found) = page.diagnosis.false_alarms {
         let alarm = if page.diagnosis.finding.is_alarm() { "this design" } else { "an alarm" };
         words.push(format!(
