@@ -299,6 +299,8 @@ fn a_correction_in_closed_form_is_confirmed_in_the_particle_solver() {
     assert!(runs.contains("speed_dependent"), "{runs}");
     let without = ["diagnose", "case.toml", "--out", "other", "--confirm"];
     shop.sphcut(&without).expect_code(2).expect_err("--closed-form");
+    let unused = ["diagnose", "case.toml", "--out", "other", "--closed-form", "--store", "kept"];
+    shop.sphcut(&unused).expect_code(2).expect_err("add --confirm");
 }
 
 /// A page without its fonts and pictures, whose letters can be any.

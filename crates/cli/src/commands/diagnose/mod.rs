@@ -91,6 +91,10 @@ const TRENDS: &str = "trends.csv";
 
 /// Diagnoses and writes page, numbers and, where an effect is named, the patch.
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
+    if arguments.closed_form && !arguments.confirm && arguments.store.is_some() {
+        let message = "--store keeps runs of the particle solver, and --closed-form makes none";
+        return Err(Failure::input(message).advise("add --confirm, or leave --store out"));
+    }
     let out = &arguments.folder();
     let files = [PAGE, NUMBERS, PATCH, HELD_OUT, LINES, TRENDS].map(|name| out.join(name));
     files::unless_there(files.clone(), arguments.force)?;
