@@ -44,7 +44,8 @@ impl MeasuredCut {
     }
 }
 
-fn short(x: f64) -> String {
+/// As many digits as a machine can be set to.
+pub(crate) fn short(x: f64) -> String {
     format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 

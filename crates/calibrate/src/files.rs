@@ -2,6 +2,7 @@
 
 use crate::NORMAL_95;
 use crate::constants::PublishedSet;
+use crate::cuts::short;
 use crate::next::NextCuts;
 use crate::posterior::AMPLITUDES;
 use crate::session::{ComparedValue, CutCalibration};
@@ -100,9 +101,6 @@ pub fn next_csv(next: &NextCuts) -> String {
     text += &format!(",{}\n", heads.join(","));
     for cut in &next.cuts {
         let CuttingCondition { cutting_speed, uncut_chip_thickness, tool, .. } = cut.condition;
-        // As many digits as a machine can be set to.
-        let short =
-            |x: f64| format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
         text += &format!("{},{}", short(cutting_speed * 60.0), short(uncut_chip_thickness * 1e3));
         let parts = [tool.rake_angle.map(f64::to_degrees), tool.edge_radius.map(|r| r * 1e6)];
         for part in parts.into_iter().flatten() {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// without shifting (version 3). With it (`shifting_distance`) they are 1.00 to 1.02 times in 42 plane cuts of Ti6Al4V and AISI 1045; cuts in
 /// space were not measured.
 #[must_use]
-pub fn crowding(setup: &Setup) -> f64 {
+pub fn most_steps(setup: &Setup) -> f64 {
     let is_shifted = setup.numerics.get("shifting_distance") > 0.0;
     match (setup.uncut_chip_thickness, setup.dimension) {
         (None, _) => 1.0,
@@ -28,7 +28,7 @@ pub struct Cost {
     /// Steps if none were shorter than the first.
     pub steps: u64,
     /// Most steps over these.
-    pub crowding: f64,
+    pub more_steps: f64,
     /// Memory of the solver's arrays in bytes.
     pub memory_bytes: u64,
 }
@@ -40,7 +40,7 @@ impl Cost {
         Self {
             particles: estimate.particles,
             steps: estimate.steps,
-            crowding: crowding(setup),
+            more_steps: most_steps(setup),
             memory_bytes: estimate.memory_bytes,
         }
     }
@@ -54,7 +54,7 @@ impl Cost {
     /// Seconds of one thread that makes `speed` updates per second: least and most.
     #[must_use]
     pub fn seconds(&self, speed: f64) -> [f64; 2] {
-        [self.updates() / speed, self.crowding * self.updates() / speed]
+        [self.updates() / speed, self.more_steps * self.updates() / speed]
     }
 }
 

@@ -11,7 +11,7 @@ use sphcut_report::{PreviewPage, render_preview};
 use sphcut_scenario::Scenario;
 use sphcut_sph::setup::{Body, Dimension, Setup, Shape};
 use sphcut_sph::{Estimate, Simulation, Snapshot};
-use sphcut_sweep::crowding;
+use sphcut_sweep::most_steps;
 use sphcut_tool_heat::ToolMeshFacts;
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
@@ -73,7 +73,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     let threads = loading::threads(arguments.threads);
     let pool = loading::pool(threads)?;
     let (estimate, speed, first) = pool.install(|| cost(&scenario.setup, !arguments.no_measure))?;
-    let more_steps = crowding(&scenario.setup);
+    let more_steps = most_steps(&scenario.setup);
     let command = format!("sphcut run {}", arguments.scenario.file.scenario.display());
     if let Some(path) = &arguments.preview {
         let cost = expense(&estimate, speed, threads, more_steps);
@@ -117,7 +117,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
 pub fn as_json_of(scenario: &Scenario, threads: usize, measured: bool) -> Result<Value, Failure> {
     let pool = loading::pool(threads)?;
     let (estimate, speed, _) = pool.install(|| cost(&scenario.setup, measured))?;
-    Ok(as_json(scenario, &estimate, (speed, crowding(&scenario.setup)), threads))
+    Ok(as_json(scenario, &estimate, (speed, most_steps(&scenario.setup)), threads))
 }
 
 /// The same of what was measured.

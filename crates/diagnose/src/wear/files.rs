@@ -57,7 +57,7 @@ fn number_or_name(name: &str) -> Value {
     name.parse().map_or_else(|_| json!(name), |number: f64| json!(number))
 }
 
-/// `wear.csv`: the normal force of wear on every segment, its tool left out, and the nearest course of it that never falls; the land where there
+/// `wear.csv`: the normal force of wear on every segment, its tool left out, and its isotonic fit; the land where there
 /// are readings of it.
 #[must_use]
 pub fn growth_csv(found: &WearGrowth, lands: Option<&Lands>) -> String {

@@ -1,5 +1,6 @@
 //! The wear land in metres, from a few readings of it beside the forces.
 
+use crate::inference::monotone::never_falling;
 use crate::wear::growth::{Amount, WearGrowth};
 use nalgebra::{DMatrix, DVector};
 
@@ -75,7 +76,7 @@ struct Reading {
 ///
 /// W is the isotonic fit of the normal force of wear in the direction that the other tools taught: the land rubs with a pressure that is the same for
 /// all, so that W grows in proportion to VB (Waldorf, Kapoor and DeVor, J. Manuf. Sci. Eng. 121 (1999) 548-555), but for a factor of each tool and what
-/// changes along its life; ln W has the noise of the forces, which is large where W is small. s_u and s_f are weighed by their evidence; the course is the nearest one that never falls. A reading of 0 says nothing of the factor
+/// changes along its life; ln W has the noise of the forces, which is large where W is small. s_u and s_f are weighed by their evidence; land and ends of its interval are isotonic fits. A reading of 0 says nothing of the factor
 /// and is left out.
 ///
 /// # Errors
@@ -102,14 +103,16 @@ pub fn lands(found: &WearGrowth) -> Result<Option<Lands>, usize> {
     let all: Vec<&Reading> = readings.iter().collect();
     let of_tool = |own: &Vec<Place>| {
         let logs = predicted(&all, own);
-        let lengths: Vec<f64> = logs.iter().map(|(mean, _)| mean.exp()).collect();
-        let weights = vec![1.0; lengths.len()];
-        let rising = crate::inference::monotone::never_falling(&lengths, &weights);
-        let land = |(&length, &(mean, deviation)): (&f64, &(f64, f64))| Land {
-            length,
-            interval: [-NORMAL_95, NORMAL_95].map(|z| (mean + z * deviation).exp()),
+        let weights = vec![1.0; logs.len()];
+        // The isotonic fit keeps the order of courses: the land stays between its ends.
+        let course = |z: f64| {
+            let one: Vec<f64> = logs.iter().map(|(mean, s)| mean + z * s).collect();
+            never_falling(&one, &weights)
         };
-        rising.iter().zip(&logs).map(land).collect()
+        let (low, middle, high) = (course(-NORMAL_95), course(0.0), course(NORMAL_95));
+        let land =
+            |k: usize| Land { length: middle[k].exp(), interval: [low[k].exp(), high[k].exp()] };
+        (0..logs.len()).map(land).collect()
     };
     let mut with_readings: Vec<usize> = readings.iter().map(|r| r.place.tool).collect();
     with_readings.dedup();
@@ -269,6 +272,7 @@ mod tests {
             for tool in [1, 3] {
                 for k in 10..40 {
                     let (land, truth) = (lands.tools[tool][k], truth[40 * tool + k]);
+                    assert!((land.interval[0]..=land.interval[1]).contains(&land.length));
                     inside += usize::from(land.interval[0] < truth && truth < land.interval[1]);
                     worst.push((land.length / truth - 1.0).abs());
                     count += 1;

@@ -130,7 +130,7 @@ fn land(found: &WearGrowth, lands: &Lands) -> Markup {
     html! {
         section {
             h2 { "The land" }
-            p { "VB in um over the time in cut. Dots: read; red: by the readings and the force of wear, the nearest course that never falls; thin lines: 95 % interval." }
+            p { "VB in um over the time in cut. Dots: read; red: by the readings and the force of wear, an isotonic fit; thin lines: 95 % interval." }
             div.multiples { @for (tool, course) in found.left_out.iter().zip(&lands.tools) {
                 (plotted(&one(tool, course), &format!("Tool {}", tool.tool)))
             } }

@@ -156,6 +156,9 @@ fn specific_heat(material: &Material, temperature: f64) -> f64 {
 
 /// Two digits, which is more than is known of it.
 fn two_digits(value: f64) -> f64 {
+    if value == 0.0 {
+        return value;
+    }
     let size = 10.0_f64.powf(value.abs().log10().floor() - 1.0);
     (value / size).round() * size
 }

@@ -104,8 +104,12 @@ mod tests {
 
     /// A run of `updates` particle updates.
     fn run(updates: u64) -> PlannedRun {
-        let cost =
-            Cost { particles: 1, steps: updates, crowding: 2.0, memory_bytes: 1_000_000 * updates };
+        let cost = Cost {
+            particles: 1,
+            steps: updates,
+            more_steps: 2.0,
+            memory_bytes: 1_000_000 * updates,
+        };
         PlannedRun {
             number: 1,
             values: Vec::new(),

@@ -56,7 +56,7 @@ pub struct DiagnoseArguments {
     /// Explain with the closed-form model instead of runs of the particle solver.
     #[arg(long)]
     pub closed_form: bool,
-    /// With --closed-form: run the scenario as it is, fitted again and corrected in the particle solver at some of the measured conditions.
+    /// With --closed-form: run the scenario as it is, recalibrated and corrected in the particle solver at some of the measured conditions.
     #[arg(long, requires = "closed_form")]
     pub confirm: bool,
     /// Folder that keeps the runs of the particle solver, also for other diagnoses of the same scenario [default: DIR/runs/store].
