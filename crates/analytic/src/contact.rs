@@ -65,7 +65,8 @@ impl RakeContact {
             ShearAngle::Equilibrium => 1.0 + rate_constant * zone.hardening / (3.0 * theta.tan()),
             ShearAngle::LeastEnergy | ShearAngle::SlipLine => 1.0,
         };
-        let length = 0.5 * (pressure_exponent + 2.0) * uniform * moment;
+        let error = cut.physics.errors.contact_length.exp();
+        let length = 0.5 * (pressure_exponent + 2.0) * uniform * moment * error;
         let thickness = layer * zone.chip_thickness;
         let plastic_strain =
             2.0 * zone.plastic_strain + 0.5 * length / (thickness * 3.0_f64.sqrt());

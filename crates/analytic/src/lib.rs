@@ -40,8 +40,8 @@ pub use cut::{CuttingTool, FlowStress, Linear, Observables, OrthogonalCut, Workp
 pub use effects::{ActiveEffect, EFFECTS, Effect, REFERENCE_SPEED, THERMAL_SPAN, find};
 pub use error::Error;
 pub use physics::{
-    Closure, FrictionSpeed, HeatPartition, Physics, Ploughing, RateConstant, SecondaryLayer,
-    ShearAngle,
+    Closure, FrictionSpeed, HeatPartition, Physics, Ploughing, RateConstant, RelationErrors,
+    SecondaryLayer, ShearAngle,
 };
 pub use predict::{predict, solution};
 pub use shear_zone::ParallelShearZone;

@@ -16,6 +16,25 @@ pub struct Physics {
     pub ploughing: Ploughing,
     /// How friction falls with the sliding speed, where the effect is on.
     pub friction_speed: FrictionSpeed,
+    /// By how much its relations are off.
+    pub errors: RelationErrors,
+}
+
+/// By how much relations of a cutting physics are off. Each changes several quantities at once: a shear angle that is wrong makes forces,
+/// temperatures, chip and contact wrong together.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RelationErrors {
+    /// Added to theta of [`ShearAngle`], in rad.
+    pub resultant_angle: f64,
+    /// Logarithm of a factor of the contact length.
+    pub contact_length: f64,
+    /// Logarithm of a factor of the forces on the rounded edge.
+    pub edge_force: f64,
+}
+
+impl RelationErrors {
+    /// None.
+    pub const NONE: Self = Self { resultant_angle: 0.0, contact_length: 0.0, edge_force: 0.0 };
 }
 
 impl Physics {
@@ -26,6 +45,7 @@ impl Physics {
         heat: HeatPartition::Boothroyd,
         ploughing: Ploughing::FlowStress,
         friction_speed: FrictionSpeed::Power,
+        errors: RelationErrors::NONE,
     };
     /// Oxley's own closure in place of a coefficient of friction.
     pub const OXLEY: Self = Self { closure: Closure::OXLEY, ..Self::LIBRARY };
@@ -44,6 +64,7 @@ impl Physics {
         heat: HeatPartition::MovingSource,
         ploughing: Ploughing::Hardness,
         friction_speed: FrictionSpeed::Exponential,
+        errors: RelationErrors::NONE,
     };
 }
 

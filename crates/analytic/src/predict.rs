@@ -179,9 +179,10 @@ impl Changed {
         let land = self.wear_per_length * condition.cut_length;
         let on_land = edge::wear_land(land, zone.shear_strength, friction, limit);
         let width = self.cut.width_of_cut;
+        let error = self.cut.physics.errors.edge_force.exp();
         Ok(Observables {
-            cutting_force: zone.cutting_force() + width * (on_edge.0 + on_land.0),
-            feed_force: zone.feed_force() + width * (on_edge.1 + on_land.1),
+            cutting_force: zone.cutting_force() + width * (error * on_edge.0 + on_land.0),
+            feed_force: zone.feed_force() + width * (error * on_edge.1 + on_land.1),
             interface_temperature: contact.temperature,
             shear_plane_temperature: zone.temperature,
             chip_thickness: zone.chip_thickness,

@@ -100,13 +100,14 @@ impl ParallelShearZone {
         let along = FlowState { plastic_strain, plastic_strain_rate: 0.0, temperature: 0.0 };
         let (stress, slope) = material.law.flow_stress_along(&state, &along);
         let hardening = if stress > 0.0 { slope / stress } else { 0.0 };
-        let resultant_angle = match cut.physics.shear_angle {
+        let relation = match cut.physics.shear_angle {
             ShearAngle::Equilibrium => {
                 (1.0 + 2.0 * (FRAC_PI_4 - phi) - rate_constant * hardening).atan()
             }
             ShearAngle::LeastEnergy => FRAC_PI_2 - phi,
             ShearAngle::SlipLine => FRAC_PI_4,
         };
+        let resultant_angle = relation + cut.physics.errors.resultant_angle;
         let shear_strength = stress / 3.0_f64.sqrt();
         let shear_force = shear_strength * length * cut.width_of_cut;
         Self {

@@ -172,6 +172,35 @@ fn merchants_and_lee_and_shaffers_angles_are_met() {
 }
 
 /// h and 1/v scaled together keep R, and in a solid without rate all angles and temperatures: forces scale with h.
+/// phi = pi/4 - (lambda - alpha)/2 + e/2 by least energy; forces on the edge are in proportion to its radius.
+#[test]
+fn what_a_relation_is_wrong_by_changes_what_it_enters() {
+    let mut cut = ideal(0.1, 0.2);
+    cut.physics.shear_angle = ShearAngle::LeastEnergy;
+    let right = solved(&cut).zone;
+    cut.physics.errors.resultant_angle = 0.1;
+    let wrong = solved(&cut).zone;
+    assert_relative_eq!(wrong.friction_angle, 0.2_f64.atan(), max_relative = 1e-9);
+    assert_relative_eq!(wrong.shear_angle, right.shear_angle + 0.05, max_relative = 1e-9);
+
+    let mut cut = ideal(0.1, 0.2);
+    let right = solved(&cut);
+    cut.physics.errors.contact_length = 1.3_f64.ln();
+    let wrong = solved(&cut);
+    assert_relative_eq!(wrong.contact.length, 1.3 * right.contact.length, max_relative = 1e-9);
+    assert_relative_eq!(wrong.zone.chip_thickness, right.zone.chip_thickness, max_relative = 1e-9);
+
+    let mut cut = OrthogonalCut::aisi_1045();
+    cut.tool.edge_radius = 15e-6;
+    cut.physics.errors.edge_force = 2.0_f64.ln();
+    let wrong = predict(&cut, &CONDITION, &[]).unwrap();
+    cut.tool.edge_radius = 30e-6;
+    cut.physics.errors.edge_force = 0.0;
+    let blunt = predict(&cut, &CONDITION, &[]).unwrap();
+    assert_relative_eq!(wrong.feed_force, blunt.feed_force, max_relative = 1e-12);
+    assert_relative_eq!(wrong.cutting_force, blunt.cutting_force, max_relative = 1e-12);
+}
+
 #[test]
 fn without_rate_and_size_forces_scale_with_the_cut() {
     let mut cut = OrthogonalCut::aisi_1045();

@@ -10,7 +10,7 @@ use crate::inference::problem::{
 };
 use crate::inference::templates::SMOOTH;
 use crate::model::predictor::Predictor;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use sphcut_physics::Channel;
 
 /// Amplitudes of the bias that are tried, as shares of the value: from what no measurement shows to what no model is wrong by, so
@@ -20,6 +20,9 @@ const AMPLITUDES: [f64; 9] = [0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32,
 const LENGTHS: [f64; 3] = [0.3, 0.6, 1.2];
 /// Length over which a stated error of the model changes, in the same shares.
 const STATED_LENGTH: f64 = 0.6;
+/// Errors of relations: length over which they change, in the same shares, and share of the variance that is the same everywhere.
+const RELATION_LENGTH: f64 = 1.2;
+const RELATION_CONSTANT: f64 = 0.5;
 /// Amplitude with which the nuisances are fitted before the bias is known.
 const FIRST: f64 = 0.04;
 /// Rounds in which each channel finds its bias while the others keep theirs.
@@ -190,7 +193,10 @@ impl RegressionProblem {
                 rows: kept.into_iter().map(|k| rows[k]).collect(),
             }
         });
-        let factors = factors.collect();
+        let mut factors: Vec<Factor> = factors.collect();
+        if biases.iter().any(|(_, bias)| bias.origin == BiasOrigin::Compared) {
+            factors.extend(self.relation_factors());
+        }
         self.with_common(factors)
     }
 
@@ -214,13 +220,15 @@ impl RegressionProblem {
         reference: std::ops::Range<usize>,
         predictor: &dyn Predictor,
     ) -> Result<Vec<(Channel, Bias)>, DiagnoseError> {
-        let TriedBiases { tried, chosen, .. } = self.tried_biases(reference, predictor)?;
+        let TriedBiases { tried, chosen, .. } =
+            self.tried_biases(reference, Vec::new(), predictor)?;
         let channels = self.channels().into_iter();
         Ok(channels.zip(tried.iter().zip(chosen)).map(|(c, (all, k))| (c, all[k].bias)).collect())
     }
 
     /// How probable each amplitude of an error of the model is by these recordings, in which nothing is missing, if all are as probable
-    /// before: for each channel amplitude and probability, the mean over the lengths, the other channels with their most probable bias.
+    /// before, beside errors of its relations: for each channel amplitude and probability, the mean over the lengths, the other channels with
+    /// their most probable bias.
     ///
     /// # Errors
     /// A covariance that cannot be inverted.
@@ -228,7 +236,8 @@ impl RegressionProblem {
         &self,
         predictor: &dyn Predictor,
     ) -> Result<Vec<AmplitudeWeights>, DiagnoseError> {
-        let found = self.tried_biases(0..self.rows.len(), predictor)?;
+        let relations = self.relation_factors();
+        let found = self.tried_biases(0..self.rows.len(), relations, predictor)?;
         let of = |(c, channel): (usize, Channel)| {
             let logs: Vec<f64> = (0..found.tried[c].len()).map(|k| found.evidence(c, k)).collect();
             let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -246,18 +255,26 @@ impl RegressionProblem {
     fn tried_biases(
         &self,
         reference: std::ops::Range<usize>,
+        relations: Vec<Factor>,
         predictor: &dyn Predictor,
     ) -> Result<TriedBiases, DiagnoseError> {
         let rows: Vec<usize> = reference.clone().collect();
         let channels = self.channels();
         let first = learnt(FIRST, LENGTHS[1]);
-        let factors = channels.iter().map(|&channel| self.bias_factor(channel, first)).collect();
+        let biases = channels.iter().map(|&channel| self.bias_factor(channel, first));
+        let factors = biases.chain(relations.iter().cloned()).collect();
         let known = self.clone().with_common(factors)?.select(&rows)?;
         let start = DVector::zeros(self.unknowns());
         let found = fit(&known, predictor, &[], &start).ok_or(DiagnoseError::Singular)?;
         let deviation = &found.residual + &found.jacobian * &found.unknowns;
-        let seen: Vec<DVector<f64>> =
-            found.jacobian.column_iter().map(|c| c.into_owned()).chain([deviation]).collect();
+        // Errors of the relations are unknowns as the nuisances are: they act on all channels.
+        let unknowns = relations.iter().flat_map(|factor| factor.columns.column_iter());
+        let unknowns = found
+            .jacobian
+            .column_iter()
+            .map(|c| c.into_owned())
+            .chain(unknowns.map(|column| column.select_rows(&rows)));
+        let seen: Vec<DVector<f64>> = unknowns.chain([deviation]).collect();
         let seen = DMatrix::from_columns(&seen);
         let tried: Result<Vec<Vec<Tried>>, DiagnoseError> = channels
             .iter()
@@ -271,7 +288,7 @@ impl RegressionProblem {
         let tried = tried?;
         let place = |all: &Vec<Tried>| all.iter().position(|t| t.bias == first).unwrap_or(0);
         let chosen = tried.iter().map(place).collect();
-        let mut all = TriedBiases { tried, chosen, unknowns: found.unknowns.len() };
+        let mut all = TriedBiases { tried, chosen, unknowns: seen.ncols() - 1 };
         for _ in 0..ROUNDS {
             for c in 0..channels.len() {
                 let best = (0..all.tried[c].len())
@@ -307,9 +324,32 @@ impl RegressionProblem {
 
     /// The rows of a channel have the bias of their condition in common.
     pub(crate) fn bias_factor(&self, channel: Channel, bias: Bias) -> Factor {
-        let places = scaled_places(self);
         let rows: Vec<usize> =
             (0..self.rows.len()).filter(|&row| self.rows[row].channel == channel).collect();
+        let columns = bias.amplitude * self.smooth(&rows, bias.length, 0.0);
+        Factor { rows, columns }
+    }
+
+    /// What rows have in common because relations of the model may be wrong: by the same everywhere, and by a smooth function of the
+    /// conditions, in equal shares of the variance.
+    fn relation_factors(&self) -> Vec<Factor> {
+        if self.relations.ncols() == 0 {
+            return Vec::new();
+        }
+        let all: Vec<usize> = (0..self.rows.len()).collect();
+        let smooth = self.smooth(&all, RELATION_LENGTH, RELATION_CONSTANT);
+        let of = |change: DVectorView<'_, f64>| {
+            let mut columns = smooth.clone();
+            columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(&change));
+            Factor::of_all(columns)
+        };
+        self.relations.column_iter().map(of).collect()
+    }
+
+    /// Columns F of `rows` with F F' the covariance of a function of the conditions that has the variance 1: `constant` of it the same
+    /// everywhere, the rest over `length`; 0: its own at each condition.
+    fn smooth(&self, rows: &[usize], length: f64, constant: f64) -> DMatrix<f64> {
+        let places = scaled_places(self);
         let mut cuts: Vec<usize> = Vec::new();
         let of_row: Vec<usize> = rows
             .iter()
@@ -321,19 +361,18 @@ impl RegressionProblem {
                 })
             })
             .collect();
-        let Bias { amplitude, length, .. } = bias;
         let kernel = DMatrix::from_fn(cuts.len(), cuts.len(), |i, j| {
             let apart = |axis: usize| places[cuts[i]][axis] - places[cuts[j]][axis];
             let tool: f64 = TOOL_AXES.map(|axis| apart(axis).powi(2)).sum();
             let square = apart(0).powi(2) + apart(1).powi(2) + tool;
             let same = f64::from(i == j);
-            if length > 0.0 { (-0.5 * square / (length * length)).exp() } else { same }
+            let own = if length > 0.0 { (-0.5 * square / (length * length)).exp() } else { same };
+            constant + (1.0 - constant) * own
         });
         let (values, vectors) = principal(kernel, SMOOTH);
-        let columns = DMatrix::from_fn(rows.len(), values.len(), |i, k| {
-            amplitude * values[k].sqrt() * vectors[(of_row[i], k)]
-        });
-        Factor { rows, columns }
+        DMatrix::from_fn(rows.len(), values.len(), |i, k| {
+            values[k].sqrt() * vectors[(of_row[i], k)]
+        })
     }
 }
 

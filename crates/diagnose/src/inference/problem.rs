@@ -70,6 +70,8 @@ pub struct RegressionProblem {
     /// Of noise and bias.
     pub(crate) covariance: Covariance,
     pub(crate) noise: GaussianLaw,
+    /// What each row changes by one standard deviation of each error of the model's relations.
+    pub(crate) relations: DMatrix<f64>,
     /// For each channel its place in the predictor's answer.
     places: [Option<usize>; Channel::RECORDED.len()],
     deviations: Vec<f64>,
@@ -109,8 +111,19 @@ impl RegressionProblem {
         let noise = GaussianLaw::new(&covariance)?;
         let first = (0..sites.len()).map(|site| first_of(&sites, site)).collect();
         let deviations = predictor.nuisances().iter().map(|nuisance| nuisance.deviation).collect();
-        let problem =
-            Self { first, sites, rows, batches, instrument, covariance, noise, places, deviations };
+        let relations = relations(&sites, &rows, &places, predictor);
+        let problem = Self {
+            first,
+            sites,
+            rows,
+            batches,
+            instrument,
+            covariance,
+            noise,
+            relations,
+            places,
+            deviations,
+        };
         let base = problem.predict(predictor, &DVector::zeros(problem.model_unknowns()), &[]);
         match (0..problem.rows.len()).find(|&k| !base[k].is_finite()) {
             None => {
@@ -292,6 +305,7 @@ impl RegressionProblem {
         Ok(Self {
             rows: rows.iter().map(|&row| self.rows[row]).collect(),
             instrument: self.instrument.select_rows(rows),
+            relations: self.relations.select_rows(rows),
             noise: GaussianLaw::new(&covariance)?,
             covariance,
             ..self.clone()
@@ -307,6 +321,22 @@ impl RegressionProblem {
         }
         other
     }
+}
+
+/// What each row changes by each error of the model's relations.
+fn relations(
+    sites: &[Site],
+    rows: &[RegressionRow],
+    places: &[Option<usize>],
+    predictor: &dyn Predictor,
+) -> DMatrix<f64> {
+    let of_sites: Vec<Vec<Vec<f64>>> =
+        sites.iter().map(|site| predictor.relation_errors(&site.condition)).collect();
+    let count = of_sites.first().map_or(0, Vec::len);
+    DMatrix::from_fn(rows.len(), count, |row, relation| {
+        let RegressionRow { site, channel, .. } = rows[row];
+        places[channel.index()].map_or(0.0, |place| of_sites[site][relation][place])
+    })
 }
 
 fn first_of(sites: &[Site], site: usize) -> [usize; 2] {

@@ -144,6 +144,13 @@ pub trait Predictor: Sync {
         &[[0.0; Channel::RECORDED.len()]]
     }
 
+    /// What the logarithms of [`Predictor::channels`]' quantities change by one standard deviation of each error of its relations, where
+    /// no reference cuts teach it: what is wrong in several channels at once.
+    fn relation_errors(&self, condition: &CuttingCondition) -> Vec<Vec<f64>> {
+        let _ = condition;
+        Vec::new()
+    }
+
     /// Logarithm of each of [`Predictor::channels`]' quantities in SI units, in that order; a value that is not finite
     /// where there is no answer. `nuisances` holds x of each nuisance, the logarithm of a factor.
     fn log_observables(

@@ -160,7 +160,10 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
     if let Some(bias) = page.diagnosis.bias {
         let why = match bias.origin {
             BiasOrigin::Stated => Some("as stated"),
-            BiasOrigin::Compared => Some("as it may be by its comparisons with measured cuts"),
+            BiasOrigin::Compared => Some(
+                "and in its shear angle, contact length, edge force and temperatures, which change all channels together, as its \
+                 comparisons with measured cuts have it",
+            ),
             BiasOrigin::Reference | BiasOrigin::Difference | BiasOrigin::AnotherBatch => None,
         };
         words.extend(why.map(|why| {
