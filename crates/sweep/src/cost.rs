@@ -1,5 +1,6 @@
 //! What runs will cost.
 
+use sphcut_scenario::Scenario;
 use sphcut_sph::setup::Dimension;
 use sphcut_sph::{Diverged, Estimate, Setup, Simulation};
 use std::time::{Duration, Instant};
@@ -7,8 +8,7 @@ use std::time::{Duration, Instant};
 /// Most steps over those that the first step predicts. Particles that crowd in a chip shorten the step: 1.1 to 2.2 times as many in cuts measured
 /// without shifting (version 3). With it (`shifting_distance`) they are 1.00 to 1.02 times in 42 plane cuts of Ti6Al4V and AISI 1045; cuts in
 /// space were not measured.
-#[must_use]
-pub fn most_steps(setup: &Setup) -> f64 {
+fn most_steps(setup: &Setup) -> f64 {
     let is_shifted = setup.numerics.get("shifting_distance") > 0.0;
     match (setup.uncut_chip_thickness, setup.dimension) {
         (None, _) => 1.0,
@@ -27,6 +27,8 @@ pub struct Cost {
     pub particles: usize,
     /// Steps if none were shorter than the first.
     pub steps: u64,
+    /// Least steps over these: a run may end as soon as its forces are steady.
+    pub fewer_steps: f64,
     /// Most steps over these.
     pub more_steps: f64,
     /// Memory of the solver's arrays in bytes.
@@ -34,18 +36,20 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Of a run with `setup` and the first step `estimate`.
+    /// Of a run of `scenario` with the first step `estimate`.
     #[must_use]
-    pub fn new(setup: &Setup, estimate: &Estimate) -> Self {
+    pub fn new(scenario: &Scenario, estimate: &Estimate) -> Self {
+        let stop = &scenario.stop;
         Self {
+            fewer_steps: stop.steady.map_or(1.0, |steady| steady.minimum_travel / stop.travel),
             particles: estimate.particles,
             steps: estimate.steps,
-            more_steps: most_steps(setup),
+            more_steps: most_steps(&scenario.setup),
             memory_bytes: estimate.memory_bytes,
         }
     }
 
-    /// Steps times particles, the least.
+    /// Steps times particles, if it goes to its last travel and no step is shorter than the first.
     #[must_use]
     pub fn updates(&self) -> f64 {
         self.steps as f64 * self.particles as f64
@@ -54,7 +58,7 @@ impl Cost {
     /// Seconds of one thread that makes `speed` updates per second: least and most.
     #[must_use]
     pub fn seconds(&self, speed: f64) -> [f64; 2] {
-        [self.updates() / speed, self.more_steps * self.updates() / speed]
+        [self.fewer_steps, self.more_steps].map(|share| share * self.updates() / speed)
     }
 }
 

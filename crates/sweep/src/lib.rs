@@ -21,7 +21,7 @@ pub use address::{Address, address};
 pub use coefficients::{
     ForceCoefficients, Kienzle, coefficients_csv, coefficients_json, force_coefficients,
 };
-pub use cost::{Cost, measure, most_steps};
+pub use cost::{Cost, measure};
 pub use execute::{Computed, Execution, News, Retry, State, Trouble, Watch, Worker, execute};
 pub use file::{ConstraintCheck, Design, Levels, Sweep, SweepAxis, Unfit, load_sweep, multiple};
 pub use plan::{CutSize, LeftOutRun, PlanError, PlannedRun, SweepPlan, plan, plan_only};

@@ -196,7 +196,7 @@ fn check(sweep: &Sweep, number: usize, values: Vec<String>) -> Checked {
         Err(error) => return Checked::Unready(settings, error.to_string()),
     };
     let numbers = sweep.axes.iter().map(|axis| axis.number(&scenario)).collect();
-    let cost = Cost::new(&scenario.setup, &estimate);
+    let cost = Cost::new(&scenario, &estimate);
     let (condition, address) = (CutSize::of(&scenario.setup), address(&scenario));
     let material =
         scenario.setup.materials.first().map_or_else(String::new, |first| first.name.clone());

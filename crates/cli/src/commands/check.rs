@@ -11,7 +11,7 @@ use sphcut_report::{PreviewPage, render_preview};
 use sphcut_scenario::Scenario;
 use sphcut_sph::setup::{Body, Dimension, Setup, Shape};
 use sphcut_sph::{Estimate, Simulation, Snapshot};
-use sphcut_sweep::most_steps;
+use sphcut_sweep::Cost;
 use sphcut_tool_heat::ToolMeshFacts;
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
@@ -73,27 +73,26 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     let threads = loading::threads(arguments.threads);
     let pool = loading::pool(threads)?;
     let (estimate, speed, first) = pool.install(|| cost(&scenario.setup, !arguments.no_measure))?;
-    let more_steps = most_steps(&scenario.setup);
+    let expense = expense(&scenario, &estimate, speed, threads);
     let command = format!("sphcut run {}", arguments.scenario.file.scenario.display());
     if let Some(path) = &arguments.preview {
-        let cost = expense(&estimate, speed, threads, more_steps);
         let page = PreviewPage {
             provenance: &loading::provenance(&scenario),
             facts: &Facts::of(&scenario.setup),
             first: &first,
             particles: estimate.particles,
-            cost: &cost.lines().skip(2).map(str::trim).collect::<Vec<_>>(),
+            cost: &expense.lines().skip(2).map(str::trim).collect::<Vec<_>>(),
             command: &command,
         };
         files::save_alone(path, render_preview(&page).as_bytes())?;
     }
     if arguments.json {
-        let page = as_json(&scenario, &estimate, (speed, more_steps), threads);
+        let page = as_json(&scenario, &estimate, speed, threads);
         return terminal::answer(&format!("{page:#}\n"));
     }
     let mut page = String::new();
     let _ = writeln!(page, "{}", heading(&scenario));
-    page.push_str(expense(&estimate, speed, threads, more_steps).trim_start());
+    page.push_str(expense.trim_start());
     page.push_str(&warnings(&scenario.warnings));
     page.push_str(&resolution(&scenario));
     page.push('\n');
@@ -117,22 +116,14 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
 pub fn as_json_of(scenario: &Scenario, threads: usize, measured: bool) -> Result<Value, Failure> {
     let pool = loading::pool(threads)?;
     let (estimate, speed, _) = pool.install(|| cost(&scenario.setup, measured))?;
-    Ok(as_json(scenario, &estimate, (speed, most_steps(&scenario.setup)), threads))
+    Ok(as_json(scenario, &estimate, speed, threads))
 }
 
 /// The same of what was measured.
-fn as_json(
-    scenario: &Scenario,
-    estimate: &Estimate,
-    (speed, more_steps): (Option<f64>, f64),
-    threads: usize,
-) -> Value {
+fn as_json(scenario: &Scenario, estimate: &Estimate, speed: Option<f64>, threads: usize) -> Value {
     let setup = &scenario.setup;
     let across = |length: Option<f64>| length.map(|length| length / setup.particle_spacing);
-    let seconds = speed.map(|speed| {
-        let least = estimate.steps as f64 * estimate.particles as f64 / speed;
-        [least, more_steps * least]
-    });
+    let seconds = speed.map(|speed| Cost::new(scenario, estimate).seconds(speed));
     let settings = scenario.description.iter().map(|entry| {
         let origin = match entry.origin {
             Origin::Given => "given",
@@ -313,8 +304,8 @@ fn resolution(scenario: &Scenario) -> String {
 }
 
 /// Particles, steps, time and memory.
-/// `more_steps`: most by which steps shorten later.
-fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, more_steps: f64) -> String {
+fn expense(scenario: &Scenario, estimate: &Estimate, speed: Option<f64>, threads: usize) -> String {
+    let cost = Cost::new(scenario, estimate);
     let mut page = String::from("\ncost\n");
     let _ = writeln!(
         page,
@@ -327,8 +318,8 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, more_steps: 
         "  {} steps of {:.3e} s at the start{}",
         text::grouped(estimate.steps),
         estimate.time_step,
-        if more_steps > 1.0 {
-            format!("; up to {more_steps} times as many as particles crowd in a chip")
+        if cost.more_steps > 1.0 {
+            format!("; up to {} times as many as particles crowd in a chip", cost.more_steps)
         } else {
             String::new()
         }
@@ -338,18 +329,21 @@ fn expense(estimate: &Estimate, speed: Option<f64>, threads: usize, more_steps: 
         page.push_str(&tool_mesh(mesh));
     }
     if let Some(speed) = speed {
-        let updates = estimate.steps as f64 * estimate.particles as f64;
+        let [least, most] = cost.seconds(speed).map(text::seconds);
         let _ = writeln!(
             page,
-            "  about {}{} on {threads} thread{} ({}, measured now)",
-            text::seconds(updates / speed),
-            if more_steps > 1.0 {
-                format!(" to {}", text::seconds(more_steps * updates / speed))
-            } else {
-                String::new()
-            },
+            "  about {least}{} on {threads} thread{} ({}, measured now)",
+            if least == most { String::new() } else { format!(" to {most}") },
             if threads == 1 { "" } else { "s" },
             text::updates(speed),
+        );
+    }
+    if let Some(steady) = scenario.stop.steady {
+        let [least, most] =
+            [steady.minimum_travel, scenario.stop.travel].map(|x| text::number(1e3 * x));
+        let _ = writeln!(
+            page,
+            "  ends at {most} mm of travel, or from {least} mm on as soon as its forces are steady"
         );
     }
     page

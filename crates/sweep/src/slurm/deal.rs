@@ -107,6 +107,7 @@ mod tests {
         let cost = Cost {
             particles: 1,
             steps: updates,
+            fewer_steps: 1.0,
             more_steps: 2.0,
             memory_bytes: 1_000_000 * updates,
         };

@@ -132,7 +132,13 @@ pub fn total(plan: &SweepPlan, speed: Option<f64>, threads: usize) -> String {
     if different.len() < plan.runs.len() {
         let _ = write!(page, ", {} of them different", text::grouped(different.len() as u64));
     }
-    let _ = write!(page, ", {updates:.3e} particle updates or more");
+    let _ = write!(page, ", about {updates:.3e} particle updates");
+    let early = plan.runs.iter().filter(|run| run.cost.fewer_steps < 1.0).count();
+    if early > 0 {
+        let who =
+            if early == plan.runs.len() { String::new() } else { format!(" of {early} runs") };
+        let _ = write!(page, " to the last travel{who}; steady forces end a run earlier");
+    }
     if let Some(speed) = speed {
         let mut sum = [0.0; 2];
         for run in &plan.runs {
