@@ -23,6 +23,9 @@ const STATED_LENGTH: f64 = 0.6;
 /// Errors of relations: length over which they change, in the same shares, and share of the variance that is the same everywhere.
 const RELATION_LENGTH: f64 = 1.2;
 const RELATION_CONSTANT: f64 = 0.5;
+/// Share of them by which those of another batch differ from those of the reference: where nuisances are others a relation that is wrong
+/// does another thing.
+const RELATION_OF_BATCH: f64 = 0.4;
 /// Amplitude with which the nuisances are fitted before the bias is known.
 const FIRST: f64 = 0.04;
 /// Rounds in which each channel finds its bias while the others keep theirs.
@@ -194,8 +197,13 @@ impl RegressionProblem {
             }
         });
         let mut factors: Vec<Factor> = factors.collect();
-        if biases.iter().any(|(_, bias)| bias.origin == BiasOrigin::Compared) {
-            factors.extend(self.relation_factors());
+        let has = |origin| biases.iter().any(|(_, bias)| bias.origin == origin);
+        if has(BiasOrigin::Compared) {
+            factors.extend(self.relation_factors(1.0, |_| true));
+        }
+        if has(BiasOrigin::AnotherBatch) {
+            let of_batch = self.relation_factors(RELATION_OF_BATCH, |row| self.is_diagnosed(row));
+            factors.extend(of_batch);
         }
         self.with_common(factors)
     }
@@ -236,7 +244,7 @@ impl RegressionProblem {
         &self,
         predictor: &dyn Predictor,
     ) -> Result<Vec<AmplitudeWeights>, DiagnoseError> {
-        let relations = self.relation_factors();
+        let relations = self.relation_factors(1.0, |_| true);
         let found = self.tried_biases(0..self.rows.len(), relations, predictor)?;
         let of = |(c, channel): (usize, Channel)| {
             let logs: Vec<f64> = (0..found.tried[c].len()).map(|k| found.evidence(c, k)).collect();
@@ -330,18 +338,18 @@ impl RegressionProblem {
         Factor { rows, columns }
     }
 
-    /// What rows have in common because relations of the model may be wrong: by the same everywhere, and by a smooth function of the
-    /// conditions, in equal shares of the variance.
-    fn relation_factors(&self) -> Vec<Factor> {
-        if self.relations.ncols() == 0 {
+    /// What rows that `acts` names have in common because relations of the model may be wrong, by a share of what is stated of them: by the
+    /// same everywhere, and by a smooth function of the conditions, in equal shares of the variance.
+    fn relation_factors(&self, share: f64, acts: impl Fn(usize) -> bool) -> Vec<Factor> {
+        let rows: Vec<usize> = (0..self.rows.len()).filter(|&row| acts(row)).collect();
+        if self.relations.ncols() == 0 || rows.is_empty() {
             return Vec::new();
         }
-        let all: Vec<usize> = (0..self.rows.len()).collect();
-        let smooth = self.smooth(&all, RELATION_LENGTH, RELATION_CONSTANT);
+        let smooth = share * self.smooth(&rows, RELATION_LENGTH, RELATION_CONSTANT);
         let of = |change: DVectorView<'_, f64>| {
-            let mut columns = smooth.clone();
+            let (mut columns, change) = (smooth.clone(), change.select_rows(&rows));
             columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(&change));
-            Factor::of_all(columns)
+            Factor { rows: rows.clone(), columns }
         };
         self.relations.column_iter().map(of).collect()
     }
