@@ -22,7 +22,7 @@ pub struct Physics {
 
 /// By how much relations of a cutting physics are off. Each changes several quantities at once: a shear angle that is wrong makes forces,
 /// temperatures, chip and contact wrong together.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelationErrors {
     /// Added to theta of [`ShearAngle`], in rad.
     pub resultant_angle: f64,

@@ -161,8 +161,8 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
         let why = match bias.origin {
             BiasOrigin::Stated => Some("as stated"),
             BiasOrigin::Compared => Some(
-                "and in its shear angle, contact length, edge force and temperatures, which change all channels together, as its \
-                 comparisons with measured cuts have it",
+                "as its comparisons with measured cuts have it, and besides in its shear angle, contact length, edge force and \
+                 temperatures, which change several channels together",
             ),
             BiasOrigin::Reference | BiasOrigin::Difference | BiasOrigin::AnotherBatch => None,
         };
