@@ -45,6 +45,24 @@ impl Silhouette {
             .sum()
     }
 
+    /// The line that passes at each of `shifts` along z leave, as (z, y) by increasing z.
+    pub fn left_by(&self, shifts: &[f64]) -> Vec<[f64; 2]> {
+        let moved = |point: &[f64; 2], shift: f64| [point[0] + shift, point[1]];
+        let lines: Vec<Vec<[f64; 2]>> = shifts
+            .iter()
+            .map(|shift| self.points.iter().map(|point| moved(point, *shift)).collect())
+            .collect();
+        let mut places: Vec<f64> = lines.iter().flatten().map(|point| point[0]).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let height = |line: &[[f64; 2]], z: f64| {
+            let pairs = line.windows(2).map(|pair| [pair[0], pair[1]]);
+            pairs.filter_map(|pair| height(&pair, z)).fold(0.0, f64::min)
+        };
+        let lowest = |z: f64| lines.iter().map(|line| height(line, z)).fold(0.0, f64::min);
+        places.into_iter().map(|z| [z, lowest(z)]).collect()
+    }
+
     /// Largest distance of the line, moved by `shift` along z, from the surface that the unmoved one
     /// leaves of the uncut one.
     pub fn distance_when_moved(&self, shift: f64) -> f64 {
@@ -154,6 +172,21 @@ mod tests {
         assert_relative_eq!(shadow.distance_when_moved(2.0), 0.5, max_relative = 1e-9);
         // Moved by 0.2 it is 0.2 from the wall.
         assert_relative_eq!(shadow.distance_when_moved(0.2), 0.2, max_relative = 1e-9);
+    }
+
+    #[test]
+    fn two_wedges_leave_two_grooves_with_a_ridge_between() {
+        let shadow = Silhouette::of(&wedge()).unwrap();
+        let line = shadow.left_by(&[0.0, 0.5]);
+        let at = |z: f64| {
+            let pairs = line.windows(2).map(|pair| [pair[0], pair[1]]);
+            pairs.filter_map(|pair| height(&pair, z)).fold(0.0, f64::min)
+        };
+        for (z, depth) in
+            [(-1.0, 0.0), (-0.5, 0.5), (0.0, 1.0), (0.25, 0.75), (0.5, 1.0), (1.5, 0.0)]
+        {
+            assert_relative_eq!(at(z), -depth, epsilon = 1e-9);
+        }
     }
 
     #[test]

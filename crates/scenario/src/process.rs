@@ -18,6 +18,9 @@ pub(crate) struct CuttingProcess {
     pub(crate) placement: Placement,
 }
 
+/// Its key of turning with the passes before the run.
+const EARLIER: &str = "earlier_passes";
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ProcessKind {
     Orthogonal {
@@ -26,6 +29,8 @@ pub(crate) enum ProcessKind {
     Turning {
         /// f; zero for a single pass.
         feed: f64,
+        /// Passes whose grooves are there from the start.
+        earlier_passes: u32,
     },
 }
 
@@ -39,13 +44,13 @@ pub(crate) fn process(
         reader::read(findings, &root.source, root.table("process")?, &sections::process(), 2);
     let mirrored = record.switch("mirrored");
     let (plane, turning) = (["uncut_chip_thickness", "width_of_cut"], ["depth_of_cut", "feed"]);
-    let several = root.is_written("passes");
+    let several = root.is_written("passes") || record.count(EARLIER).is_some_and(|count| count > 0);
     let kind = if dimension == 2 {
         require(findings, &record, &plane);
         refuse_keys(
             findings,
             &record,
-            turning,
+            turning.into_iter().chain([EARLIER]),
             "belongs to turning, this is a plane cut",
             "remove it, or set dimension = 3",
         );
@@ -60,11 +65,14 @@ pub(crate) fn process(
             "give `depth_of_cut`, and `feed` if there are several passes",
         );
         if !several {
-            let help = "remove it, or add [passes]";
+            let help = "remove it, or add [passes] or `earlier_passes`";
             refuse_keys(findings, &record, ["feed"], "has no effect on a single pass", help);
         }
         let feed = if several { record.number("feed") } else { Some(0.0) };
-        feed.map(|feed| ProcessKind::Turning { feed })
+        let earlier_passes = record.count(EARLIER).unwrap_or(0);
+        // At most 50 of them.
+        let earlier_passes = u32::try_from(earlier_passes).unwrap_or(0);
+        feed.map(|feed| ProcessKind::Turning { feed, earlier_passes })
     };
     let depth = if dimension == 2 { plane[0] } else { turning[0] };
     Some(CuttingProcess {

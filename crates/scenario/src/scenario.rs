@@ -222,7 +222,7 @@ fn read_cut(
     let mut cut =
         CutScenario::new(process, workpiece?, tool?, resolution, end, passes, boundaries?);
     cut.resolution.discretisation.grading = grading::grading(findings, root, &cut)?;
-    let window = window::window(findings, root, dimension, &cut);
+    let window = window::window(findings, root, &cut);
     cut.check(findings, root);
     if !findings.problems.is_empty() {
         return None;

@@ -136,6 +136,41 @@ fn the_heat_of_an_insert_and_of_a_mesh_arrives() {
     }
 }
 
+/// The groove of an earlier pass lies a feed beside the tool, as deep as it, and the tool meets what it has left.
+#[test]
+fn turning_on_an_earlier_groove_arrives() {
+    let setup = good("tests/good/turning_in_a_window.toml").setup;
+    assert!(setup.window.is_some() && setup.passes.is_empty());
+    let twice = good("../../scenarios/al6262_turning.toml").setup;
+    // The section of the second of two passes; chords of the insert follow the spacing.
+    let thickness = |setup: &sphcut_sph::setup::Setup| setup.uncut_chip_thickness.unwrap();
+    assert_relative_eq!(thickness(&setup), thickness(&twice), max_relative = 1e-3);
+    assert_relative_eq!(setup.width_of_cut * thickness(&setup), 5e-9, max_relative = 1e-9);
+    let tool = setup.tool.as_ref().unwrap();
+    let ToolSurface::Triangles { vertices, .. } = &tool.surface else { panic!("triangles") };
+    let tip = vertices.iter().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    let grooves = setup.grooves.as_ref().unwrap();
+    let lowest = grooves.line.iter().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    // Places of the shadow are 1 um apart.
+    assert_relative_eq!(lowest[1], -50e-6, max_relative = 1e-3);
+    assert!((tip[2] - 0.1e-3 - lowest[0]).abs() < 2e-6, "{} {}", tip[2], lowest[0]);
+    let [above, below] = [-49e-6, -51e-6].map(|y| grooves.contain(&[0.3e-3, y, lowest[0]]));
+    assert!(above && !below && !grooves.contain(&[0.3e-3, -1e-6, 1e-6]));
+    // Nothing fills it.
+    let start = sphcut_sph::Simulation::new(setup.clone()).unwrap().snapshot();
+    assert!(start.position.iter().all(|place| !grooves.contain(place)));
+    let whole = sphcut_sph::Simulation::new(sphcut_sph::setup::Setup { grooves: None, ..setup });
+    let missing = (whole.unwrap().snapshot().id.len() - start.id.len()) as f64 * 8e-15;
+    let pairs = section(&grooves.line);
+    // Three rows of 16 um are taken off at the deepest place.
+    assert!((missing / (1e-3 * pairs) - 1.0).abs() < 0.1, "{missing} {pairs}");
+}
+
+/// Area in m^2 between a line (z, y) and y = 0.
+fn section(line: &[[f64; 2]]) -> f64 {
+    line.windows(2).map(|pair| -0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1])).sum()
+}
+
 #[test]
 fn a_moving_window_arrives() {
     let window = good("tests/good/cut_with_window.toml").setup.window.unwrap();

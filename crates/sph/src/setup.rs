@@ -44,6 +44,8 @@ pub struct Setup {
     pub materials: Vec<Material>,
     /// Bodies made of particles.
     pub bodies: Vec<Body>,
+    /// What has been taken off the bodies before the run, if anything.
+    pub grooves: Option<Grooves>,
     /// Regions whose particles are held in place, moved, or kept at a temperature.
     pub supports: Vec<Support>,
     /// Sources of heat in the volume of the bodies.
@@ -93,6 +95,7 @@ impl Setup {
             particle_spacing,
             materials: Vec::new(),
             bodies: Vec::new(),
+            grooves: None,
             supports: Vec::new(),
             heat_sources: Vec::new(),
             tool: None,
@@ -122,6 +125,25 @@ impl Setup {
     }
 }
 
+/// Grooves along the first axis of boxes, cut before the run: no particle lies above their line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grooves {
+    /// (z, y) in m before any rotation, by increasing z; there is no groove beyond its ends.
+    pub line: Vec<[f64; 2]>,
+}
+
+impl Grooves {
+    /// Whether a point of an unrotated box lies above the line.
+    #[must_use]
+    pub fn contain(&self, point: &Vector) -> bool {
+        let [_, y, z] = *point;
+        self.line.windows(2).any(|pair| {
+            let [[from, low], [to, high]] = [pair[0], pair[1]];
+            (from..to).contains(&z) && y > low + (z - from) / (to - from) * (high - low)
+        })
+    }
+}
+
 /// One of several passes of the tool; between them it returns through the air.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pass {
@@ -142,6 +164,17 @@ pub struct CuttingFrame {
     /// F_p is the force along it: along the cutting edge in a plane cut, where it is zero, into the
     /// machined surface in turning.
     pub passive: Vector,
+}
+
+impl CuttingFrame {
+    /// Into the machined surface.
+    #[must_use]
+    pub fn into_surface(&self, dimension: Dimension) -> Vector {
+        match dimension {
+            Dimension::Two => self.feed,
+            Dimension::Three => self.passive,
+        }
+    }
 }
 
 impl Default for CuttingFrame {
@@ -394,7 +427,7 @@ impl Default for Heat {
     }
 }
 
-/// A window that moves along the cut with the tool (`window.rs`): for a plane cut into one block at rest.
+/// A window that moves along the cut with the tool (`window.rs`): for one pass through one block at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovingWindow {
     /// How far in front of the edge material is followed, in m.

@@ -3,10 +3,14 @@
 
 mod support;
 
+use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::Values;
-use sphcut_sph::setup::{Body, Grading, Lattice, MovingWindow, Setup, Shape, VelocityField};
+use sphcut_sph::setup::{
+    Body, CuttingFrame, Dimension, Grading, Lattice, MovingWindow, Setup, Shape, Support,
+    VelocityField,
+};
 use sphcut_sph::{ChannelId, Sample, SetupError, Simulation, options};
-use support::{SPACING, SPEED, bits, cut, run};
+use support::{SPACING, SPEED, bits, cut, run, wedge};
 
 /// Long enough for material to come and to go.
 fn long_cut(rotation: f64) -> Setup {
@@ -83,6 +87,64 @@ fn a_window_over_everything_is_no_window() {
     for (name, values) in &whole.reals {
         assert!(all.real(name) == Some(values), "{name}");
     }
+}
+
+/// The cut in space, six particles wide between sliding sides: along x, the feed along z.
+fn in_space(mut setup: Setup) -> Setup {
+    let width = 6.0 * SPACING;
+    setup.dimension = Dimension::Three;
+    setup.particle_spacing = SPACING;
+    for shape in setup.bodies.iter_mut().map(|body| &mut body.shape) {
+        if let Shape::Box { max, .. } = shape {
+            max[2] = width;
+        }
+    }
+    let side = |from: f64, to: f64| Support {
+        name: "side".to_owned(),
+        region: Shape::Box {
+            min: [-1.0, -0.3e-3, from],
+            max: [1.0, 1.0, to],
+            rotation: 0.0,
+            mirrored: false,
+        },
+        velocity: [None, None, Some(0.0)],
+        temperature: None,
+    };
+    if let Shape::Box { min, max, .. } = &mut setup.supports[0].region {
+        (min[2], max[2]) = (-1.0, 1.0);
+    }
+    setup.supports[0].velocity = [Some(0.0); 3];
+    setup.supports.extend([side(-1.0, SPACING), side(width - SPACING, 1.0)]);
+    let tool = setup.tool.as_mut().unwrap();
+    let ends = [-width, 2.0 * width];
+    let vertices = ends.iter().flat_map(|z| wedge().into_iter().map(|[x, y]| [x, y, *z]));
+    let mut triangles = vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];
+    for k in 0..4 {
+        let next = (k + 1) % 4;
+        triangles.extend([[k, next, next + 4], [k, next + 4, k + 4]]);
+    }
+    tool.surface = ToolSurface::Triangles { vertices: vertices.collect(), triangles };
+    setup.frame =
+        CuttingFrame { cutting: [1.0, 0.0, 0.0], feed: [0.0, 0.0, 1.0], passive: [0.0, -1.0, 0.0] };
+    setup
+}
+
+#[test]
+fn a_window_in_space_has_the_forces_of_the_whole_and_closed_books() {
+    let short = |setup: Setup| Setup { end_time: 0.5e-3 / SPEED, ..in_space(setup) };
+    let (_, whole) = run(short(long_cut(0.0)));
+    let (simulation, window) = run(short(windowed(0.0)));
+    let last = |id: ChannelId| window.last().unwrap().get(id);
+    // Columns of 14 by 6 came and went.
+    assert!(last(ChannelId::RetiredEnergy) > 0.0 && simulation.particle_count() < 36 * 84);
+    let ratio = |id| mean(&window, id) / mean(&whole, id);
+    let (cutting, passive) = (ratio(ChannelId::CuttingForce), ratio(ChannelId::PassiveForce));
+    assert!((cutting - 1.0).abs() < 0.03, "F_c changes by a factor of {cutting}");
+    assert!((passive - 1.0).abs() < 0.15, "F_p changes by a factor of {passive}");
+    let work = last(ChannelId::ToolWork);
+    assert!(last(ChannelId::EnergyError).abs() < 1e-3 * work);
+    let (content, supplied) = (last(ChannelId::HeatContent), last(ChannelId::HeatSupplied));
+    assert!((content - supplied).abs() < 1e-6 * supplied, "{content} {supplied}");
 }
 
 #[test]

@@ -88,6 +88,7 @@ fn setup(setup: &Setup, line: &mut impl FnMut(&str, String)) {
         particle_spacing,
         materials,
         bodies,
+        grooves,
         supports,
         heat_sources,
         tool,
@@ -112,6 +113,9 @@ fn setup(setup: &Setup, line: &mut impl FnMut(&str, String)) {
     line("particle_spacing", format!("{particle_spacing:?}"));
     materials.iter().for_each(|one| material(one, line));
     line("bodies", format!("{bodies:?}"));
+    if let Some(grooves) = grooves {
+        line("grooves", format!("{grooves:?}"));
+    }
     line("supports", format!("{supports:?}"));
     line("heat_sources", format!("{heat_sources:?}"));
     if let Some(one) = tool {

@@ -21,7 +21,7 @@ use sphcut_input::reader;
 use sphcut_input::record::Record;
 use sphcut_physics::Quantity;
 use sphcut_sph::setup::{
-    Body, Grading, Material, Setup, Support, Tool, Vector, VelocityChange, VelocityField,
+    Body, Grading, Grooves, Material, Setup, Support, Tool, Vector, VelocityChange, VelocityField,
 };
 use sphcut_tool_heat::ToolHeat;
 
@@ -182,11 +182,19 @@ pub(crate) fn boundaries(
 }
 
 impl CuttingProcess {
+    /// Passes whose grooves are there from the start.
+    pub(crate) fn earlier_passes(&self) -> u32 {
+        match self.kind {
+            ProcessKind::Orthogonal { .. } => 0,
+            ProcessKind::Turning { earlier_passes, .. } => earlier_passes,
+        }
+    }
+
     /// What decides on the motion of the tool.
     pub(crate) fn plan(&self, travel: f64) -> PassPlan {
         let step = match self.kind {
             ProcessKind::Orthogonal { .. } => [0.0, -self.depth, 0.0],
-            ProcessKind::Turning { feed } => [0.0, 0.0, feed],
+            ProcessKind::Turning { feed, .. } => [0.0, 0.0, feed],
         };
         PassPlan { travel, cutting_speed: self.cutting_speed, depth: self.depth, step }
     }
@@ -202,7 +210,7 @@ impl Section {
             (ProcessKind::Orthogonal { width_of_cut }, _) => {
                 Self { uncut_chip_thickness: depth, width_of_cut, groove: [0.0; 2] }
             }
-            (ProcessKind::Turning { feed }, ToolVolume::Solid(surface)) => {
+            (ProcessKind::Turning { feed, .. }, ToolVolume::Solid(surface)) => {
                 let shadow =
                     Silhouette::of(surface).expect("its lowest point is below the surface");
                 let groove = shadow.extent();
@@ -231,7 +239,8 @@ impl CutScenario {
         passes: Passes,
         (sides, layers): (Vec<HeldSide>, f64),
     ) -> Self {
-        let section = Section::of(&process, &tool.body, passes.count > 1);
+        let several = passes.count + process.earlier_passes() > 1;
+        let section = Section::of(&process, &tool.body, several);
         Self { process, workpiece, tool, resolution, end, passes, section, sides, layers }
     }
 
@@ -254,13 +263,31 @@ impl CutScenario {
     /// From the first groove's side to that of the last one.
     fn grooves(&self) -> f64 {
         let [low, high] = self.section.groove;
-        let feed = self.process.plan(self.end.travel).step[2];
-        high - low + f64::from(self.passes.count - 1) * feed
+        let further = self.passes.count - 1 + self.process.earlier_passes();
+        high - low + f64::from(further) * self.process.plan(self.end.travel).step[2]
     }
 
     /// Where the lowest point of the tool begins along z: the grooves lie in the middle.
     fn tip(&self) -> f64 {
+        let earlier = f64::from(self.process.earlier_passes());
+        let feed = self.process.plan(self.end.travel).step[2];
+        self.first_tip() + earlier * feed
+    }
+
+    /// The same of the first of the earlier passes.
+    fn first_tip(&self) -> f64 {
         0.5 * (self.workpiece.width - self.grooves()) - self.section.groove[0]
+    }
+
+    /// What earlier passes have left.
+    fn earlier_grooves(&self) -> Option<Grooves> {
+        let ToolVolume::Solid(surface) = &self.tool.body else { return None };
+        let feed = self.process.plan(self.end.travel).step[2];
+        let shifts: Vec<f64> = (0..self.process.earlier_passes())
+            .map(|pass| self.first_tip() + f64::from(pass) * feed)
+            .collect();
+        let shadow = Silhouette::of(surface).filter(|_| !shifts.is_empty())?;
+        Some(Grooves { line: shadow.left_by(&shifts) })
     }
 
     /// What cannot be built, however well each value looks alone.
@@ -378,6 +405,7 @@ impl CutScenario {
             velocity: VelocityField::Uniform([0.0; 3]),
             temperature: self.workpiece.temperature,
         }];
+        setup.grooves = self.earlier_grooves();
         setup.discretisation.parting_height = Some(-self.process.depth);
         setup.supports = self.supports();
         setup.machine = self.tool.machine;

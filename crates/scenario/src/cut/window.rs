@@ -22,7 +22,6 @@ const LEAST_BEHIND: f64 = 6.0;
 pub(crate) fn window(
     findings: &mut Findings,
     root: &Record<'_>,
-    dimension: usize,
     cut: &CutScenario,
 ) -> Option<Option<MovingWindow>> {
     let (height, thickness) = (cut.workpiece.height, cut.process.depth);
@@ -32,14 +31,10 @@ pub(crate) fn window(
         let mistake = Mistake::Contradiction { message: message.to_owned(), help: help.to_owned() };
         findings.problem(&record.source, record.heading.clone(), mistake);
     };
-    if dimension == 3 {
-        refuse("a moving window belongs to a plane cut, this is turning", "remove [window]");
-        return None;
-    }
     if root.is_written("passes") {
         refuse(
             "a moving window leaves behind what a second pass would cut",
-            "remove [window], or [passes]",
+            "remove [window], or [passes]; turning may begin with `earlier_passes` of [process]",
         );
         return None;
     }

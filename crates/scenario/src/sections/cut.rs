@@ -145,8 +145,10 @@ pub(crate) fn process() -> Section {
             .example("\"3 mm\""),
             Field::derived("depth_of_cut", positive(Quantity::Length, 0.01), "required in turning", "turning: a_p, depth of the tool's lowest point below the uncut surface")
             .example("\"0.05 mm\""),
-            Field::derived("feed", positive(Quantity::Length, 0.01), "required in turning with [passes]", "turning: f, distance of neighbouring passes along z")
+            Field::derived("feed", positive(Quantity::Length, 0.01), "required in turning with [passes] or `earlier_passes`", "turning: f, distance of neighbouring passes along z")
             .example("\"0.1 mm\""),
+            Field::optional("earlier_passes", Kind::Count { min: 0, max: 50 }, "turning: how many passes of this tool, a feed apart, have left their grooves before the run; the workpiece lacks what they took off, and is as cold and soft as at the start elsewhere")
+            .example("1"),
             Field::with_default("orientation", between(Quantity::Angle, -4.0 * PI, 4.0 * PI), "0 deg", "rotates the whole set-up about the origin, counter-clockwise; results do not depend on it"),
             Field::with_default("mirrored", Kind::Switch, "false", "mirrors the whole set-up (y to -y) before the rotation; results do not depend on it"),
         ],
@@ -194,7 +196,7 @@ pub(crate) fn boundaries() -> Section {
 pub(crate) fn window() -> Section {
     Section::new(
         "window",
-        "A window that moves along a plane cut with the tool: only the material in it is followed. In front of it the workpiece is untouched; what is behind it, the far part of the chip and of the machined surface, leaves for good. For long cuts; `sphcut springback` sees only the surface that is still in the window.",
+        "A window that moves along the cut with the tool: only the material in it is followed. In front of it the workpiece is untouched; what is behind it, the far part of the chip and of the machined surface, leaves for good. For long cuts; `sphcut springback` sees only the surface that is still in the window.",
         vec![
             Field::derived("ahead", positive(Quantity::Length, LONGEST), "the height of the workpiece, three uncut chip thicknesses at least; as much more as held ends of a graded workpiece are deeper", "how far in front of the edge material is followed; the end of the window is fixed like a back")
             .example("\"1 mm\""),

@@ -117,7 +117,10 @@ fn body_points(setup: &Setup, body: &Body) -> Vec<(usize, Point)> {
     match &body.shape {
         Shape::Box { min, max, .. } => {
             let Discretisation { lattice_aspect, parting_height, .. } = setup.discretisation;
-            let points = box_points(setup, min, max, lattice_aspect, parting_height);
+            let mut points = box_points(setup, min, max, lattice_aspect, parting_height);
+            if let Some(grooves) = &setup.grooves {
+                points.retain(|(_, point)| !grooves.contain(&point.centre));
+            }
             let placed = |(row, p): (usize, Point)| {
                 (row, Point { centre: placed(&body.shape, &p.centre), ..p })
             };

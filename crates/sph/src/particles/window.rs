@@ -45,10 +45,10 @@ pub(crate) struct Retired {
 pub(crate) struct Window<const D: usize> {
     cutting: Vector<D>,
     /// Into the machined surface.
-    feed: Vector<D>,
+    down: Vector<D>,
     /// Smallest coordinate along the cut.
     entry: f64,
-    /// Coordinate along `feed` of the plane in which the chip parts.
+    /// Coordinate along `down` of the plane in which the chip parts.
     parting: f64,
     ahead: f64,
     behind: f64,
@@ -63,18 +63,19 @@ impl<const D: usize> Window<D> {
     /// Takes all particles of a setup with a window.
     pub(crate) fn of(setup: &Setup, mut all: Vec<Rest<D>>, layer: f64) -> Option<Self> {
         let window = setup.window?;
-        let (cutting, feed) = (reduced(&setup.frame.cutting), reduced(&setup.frame.feed));
+        let cutting = reduced(&setup.frame.cutting);
+        let down = reduced(&setup.frame.into_surface(setup.dimension));
         let least = |direction: &Vector<D>| {
             all.iter().map(|rest| dot(&rest.position, direction)).fold(f64::INFINITY, f64::min)
         };
-        let (entry, surface) = (least(&cutting), least(&feed));
+        let (entry, surface) = (least(&cutting), least(&down));
         all.sort_by(|a, b| {
             let along = |rest: &Rest<D>| dot(&rest.position, &cutting);
             along(b).total_cmp(&along(a)).then(b.id.cmp(&a.id))
         });
         Some(Self {
             cutting,
-            feed,
+            down,
             entry,
             parting: surface + setup.uncut_chip_thickness.unwrap_or(0.0),
             ahead: window.ahead,
@@ -107,7 +108,7 @@ impl<const D: usize> Window<D> {
     fn has_left(&self, travel: f64, origin: &Vector<D>, position: &Vector<D>) -> bool {
         let edge = self.edge(travel);
         let along = dot(position, &self.cutting) - edge;
-        let across = dot(position, &self.feed) - self.parting;
+        let across = dot(position, &self.down) - self.parting;
         dot(origin, &self.cutting) < edge - self.behind && along.hypot(across) > AWAY * self.behind
     }
 
