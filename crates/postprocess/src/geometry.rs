@@ -1,5 +1,6 @@
 //! Chip, contact and machined surface over the snapshots of a run.
 
+use crate::along_edge::{self, AlongEdge};
 use crate::chip::{self, ChipContext, ChipShape};
 use crate::cloud::{CutParticles, CutPlane};
 use crate::contact::{self, ContactShape};
@@ -14,7 +15,7 @@ use crate::surface::{self, MachinedSurface, SurfaceContext};
 use sphcut_record::{Run, RunError};
 use sphcut_sph::{ChannelId, Snapshot};
 
-/// What the snapshots show. Plane runs only; in three dimensions only the counts are filled.
+/// What the snapshots show; in space in the section of the largest uncut chip thickness ([`AlongEdge`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
     /// The chip.
@@ -41,11 +42,13 @@ pub struct Geometry {
     pub loose_particles: usize,
     /// Snapshots within the window that were measured.
     pub snapshots: usize,
+    /// All sections of a cut in space; `None` in the plane.
+    pub along_edge: Option<AlongEdge>,
 }
 
 impl Geometry {
     /// Nothing, for one reason.
-    fn without(reason: &Missing) -> Self {
+    pub(crate) fn without(reason: &Missing) -> Self {
         Self {
             chip: Err(reason.clone()),
             rake_angle: None,
@@ -58,6 +61,7 @@ impl Geometry {
             surface: None,
             loose_particles: 0,
             snapshots: 0,
+            along_edge: None,
         }
     }
 }
@@ -109,11 +113,11 @@ pub(crate) fn measure(run: &Run, window: &SteadyWindow) -> Result<Geometry, RunE
     else {
         return Ok(Geometry::without(&Missing::NoCut));
     };
-    if run.facts.dimension != 2 {
-        return Ok(Geometry::without(&Missing::NotPlane));
-    }
     if !run.facts.passes.is_empty() {
         return Ok(Geometry::without(&Missing::SeveralPasses));
+    }
+    if run.facts.dimension != 2 {
+        return along_edge::measure(run, window);
     }
     if run.snapshots.is_empty() {
         return Ok(Geometry::without(&Missing::NoSnapshots));

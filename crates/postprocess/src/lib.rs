@@ -3,6 +3,7 @@
 //! [`evaluate`] turns a [`sphcut_record::Run`] into a [`ProcessResult`], [`summary_json`] turns
 //! that into `summary.json`, whose schema `docs/summary_json.md` describes.
 
+mod along_edge;
 mod balances;
 pub mod calibration;
 mod checks;
@@ -17,6 +18,7 @@ mod missing;
 mod outline;
 mod process;
 mod result;
+mod section;
 mod segments;
 mod shear_zone;
 pub mod springback;
@@ -32,6 +34,7 @@ mod warnings;
 #[path = "../tests/synthetic/mod.rs"]
 pub mod synthetic;
 
+pub use along_edge::{AlongEdge, EdgeSection};
 pub use balances::{
     ENERGY_TERMS, EnergyBalance, EnergyTerm, HeatBalance, MomentumBalance, MomentumBalances,
     TermKind, ToolHeatBalance,

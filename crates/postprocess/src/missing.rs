@@ -6,9 +6,9 @@ pub enum Missing {
     /// No uncut chip thickness or no moving tool.
     #[error("the run is no cut")]
     NoCut,
-    /// Measured in plane runs only.
-    #[error("measured in plane runs only")]
-    NotPlane,
+    /// In space.
+    #[error("the uncut chip of this section is thinner than two spacings")]
+    ThinSection,
     /// Measured where one pass meets an uncut surface.
     #[error("measured in runs of a single pass only")]
     SeveralPasses,

@@ -2,6 +2,7 @@
 //! `reason` says why.
 
 use super::MM_PER_M;
+use crate::along_edge::EdgeSection;
 use crate::geometry::Geometry;
 use crate::interface::InterfaceBin;
 use crate::missing::Missing;
@@ -129,6 +130,56 @@ impl ContactEntry {
             } else {
                 reason(&geometry.contact)
             },
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct AlongEdgeEntry {
+    uncut_section_mm2: Option<f64>,
+    contact_area_mm2: Option<f64>,
+    sections: Vec<SectionEntry>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct SectionEntry {
+    place_mm: f64,
+    uncut_chip_thickness_mm: f64,
+    chip_thickness_mm: Option<f64>,
+    compression_ratio: Option<f64>,
+    shear_angle_deg: Option<f64>,
+    contact_rake_mm: Option<f64>,
+    contact_flank_mm: Option<f64>,
+    reason: Option<String>,
+}
+
+impl AlongEdgeEntry {
+    pub fn of(geometry: &Geometry) -> Self {
+        let along = geometry.along_edge.as_ref();
+        let sections = along.map(|along| along.sections.iter().map(SectionEntry::of).collect());
+        Self {
+            uncut_section_mm2: along.map(|along| along.uncut_section * MM_PER_M.powi(2)),
+            contact_area_mm2: along
+                .and_then(|along| along.contact_area)
+                .map(|area| area * MM_PER_M.powi(2)),
+            sections: sections.unwrap_or_default(),
+        }
+    }
+}
+
+impl SectionEntry {
+    fn of(section: &EdgeSection) -> Self {
+        let chip = section.chip.as_ref().ok();
+        let contact = section.contact.as_ref().ok();
+        Self {
+            place_mm: section.place * MM_PER_M,
+            uncut_chip_thickness_mm: section.uncut_chip_thickness * MM_PER_M,
+            chip_thickness_mm: chip.map(|chip| chip.thickness * MM_PER_M),
+            compression_ratio: chip.map(|chip| chip.compression_ratio),
+            shear_angle_deg: section.shear_angle.as_ref().ok().map(|angle| angle.to_degrees()),
+            contact_rake_mm: contact.map(|contact| contact.rake * MM_PER_M),
+            contact_flank_mm: contact.map(|contact| contact.flank * MM_PER_M),
+            reason: reason(&section.chip),
         }
     }
 }

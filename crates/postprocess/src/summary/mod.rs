@@ -7,12 +7,14 @@ use crate::balances::{EnergyBalance, MomentumBalance, TermKind, ToolHeatBalance}
 use crate::forces::{Force, Forces};
 use crate::result::{PassResult, ProcessResult};
 use crate::warnings::Warning;
-use measures::{ChipEntry, ContactEntry, InterfaceEntry, ResidualStressEntry, ShearZoneEntry};
+use measures::{
+    AlongEdgeEntry, ChipEntry, ContactEntry, InterfaceEntry, ResidualStressEntry, ShearZoneEntry,
+};
 use serde::Serialize;
 
 /// Version of the schema: the first number changes when a key changes its meaning or goes, the
 /// second when keys are added.
-pub const SCHEMA_VERSION: &str = "2.0";
+pub const SCHEMA_VERSION: &str = "2.1";
 
 /// The content of `summary.json`. A number that is not known is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,6 +29,7 @@ pub struct Summary {
     shear_zone: ShearZoneEntry,
     contact: ContactEntry,
     interface: InterfaceEntry,
+    along_edge: AlongEdgeEntry,
     machined_surface: SurfaceEntry,
     residual_stress: ResidualStressEntry,
     balances: BalancesEntry,
@@ -215,6 +218,7 @@ impl Summary {
             shear_zone: ShearZoneEntry::of(&result.geometry),
             contact: ContactEntry::of(&result.geometry),
             interface: InterfaceEntry::of(&result.geometry),
+            along_edge: AlongEdgeEntry::of(&result.geometry),
             machined_surface: SurfaceEntry::of(result),
             residual_stress: ResidualStressEntry::of(result),
             balances: BalancesEntry::of(result),

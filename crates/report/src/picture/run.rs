@@ -57,16 +57,20 @@ pub(crate) fn draw_setup(facts: &Facts, first: &Snapshot, unit: TemperatureUnit)
     }]
 }
 
-pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
+/// `section`: a section of a cut in space as a plane cut.
+pub(crate) fn draw_all(
+    run: &Run,
+    section: Option<&(Facts, Snapshot)>,
+) -> Result<Pictures, RunError> {
     if !wanted(run, "pictures") {
         return Ok(Pictures::default());
     }
     let Some(last) = run.snapshots.last()? else { return Ok(Pictures::default()) };
     if run.facts.dimension == 3 && run.facts.uncut_chip_thickness.is_some() {
-        return run_in_space::draw_all(run, &last);
+        return run_in_space::draw_all(run, &last, section);
     }
     let first = run.snapshots.get(0)?;
-    let view = about_edge(run, &last);
+    let view = plane_about_edge(&run.facts, &last);
     let temperature = run.provenance.temperature_unit();
     let options = PictureOptions {
         width: PICTURE_WIDTH,
@@ -93,7 +97,8 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
         })
         .collect();
     if let Some(range) = tool_range(&last) {
-        let view = edge(run, &last).zip(run.facts.uncut_chip_thickness).map(close_up).or(view);
+        let view =
+            edge(&run.facts, &last).zip(run.facts.uncut_chip_thickness).map(close_up).or(view);
         let options = PictureOptions { view, range: Some(range), ..options.clone() };
         fields.insert(1, tool_picture(&last, &options));
     }
@@ -128,7 +133,7 @@ pub(crate) fn draw_all(run: &Run) -> Result<Pictures, RunError> {
                 view: view.or(scene.last.view),
                 ..options.clone()
             },
-            followed: if view.is_some() { edge(run, &last) } else { scene.followed },
+            followed: if view.is_some() { edge(&run.facts, &last) } else { scene.followed },
         };
         animate(&run.snapshots, |snapshot| about.of(run, snapshot))?
     } else {
@@ -158,7 +163,7 @@ pub(crate) fn thumbnail(run: &Run, range: (f64, f64)) -> Result<Option<String>, 
     let options = PictureOptions {
         width: THUMBNAIL_WIDTH,
         text_scale: 1.3,
-        view: about_edge(run, &last),
+        view: plane_about_edge(&run.facts, &last),
         range: Some(range),
         style: Style::Material,
         temperature: run.provenance.temperature_unit(),
@@ -197,7 +202,7 @@ struct Scene {
 impl Scene {
     fn of_run(run: &Run, first: &Snapshot, last: &Snapshot, temperature: TemperatureUnit) -> Self {
         let all = last.id.len() >= first.id.len();
-        let followed = if all { None } else { edge(run, last) };
+        let followed = if all { None } else { edge(&run.facts, last) };
         let view = View::whole(last);
         let last = PictureOptions {
             width: PICTURE_WIDTH,
@@ -213,7 +218,7 @@ impl Scene {
     fn of(&self, run: &Run, snapshot: &Snapshot) -> PictureOptions {
         let way = self
             .followed
-            .zip(edge(run, snapshot))
+            .zip(edge(&run.facts, snapshot))
             .map_or([0.0; 2], |(end, now)| [now[0] - end[0], now[1] - end[1]]);
         PictureOptions { view: self.last.view.map(|view| view.moved(way)), ..self.last.clone() }
     }
@@ -221,15 +226,15 @@ impl Scene {
 
 /// A window about the lowest point of the tool that holds the chip near it; `None` where there is
 /// no cut in the plane.
-fn about_edge(run: &Run, snapshot: &Snapshot) -> Option<View> {
-    let thickness = run.facts.uncut_chip_thickness?;
-    let edge = edge(run, snapshot)?;
-    let (cutting, feed) = (run.facts.frame.cutting, run.facts.frame.feed);
+pub(super) fn plane_about_edge(facts: &Facts, snapshot: &Snapshot) -> Option<View> {
+    let thickness = facts.uncut_chip_thickness?;
+    let edge = edge(facts, snapshot)?;
+    let (cutting, feed) = (facts.frame.cutting, facts.frame.feed);
     // The chip lies ahead of the edge and above it.
     let centre = [0, 1].map(|k| edge[k] + thickness * (1.4 * cutting[k] - 1.8 * feed[k]));
     let mut view = View::about(centre, WINDOW[0] * thickness, WINDOW[1] * thickness);
     // What moves is chip.
-    let slow = 0.2 * run.facts.cutting_speed().abs();
+    let slow = 0.2 * facts.cutting_speed().abs();
     let margin = 0.5 * thickness;
     for (position, velocity) in snapshot.position.iter().zip(&snapshot.velocity) {
         let distance = (position[0] - edge[0]).hypot(position[1] - edge[1]);
@@ -247,10 +252,10 @@ fn close_up((edge, thickness): ([f64; 3], f64)) -> View {
 }
 
 /// The lowest point of the tool; `None` where there is no cut in the plane.
-fn edge(run: &Run, snapshot: &Snapshot) -> Option<[f64; 3]> {
-    let thickness = run.facts.uncut_chip_thickness?;
-    run.facts.tool_velocity?;
-    let (cutting, feed) = (run.facts.frame.cutting, run.facts.frame.feed);
+fn edge(facts: &Facts, snapshot: &Snapshot) -> Option<[f64; 3]> {
+    let thickness = facts.uncut_chip_thickness?;
+    facts.tool_velocity?;
+    let (cutting, feed) = (facts.frame.cutting, facts.frame.feed);
     let depth = |p: &[f64; 3]| p.iter().zip(feed).map(|(x, f)| x * f).sum::<f64>();
     let ahead = |p: &[f64; 3]| p.iter().zip(cutting).map(|(x, c)| x * c).sum::<f64>();
     let deepest = snapshot.tool.iter().map(depth).max_by(f64::total_cmp)?;

@@ -2,10 +2,12 @@
 
 use super::described::{PICTURE_WIDTH, Picture, Pictures, description, tool_range};
 use super::field::ParticleField;
-use super::plane::time_text;
+use super::plane::{PictureOptions, render_snapshot, time_text};
+use super::raster::Style;
+use super::run::plane_about_edge;
 use super::space::{SpaceOptions, ToolVisibility, axes, render_in_space, whole_in_space};
 use super::view::View;
-use sphcut_record::{Run, RunError, TemperatureUnit};
+use sphcut_record::{Facts, Run, RunError, TemperatureUnit};
 use sphcut_sph::Snapshot;
 use sphcut_sph::setup::{CuttingFrame, Pass};
 use std::sync::Arc;
@@ -18,6 +20,9 @@ const FIELDS: [ParticleField; 5] = [
     ParticleField::Pressure,
     ParticleField::Speed,
 ];
+/// Fields shown in a section.
+const SECTION_FIELDS: [ParticleField; 2] =
+    [ParticleField::PlasticStrain, ParticleField::Temperature];
 /// From ahead of the tool, on the side of the feed and above: the chip stands before the rake face.
 const FROM_AHEAD: [f64; 2] = [40.0, 30.0];
 /// From behind the tool and above: the grooves lie open where the tool has passed.
@@ -64,7 +69,11 @@ impl Directions {
 
 /// The last snapshot with the tool from ahead, whole and close to the edge, and the machined surface
 /// after each pass from behind, without the tool.
-pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError> {
+pub(crate) fn draw_all(
+    run: &Run,
+    last: &Snapshot,
+    section: Option<&(Facts, Snapshot)>,
+) -> Result<Pictures, RunError> {
     let directions = Directions::of(&run.facts.frame, run.provenance.temperature_unit());
     let ahead = directions.options(FROM_AHEAD);
     let whole = Picture {
@@ -99,10 +108,37 @@ pub(crate) fn draw_all(run: &Run, last: &Snapshot) -> Result<Pictures, RunError>
             tool_alone(last, &SpaceOptions { range: Some(range), view, ..ahead.clone() }),
         );
     }
+    if let Some((facts, plane)) = section {
+        fields.extend(SECTION_FIELDS.map(|field| in_section(field, facts, plane, &directions)));
+    }
     for (number, snapshot) in after_passes(run)? {
         fields.push(surface(&directions, number, &snapshot));
     }
     Ok(Pictures { whole: Some(whole), fields, ..Pictures::default() })
+}
+
+/// A section of the cut as a plane one.
+fn in_section(
+    field: ParticleField,
+    facts: &Facts,
+    plane: &Snapshot,
+    directions: &Directions,
+) -> Picture {
+    let temperature = directions.temperature;
+    let options = PictureOptions {
+        width: PICTURE_WIDTH,
+        text_scale: 1.6,
+        view: plane_about_edge(facts, plane),
+        style: Style::Particles,
+        temperature,
+        ..PictureOptions::default()
+    };
+    Picture {
+        title: format!("{}, section of the largest uncut chip thickness", field.title(temperature)),
+        description: description(field, plane, temperature),
+        media_type: "image/png",
+        bytes: render_snapshot(plane, field, &options),
+    }
 }
 
 /// Workpiece and tool before the cut, from ahead: whole and close to the edge.

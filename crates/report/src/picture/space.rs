@@ -94,6 +94,7 @@ fn projected(snapshot: &Snapshot, axes: &[Vector; 3]) -> Snapshot {
         tool: snapshot.tool.iter().map(place).collect(),
         tool_nodes: snapshot.tool_nodes.iter().map(place).collect(),
         particle_spacing: snapshot.particle_spacing,
+        relative_spacing: snapshot.relative_spacing.clone(),
         dimension: 3,
         ..Snapshot::default()
     }
@@ -204,9 +205,10 @@ impl Scene {
     }
 
     fn balls(&mut self, seen: &Snapshot, colours: &[Rgb]) {
-        let radius = (BALL_RADIUS * seen.particle_spacing * self.mapping.scale).max(0.6);
-        self.radius = radius;
-        for (position, &colour) in seen.position.iter().zip(colours) {
+        let radius = |spacing: f64| (BALL_RADIUS * spacing * self.mapping.scale).max(0.6);
+        self.radius = radius(seen.particle_spacing);
+        for (index, (position, &colour)) in seen.position.iter().zip(colours).enumerate() {
+            let radius = radius(seen.spacing_at(index));
             let [x, y] = self.mapping.pixel(position[0], position[1]);
             let z = position[2] * self.mapping.scale;
             if !(x.is_finite() && y.is_finite() && z.is_finite()) {

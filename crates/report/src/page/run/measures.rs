@@ -7,7 +7,9 @@ use crate::kit::shell::figure;
 use crate::kit::table::{NONE, ResultRow, results, row};
 use crate::page::residual_stress;
 use maud::{Markup, html};
-use sphcut_postprocess::{Geometry, Interface, Missing, ProcessResult, ShearZone};
+use sphcut_postprocess::{
+    AlongEdge, EdgeSection, Geometry, Interface, Missing, ProcessResult, ShearZone,
+};
 use sphcut_record::{Run, TemperatureUnit};
 
 const MICROMETRE: &str = "\u{b5}m";
@@ -23,6 +25,7 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
     let mut rows = chip_rows(geometry);
     rows.extend(shear_rows(geometry));
     rows.extend(contact_rows(run, geometry));
+    rows.extend(along_edge_rows(geometry));
     rows.extend(surface_rows(result));
     html! {
         section id="chip" {
@@ -163,6 +166,22 @@ fn contact_rows(run: &Run, geometry: &Geometry) -> Vec<ResultRow> {
     rows
 }
 
+/// Of a cut in space.
+fn along_edge_rows(geometry: &Geometry) -> Vec<ResultRow> {
+    let Some(along) = &geometry.along_edge else { return Vec::new() };
+    let square = |area: f64| three_digits(area * UM * UM);
+    let mut rows = vec![row(
+        "Section of the cut",
+        square(along.uncut_section),
+        "\u{b5}m\u{b2}",
+        "between the tool's shadow and the surface before the cut; rows above are those of its thickest place",
+    )];
+    rows.extend(along.contact_area.map(|area| {
+        row("Area of contact", square(area), "\u{b5}m\u{b2}", "of the tool, rake and flank side")
+    }));
+    rows
+}
+
 fn surface_rows(result: &ProcessResult) -> Vec<ResultRow> {
     let mut rows = Vec::new();
     if let Some(surface) = result.geometry.surface {
@@ -202,6 +221,10 @@ pub(super) fn figures(run: &Run, result: &ProcessResult) -> Markup {
         @if let Ok(zone) = &geometry.shear_zone {
             (figure(across(zone).svg(), "Equivalent plastic strain rate across the shear plane, mean \
                 over the middle of its length and the snapshots. Shaded: the width."))
+        }
+        @if let Some(along) = &geometry.along_edge {
+            (figure(along_edge(along).svg(), "Thickness of the chip and length of contact in sections along the cutting \
+                edge, against the place along the feed from the tool's lowest point: mean over the snapshots."))
         }
         (figure(along(geometry).svg(), "Thickness of the chip along its free side in the last snapshot, \
             against the place before the cut."))
@@ -279,6 +302,27 @@ fn across(zone: &ShearZone) -> Chart<'static> {
             shown.iter().map(|point| point[1] * 1e-3).collect(),
         )],
         window: Some((from * UM, to * UM, "")),
+        y_includes: vec![0.0],
+        ..Chart::default()
+    }
+}
+
+fn along_edge(along: &AlongEdge) -> Chart<'static> {
+    let line = |name, colour, of: fn(&EdgeSection) -> Option<f64>| {
+        let values = along.sections.iter().map(|section| of(section).map_or(f64::NAN, |x| x * UM));
+        ChartLine::new(name, colour, 2.0, values.collect())
+    };
+    Chart {
+        description: "Chip thickness and contact along the cutting edge.".to_owned(),
+        x_title: "Along the feed from the tool's lowest point in \u{b5}m",
+        y_title: "Length in \u{b5}m",
+        height: 320.0,
+        x: along.sections.iter().map(|section| section.place * UM).collect(),
+        lines: vec![
+            line("Uncut chip", BLUE, |section| Some(section.uncut_chip_thickness)),
+            line("Chip", RED, |section| section.chip.as_ref().ok().map(|chip| chip.thickness)),
+            line("Contact", GREEN, |section| section.contact.as_ref().ok().map(|c| c.length())),
+        ],
         y_includes: vec![0.0],
         ..Chart::default()
     }

@@ -46,7 +46,8 @@ pub fn render_report(run: &Run, result: &ProcessResult) -> Result<String, Report
     let provenance = &run.provenance;
     let title =
         if provenance.title.is_empty() { &provenance.scenario_name } else { &provenance.title };
-    let pictures = draw_all(run)?;
+    let along_edge = result.geometry.along_edge.as_ref();
+    let pictures = draw_all(run, along_edge.and_then(|along| along.deepest.as_ref()))?;
     let first = if run.snapshots.is_empty() { None } else { Some(run.snapshots.get(0)?) };
     let is_cut = ProcessResult::is_cut(run);
     let body = html! {
