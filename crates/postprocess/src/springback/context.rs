@@ -52,7 +52,22 @@ pub(crate) struct Context {
 pub(crate) struct SnapshotView<'a> {
     pub snapshot: &'a Snapshot,
     pub cloud: &'a CutParticles,
+    /// Of the tool.
+    pub corners: &'a [PlanePoint],
     pub lowest: Lowest,
+}
+
+impl SnapshotView<'_> {
+    /// Height of the tool's lower side at `x` along the cut; infinite beside it.
+    pub fn under_side(&self, x: f64) -> f64 {
+        let next = |k: usize| self.corners[(k + 1) % self.corners.len()];
+        let heights = self.corners.iter().enumerate().filter_map(|(k, &from)| {
+            let to = next(k);
+            let share = (x - from[0]) / (to[0] - from[0]);
+            (0.0..=1.0).contains(&share).then_some(from[1] + share * (to[1] - from[1]))
+        });
+        heights.fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// The context of a run.

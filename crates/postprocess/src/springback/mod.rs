@@ -9,7 +9,7 @@
 //!
 //! **Which particles are the surface** decides everything: the outer rows of a cut are rough by a
 //! good part of a spacing, and s is a tenth of one. Taken are the particles that a snapshot has seen
-//! *touching* the lowest part of the tool: of them it is known that they were at the tool's
+//! *touching* the lowest part of the tool, pressed by it and without a gap: of them it is known that they were at the tool's
 //! surface, whatever the rows look like. They are followed by their identifier. The outermost
 //! particles of strips two spacings wide, touched or not, give the roughness and a second figure,
 //! [`Springback::strips`], that depends on the width of the strips and is no springback.
@@ -77,7 +77,7 @@ fn measure_plane(
         let corners: Vec<PlanePoint> =
             snapshot.tool.iter().map(|c| context.plane.project(c)).collect();
         let Some(lowest) = Lowest::of(&corners, context.spacing) else { continue };
-        let view = SnapshotView { snapshot: &snapshot, cloud: &cloud, lowest };
+        let view = SnapshotView { snapshot: &snapshot, cloud: &cloud, corners: &corners, lowest };
         followed.visit(&view, &context);
         strips.visit(&view, &context);
         stress.visit(&view, &context);

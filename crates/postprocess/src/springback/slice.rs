@@ -2,57 +2,33 @@
 //! its groove laid flat.
 //!
 //! ```text
-//! x' = x . cutting,   y' = x . up - (p(z) - p(z_tip)),   |z - z_tip| <= 3 dx,   z = x . feed
+//! x' = x . cutting,   y' = y_tip + (x . up - p(z)) cos(theta(z)),   |z - z_tip| <= w,   z = x . feed,   tan(theta) = dp/dz
 //! ```
 //! p(z) is the lowest line of the tool's shadow along the cut, so that the swept surface of the tool becomes the
-//! plane y' = p(z_tip) and heights above it are springback as in the plane. They are taken along the depth, not
-//! along the normal: with a nose of 0.8 mm and a slice of +-60 um the difference is 0.3 % of the height at its rim.
+//! plane y' = y_tip and heights above it are springback along the normal of the groove. w is where the line has risen by a
+//! tenth of the depth, three spacings at least: there the groove was cut about as deep as at its lowest line.
 //! Contact forces are divided by the spacing: in space a particle covers a spacing of width.
 
 use super::error::SpringbackError;
 use crate::cloud::CutPlane;
 use crate::geometry::uncut_surface;
 use crate::result::ProcessResult;
+use crate::section::Axes;
 use sphcut_record::{Facts, Run, Samples, Snapshots};
 use sphcut_sph::setup::{CuttingFrame, Vector};
 use sphcut_sph::{ChannelId, Snapshot};
 
-/// Half of the width of the slice in spacings.
-const HALF_WIDTH: f64 = 3.0;
+/// Least half of the width of the slice in spacings.
+const LEAST_HALF_WIDTH: f64 = 3.0;
+/// Share of the depth by which the tool's lowest line rises across half of the slice.
+const RISE: f64 = 0.1;
 /// Places across the slice at which the tool's lowest line is known.
-const PLACES: usize = 61;
+const PLACES: usize = 121;
 
 /// A plane run, and the travel from which on the forces of the pass are steady.
 pub(super) struct Slice {
     pub run: Run,
     pub window_start: f64,
-}
-
-/// Directions of the cut in space, right-handed: along it, up, along the feed.
-struct Axes([Vector; 3]);
-
-impl Axes {
-    fn of(frame: &CuttingFrame) -> Self {
-        Self([frame.cutting, frame.passive.map(|component| -component), frame.feed])
-    }
-
-    fn place(&self, vector: &Vector) -> Vector {
-        std::array::from_fn(|k| dot(vector, &self.0[k]))
-    }
-
-    /// A symmetric tensor xx, yy, zz, xy, yz, xz in these directions.
-    fn turned(&self, stress: &[f64; 6]) -> [f64; 6] {
-        let [xx, yy, zz, xy, yz, xz] = *stress;
-        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-        let on =
-            |direction: &Vector| -> Vector { std::array::from_fn(|k| dot(&rows[k], direction)) };
-        let part = |a: usize, b: usize| dot(&self.0[a], &on(&self.0[b]));
-        [part(0, 0), part(1, 1), part(2, 2), part(0, 1), part(1, 2), part(0, 2)]
-    }
-}
-
-fn dot(a: &Vector, b: &Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The first pass of `run` as a plane run.
@@ -70,7 +46,11 @@ pub(super) fn first_pass(run: &Run, result: &ProcessResult) -> Result<Slice, Spr
     };
     let axes = Axes::of(&run.facts.frame);
     let spacing = run.facts.particle_spacing;
-    let profile = Profile::of(&first, &axes, spacing).ok_or(SpringbackError::NoCut)?;
+    let middle = Profile::of(&first, &axes, LEAST_HALF_WIDTH * spacing);
+    let middle = middle.ok_or(SpringbackError::NoCut)?;
+    let slice = middle.slice(&first, &axes, spacing);
+    let depth = uncut_surface(&slice, CutPlane::new(CuttingFrame::default())) - middle.tip[1];
+    let profile = middle.widened(&first, &axes, RISE * depth);
     let end = run.facts.passes.first().map_or(f64::INFINITY, |pass| pass.end * (1.0 + 1e-9));
     let mut slices = Vec::new();
     for number in 0..run.snapshots.len() {
@@ -79,8 +59,6 @@ pub(super) fn first_pass(run: &Run, result: &ProcessResult) -> Result<Slice, Spr
         }
         slices.push(profile.slice(&*run.snapshots.get(number)?, &axes, spacing));
     }
-    let uncut = uncut_surface(&slices[0], CutPlane::new(CuttingFrame::default()));
-    let depth = uncut - profile.tip[1];
     let speed = run.facts.cutting_speed();
     let facts = Facts {
         dimension: 2,
@@ -117,11 +95,10 @@ struct Profile {
 }
 
 impl Profile {
-    /// Of the tool's triangles in `snapshot`; `None` without any.
-    fn of(snapshot: &Snapshot, axes: &Axes, spacing: f64) -> Option<Self> {
+    /// Of the tool's triangles in `snapshot`, to `half_width` on both sides of its lowest point; `None` where it ends before.
+    fn of(snapshot: &Snapshot, axes: &Axes, half_width: f64) -> Option<Self> {
         let corners: Vec<Vector> = snapshot.tool.iter().map(|corner| axes.place(corner)).collect();
         let tip = *corners.iter().min_by(|a, b| a[1].total_cmp(&b[1]))?;
-        let half_width = HALF_WIDTH * spacing;
         let sides: Vec<[Vector; 2]> = corners
             .chunks_exact(3)
             .flat_map(|c| [[c[0], c[1]], [c[1], c[2]], [c[2], c[0]]])
@@ -140,40 +117,39 @@ impl Profile {
         Some(Self { tip, half_width, heights })
     }
 
-    /// Height above the tip at a distance from it along the feed.
-    fn height(&self, distance: f64) -> f64 {
-        let place = (distance / self.half_width + 1.0) * 0.5 * (PLACES - 1) as f64;
+    /// As wide as its line rises by `rise` at most.
+    fn widened(self, snapshot: &Snapshot, axes: &Axes, rise: f64) -> Self {
+        let wider = |half_width: f64| {
+            let profile = Self::of(snapshot, axes, half_width)?;
+            profile.heights.iter().all(|height| *height <= rise).then_some(profile)
+        };
+        // A nose rises by the square of the way along it.
+        let mut found = self;
+        while let Some(next) = wider(1.1 * found.half_width) {
+            found = next;
+        }
+        found
+    }
+
+    /// Height above the tip at a distance from it along the feed, and the cosine of the line's slope there.
+    fn line(&self, distance: f64) -> (f64, f64) {
+        let step = 2.0 * self.half_width / (PLACES - 1) as f64;
+        let place = (distance + self.half_width) / step;
         let below = (place.max(0.0) as usize).min(PLACES - 2);
-        let share = place - below as f64;
-        self.heights[below] + share * (self.heights[below + 1] - self.heights[below])
+        let change = self.heights[below + 1] - self.heights[below];
+        (self.heights[below] + (place - below as f64) * change, step / step.hypot(change))
     }
 
     fn slice(&self, snapshot: &Snapshot, axes: &Axes, spacing: f64) -> Snapshot {
-        let mut slice = Snapshot {
-            time: snapshot.time,
-            step: snapshot.step,
-            dimension: 2,
-            particle_spacing: spacing,
-            ..Snapshot::default()
-        };
-        let lowest = snapshot
-            .tool
-            .iter()
-            .map(|corner| axes.place(corner))
-            .min_by(|a, b| a[1].total_cmp(&b[1]));
-        slice.tool.extend(lowest.map(|tip| [tip[0], tip[1], 0.0]));
-        for index in 0..snapshot.position.len() {
-            let [x, y, z] = axes.place(&snapshot.position[index]);
+        let flat = |[x, y, z]: Vector| {
             let distance = z - self.tip[2];
-            if distance.abs() > self.half_width {
-                continue;
-            }
-            slice.id.push(snapshot.id[index]);
-            slice.position.push([x, y - self.height(distance), 0.0]);
-            slice.stress.push(axes.turned(&snapshot.stress[index]));
-            let [fx, fy, _] = axes.place(&snapshot.contact_force[index]);
-            slice.contact_force.push([fx / spacing, fy / spacing, 0.0]);
-        }
+            (distance.abs() <= self.half_width).then(|| {
+                let (line, cosine) = self.line(distance);
+                [x, self.tip[1] + (y - self.tip[1] - line) * cosine]
+            })
+        };
+        let mut slice = axes.section(snapshot, spacing, flat);
+        slice.tool = axes.tool_section(snapshot, self.tip[2]).unwrap_or_default();
         slice
     }
 }
@@ -210,7 +186,13 @@ mod tests {
     /// the feed along y. Each particle stands for nine across the groove.
     fn groove(plane: &Run) -> Run {
         let spacing = plane.facts.particle_spacing;
-        let place = |x: f64, y: f64, across: f64| [y + nose(across), across, x];
+        // Heights above the tool's lowest line along the normal of the groove.
+        let bottom = -plane.facts.uncut_chip_thickness.unwrap();
+        let place = |x: f64, y: f64, across: f64| {
+            let (sine, cosine) = ((across / RADIUS), (1.0 - (across / RADIUS).powi(2)).sqrt());
+            let above = y - bottom;
+            [bottom + nose(across) + above * cosine, across - above * sine, x]
+        };
         let rows: Vec<f64> = (-4..=4).map(|row| f64::from(row) * spacing).collect();
         let lift = |snapshot: &Snapshot| {
             let mut lifted = Snapshot {
@@ -225,21 +207,29 @@ mod tests {
                     let [x, y, _] = snapshot.position[index];
                     let [xx, yy, zz, xy, ..] = snapshot.stress[index];
                     lifted.id.push(snapshot.id[index] * 10 + row as u64);
-                    lifted.position.push(place(x, y, across));
+                    // Flat cells: their centres lie higher, the surface does not.
+                    lifted.position.push(place(x, y + 0.2 * spacing, across));
                     lifted.stress.push([yy, zz, xx, 0.0, 0.0, xy]);
                     let [fx, fy, _] = snapshot.contact_force[index];
                     lifted.contact_force.push([fy * spacing, 0.0, fx * spacing]);
+                    lifted.half_thickness.push(snapshot.half_thickness[index] - 0.2 * spacing);
                 }
             }
-            // Strips of the tool's lowest line, and far points above.
-            let tip = snapshot.tool[0];
-            for k in -100..100 {
-                let [from, to] = [f64::from(k), f64::from(k + 1)].map(|k| k * 1e-6);
-                lifted.tool.extend([
-                    place(tip[0], tip[1], from),
-                    place(tip[0], tip[1], to),
-                    place(tip[0] - 1e-3, tip[1] + 1e-3, to),
-                ]);
+            // The tool's outline along the arc of the groove.
+            for (k, from) in snapshot.tool.iter().enumerate() {
+                let to = snapshot.tool[(k + 1) % snapshot.tool.len()];
+                for chord in -100..100 {
+                    let [low, high] = [f64::from(chord), f64::from(chord + 1)].map(|k| k * 1e-6);
+                    let corner =
+                        |end: &Vector, across: f64| [end[1] + nose(across), across, end[0]];
+                    let [a, b, c, d] = [
+                        corner(from, low),
+                        corner(&to, low),
+                        corner(&to, high),
+                        corner(from, high),
+                    ];
+                    lifted.tool.extend([a, b, c, a, c, d]);
+                }
             }
             lifted
         };
@@ -285,8 +275,8 @@ mod tests {
         // The chords of the drawn tool, 1 um long, stay within 0.2 nm of its arc.
         let mean = found.mean.unwrap().mean;
         assert!((mean - 1e-6).abs() < 1e-9, "{mean}");
-        // Rows -3 to 3 of the nine: seven times as many particles.
-        assert_eq!(found.touched.len(), 7 * expected.touched.len());
+        // All nine rows.
+        assert_eq!(found.touched.len(), 9 * expected.touched.len());
         assert!((found.clear_distance - expected.clear_distance).abs() < 2e-6);
         assert!((found.error.overlap - expected.error.overlap).abs() < 1e-12);
         for (bin, same) in found.stress.iter().zip(&expected.stress) {

@@ -1,6 +1,8 @@
 use super::*;
 use crate::evaluate;
 use crate::synthetic::SyntheticCut;
+use sphcut_record::Snapshots;
+use sphcut_sph::Snapshot;
 use sphcut_sph::setup::Pass;
 
 fn measured(cut: &SyntheticCut) -> Springback {
@@ -23,7 +25,7 @@ fn the_drawn_springback_is_found_whatever_the_disorder_and_the_direction() {
         let allowed = 1e-11 + 0.25e-6 * disorder / 0.2;
         assert!((mean.mean - springback).abs() < allowed, "{springback}: {mean:?}");
         assert!(mean.half_width < 1e-9 + 0.4e-6 * disorder / 0.2, "{mean:?}");
-        assert!(found.touched.len() > 40 && found.torn == 0, "{}", found.touched.len());
+        assert!(found.touched.len() > 30 && found.torn == 0, "{}", found.touched.len());
         assert_eq!(found.clear_distance, 50e-6 + 0.1e-3);
     }
 }
@@ -40,15 +42,31 @@ fn without_disorder_the_strips_agree_and_loose_particles_do_not_matter() {
     }
 }
 
+/// Of a groove across the rows of a lattice only some particles reach the tool; the others lie deeper and carry a force all the same.
 #[test]
-fn disorder_raises_the_strips_but_not_the_touched_particles() {
-    let cut = SyntheticCut { springback: 0.0, disorder: 0.6, ..SyntheticCut::default() };
-    let found = measured(&cut);
-    // The higher of two numbers from -3 to 3 um is +1 um on average; its deviation 1.41 um.
-    assert!((found.strips.mean - 1.0e-6).abs() < 0.4e-6, "{:?}", found.strips.mean);
-    assert!((found.strips.roughness - 1.41e-6).abs() < 0.3e-6, "{:?}", found.strips.roughness);
-    // A deviation of 1.73 um over the root of some fifty particles: 0.24 um, three times that.
-    assert!(found.mean.unwrap().mean.abs() < 0.75e-6, "{:?}", found.mean);
+fn what_carries_a_force_across_a_gap_is_no_surface() {
+    let cut = SyntheticCut { springback: 1e-6, disorder: 0.0, ..SyntheticCut::default() };
+    let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut };
+    let run = cut.run(1.2e-3, 41);
+    let rows = (cut.height / cut.particle_spacing).round() as u64;
+    let lowered = |snapshot: &Snapshot| {
+        let mut snapshot = snapshot.clone();
+        for index in 0..snapshot.id.len() {
+            // The surface row of every second column.
+            let (column, row) = (snapshot.id[index] / rows, snapshot.id[index] % rows);
+            let depth = -snapshot.position[index][1] - cut.uncut_chip_thickness;
+            if column % 2 != 0 && row < rows && (0.0..cut.particle_spacing).contains(&depth) {
+                snapshot.position[index][1] -= 0.2 * cut.particle_spacing;
+            }
+        }
+        snapshot
+    };
+    let snapshots: Vec<Snapshot> =
+        (0..run.snapshots.len()).map(|k| lowered(&run.snapshots.get(k).unwrap())).collect();
+    let run = Run { snapshots: Snapshots::in_memory(snapshots), ..run };
+    let found = measure(&run, &evaluate(&run).unwrap()).unwrap();
+    assert!((found.mean.unwrap().mean - 1e-6).abs() < 1e-9, "{:?}", found.mean);
+    assert!(found.touched.len() > 15 && found.touched.len() < 30, "{}", found.touched.len());
 }
 
 #[test]
@@ -126,7 +144,7 @@ fn stress_that_alternates_between_the_rows_is_not_taken_for_residual_stress() {
 #[test]
 fn the_error_bar_has_the_overlap_of_the_contact_force() {
     let cut = SyntheticCut { flank_force: 14e3, ..SyntheticCut::default() };
-    let mut run = cut.run(1.2e-3, 21);
+    let mut run = cut.run(1.2e-3, 41);
     run.facts.materials = vec![sphcut_record::MaterialFacts {
         name: "steel".to_owned(),
         density: 7850.0,

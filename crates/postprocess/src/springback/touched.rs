@@ -27,9 +27,13 @@ pub struct RecoveryBin {
     pub count: usize,
 }
 
-/// The lowest part of the tool ends where particles touch it by this many spacings higher than its
-/// lowest point.
+/// The lowest part of the tool ends where its side is this many spacings higher than its lowest point.
 const LOWEST_PART: f64 = 0.5;
+/// Material that is no further than this many spacings from the tool touches it. Contact is spread over the particles within a
+/// spacing of the tool, so that others carry a force, too: on a groove across the rows of a lattice two of three, up to a
+/// whole row below the surface. What touches overlaps the tool; of 446 particles of a turned groove five had a gap of 0
+/// to 0.04 spacings.
+const TOUCHES: f64 = 0.05;
 /// A particle further than this many spacings from the tool's lowest plane was torn out.
 const TORN: f64 = 1.5;
 /// Bins of the distance behind the tool end after this many uncut chip thicknesses.
@@ -99,10 +103,17 @@ impl Followed {
             let id = view.snapshot.id[index];
             let height = point[1] + half - lowest.height;
             let [_, force] = context.plane.project(&view.snapshot.contact_force[index]);
-            let under = point[0] >= lowest.rear - context.reach
-                && point[0] <= lowest.front + context.reach
-                && height < LOWEST_PART * context.spacing;
-            if force < 0.0 && under {
+            let near =
+                point[0] >= lowest.rear - context.reach && point[0] <= lowest.front + context.reach;
+            // Before the lowest point the tool's side is what it meets, behind it what it has met.
+            let touches = || {
+                let ahead = point[0] > lowest.front;
+                let side = if ahead { view.under_side(point[0]) - lowest.height } else { 0.0 };
+                side < LOWEST_PART * context.spacing
+                    && side - height <= TOUCHES * context.spacing
+                    && height < LOWEST_PART * context.spacing
+            };
+            if force < 0.0 && near && touches() {
                 self.paths.entry(id).or_default();
                 self.forces.add(-force);
             }

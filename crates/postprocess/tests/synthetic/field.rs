@@ -52,6 +52,8 @@ struct State {
     friction_use: f64,
     shear_friction_factor: f64,
     contact_area: f64,
+    /// Of the machined surface, or what will be it.
+    is_surface: bool,
 }
 
 impl Field<'_> {
@@ -113,6 +115,7 @@ impl Field<'_> {
             friction_use: 0.0,
             shear_friction_factor: 0.0,
             contact_area: if touches && cut.flank_force != 0.0 { spacing } else { 0.0 },
+            is_surface: offset[1] < 0.0 && offset[1] > -spacing,
         }
     }
 
@@ -209,6 +212,7 @@ impl Field<'_> {
                 (true, false) => 0.4,
             },
             contact_area: if in_contact { cut.particle_spacing } else { 0.0 },
+            is_surface: false,
         }
     }
 
@@ -227,6 +231,7 @@ impl Field<'_> {
                 friction_use: 0.0,
                 shear_friction_factor: 0.0,
                 contact_area: 0.0,
+                is_surface: false,
             };
             self.push(LOOSE + k as u64, [x, y], state);
         }
@@ -269,7 +274,9 @@ impl Field<'_> {
         snapshot.shear_friction_factor.push(state.shear_friction_factor);
         snapshot.contact_area.push(state.contact_area);
         snapshot.relative_spacing.push(1.0);
-        snapshot.half_thickness.push(0.5 * self.cut.particle_spacing);
+        // The material of what has touched the tool reaches its surface, wherever the centre lies.
+        let half = 0.5 * self.cut.particle_spacing;
+        snapshot.half_thickness.push(if state.is_surface { half - shift(1) } else { half });
         snapshot.neighbours.push(28);
     }
 }
