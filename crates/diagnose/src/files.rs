@@ -2,19 +2,20 @@
 
 use crate::check::forecast::Forecast;
 use crate::check::held_out::{Competitor, HeldOutErrors, Part};
+use crate::check::rerun::{Rerun, RerunChannel};
 use crate::check::self_test::Rate;
 use crate::data::recordings::{NoiseSource, Recordings};
 use crate::inference::attribute::Hypothesis;
 use crate::inference::commissioning::BiasOrigin;
 use crate::inference::fit::Fit;
 use crate::inference::verdict::ClaimVerdict;
-use crate::model::predictor::Predictor;
-use crate::session::Diagnosis;
+use crate::model::predictor::{Predictor, RelationError};
+use crate::session::{Diagnosis, ParameterEstimate, RankedEffect};
 use serde_json::{Value, json};
 use sphcut_physics::{CuttingCondition, ToolGeometry};
 
 /// Version of the schema of `diagnosis.json`.
-const SCHEMA_VERSION: &str = "1.0";
+pub const DIAGNOSIS_SCHEMA_VERSION: &str = "1.1";
 
 impl ClaimVerdict {
     /// Its name in files.
@@ -74,7 +75,7 @@ pub fn diagnosis_json(
     let named =
         if let ClaimVerdict::Named(named) = &finding.verdict { keys(named) } else { Vec::new() };
     let page = json!({
-        "schema_version": SCHEMA_VERSION,
+        "schema_version": DIAGNOSIS_SCHEMA_VERSION,
         "program_version": provenance.version,
         "title": provenance.title,
         "source": provenance.source,
@@ -97,6 +98,7 @@ pub fn diagnosis_json(
         "probability_of_none_of_these": finding.none_of_these,
         "set": keys(&finding.set),
         "set_has_none_of_these": finding.set_has_none,
+        "ranking": ranking(found, predictor),
         "share_explained": finding.explained,
         "families": finding.families.iter().map(|(name, p)| json!({ "family": name, "probability": p })).collect::<Vec<_>>(),
         "effects": effects.iter().enumerate().map(|(k, effect)| json!({
@@ -136,6 +138,7 @@ pub fn diagnosis_json(
                 BiasOrigin::AnotherBatch => "another_batch",
             },
         })).collect::<Vec<_>>(),
+        "relation_errors": relation_errors(found, predictor),
         "scatter_between_conditions": found.setups.iter().map(|setup| json!({
             "channel": setup.channel.symbol(), "deviation": setup.deviation,
         })).collect::<Vec<_>>(),
@@ -152,18 +155,7 @@ pub fn diagnosis_json(
             "uncut_chip_thickness": points.iter().map(|p| p.uncut_chip_thickness).collect::<Vec<_>>(),
             "score": points.iter().map(|p| p.score).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
-        "particle_solver": found.rerun.as_ref().map(|rerun| json!({
-            "conditions": rerun.conditions,
-            "channels": rerun.channels.iter().map(|one| json!({
-                "channel": one.channel.symbol(),
-                "values": one.values,
-                "as_simulated": one.errors[0],
-                "fitted_again": one.errors[1],
-                "repaired": one.errors[2],
-                "ratio": one.ratio[0],
-                "ratio_interval": [one.ratio[1], one.ratio[2]],
-            })).collect::<Vec<_>>(),
-        })),
+        "particle_solver": found.rerun.as_ref().map(particle_solver),
         "held_out": found.help.iter().map(held).collect::<Vec<_>>(),
         "false_alarms": found.false_alarms.map(|alarms| rate(alarms, found.asked[0])),
         "positive_control": found.control.as_ref().map(|control| json!({
@@ -262,21 +254,46 @@ fn condition(condition: &CuttingCondition) -> Value {
     own
 }
 
+/// The 95 % set, the most probable first.
+fn ranking(found: &Diagnosis, predictor: &dyn Predictor) -> Vec<Value> {
+    let ranked = found.ranking(predictor).into_iter().enumerate();
+    let of = |(k, member): (usize, RankedEffect)| {
+        json!({
+            "rank": k + 1,
+            "effect": member.effect.map_or("none_of_these", |k| predictor.effects()[k].key),
+            "probability": member.probability,
+            "parameters": parameters(&member.estimates, predictor),
+        })
+    };
+    ranked.map(of).collect()
+}
+
+fn relation_errors(found: &Diagnosis, predictor: &dyn Predictor) -> Vec<Value> {
+    let of = |error: RelationError| json!({ "relation": error.key, "deviation": error.deviation, "unit": error.unit });
+    found.relation_errors(predictor).into_iter().map(of).collect()
+}
+
 fn estimates(found: &Diagnosis, fit: &Fit, predictor: &dyn Predictor) -> Value {
     let effects = predictor.effects();
     json!({
         "explanation": fit.effects.iter().map(|&k| effects[k].key).collect::<Vec<_>>(),
-        "parameters": found.estimates(predictor, fit).iter().map(|estimate| {
-            let parameter = &effects[estimate.effect].parameters[estimate.parameter];
-            json!({
-                "effect": effects[estimate.effect].key,
-                "parameter": parameter.key,
-                "unit": parameter.unit,
-                "value": estimate.value,
-                "interval": estimate.interval,
-            })
-        }).collect::<Vec<_>>(),
+        "parameters": parameters(&found.estimates(predictor, fit), predictor),
     })
+}
+
+fn parameters(estimates: &[ParameterEstimate], predictor: &dyn Predictor) -> Vec<Value> {
+    let of = |estimate: &ParameterEstimate| {
+        let effect = &predictor.effects()[estimate.effect];
+        let parameter = &effect.parameters[estimate.parameter];
+        json!({
+            "effect": effect.key,
+            "parameter": parameter.key,
+            "unit": parameter.unit,
+            "value": estimate.value,
+            "interval": estimate.interval,
+        })
+    };
+    estimates.iter().map(of).collect()
 }
 
 /// The factors on material and friction when nothing is missing, and under the most probable repair.
@@ -296,6 +313,24 @@ fn nuisances(found: &Diagnosis, predictor: &dyn Predictor) -> Vec<Value> {
             })
         })
         .collect()
+}
+
+fn particle_solver(rerun: &Rerun) -> Value {
+    let of = |one: &RerunChannel| {
+        json!({
+            "channel": one.channel.symbol(),
+            "values": one.values,
+            "as_simulated": one.errors[0],
+            "fitted_again": one.errors[1],
+            "repaired": one.errors[2],
+            "ratio": one.ratio[0],
+            "ratio_interval": [one.ratio[1], one.ratio[2]],
+        })
+    };
+    json!({
+        "conditions": rerun.conditions,
+        "channels": rerun.channels.iter().map(of).collect::<Vec<_>>(),
+    })
 }
 
 fn rate(rate: Rate, asked: usize) -> Value {

@@ -56,7 +56,9 @@ pub use file::{
     AirRecord, DiagnosisCase, DiagnosisFile, PairedRunsPlan, ReferenceCuts, SeriesPlan,
     load_diagnosis, load_diagnosis_file,
 };
-pub use files::{DiagnosisProvenance, diagnosis_json, forecasts_csv, held_out_csv};
+pub use files::{
+    DIAGNOSIS_SCHEMA_VERSION, DiagnosisProvenance, diagnosis_json, forecasts_csv, held_out_csv,
+};
 pub use inference::attribute::{Attribution, Hypothesis, Scored, attribute};
 pub use inference::commissioning::{
     AmplitudeWeights, Batch, Bias, BiasOrigin, ReferenceComparison,
@@ -74,11 +76,13 @@ pub use model::paired::{
     Change, EffectStrength, PairedRun, PairedRuns, PairedScenario, changes, effect_strengths,
     run_effects, support,
 };
-pub use model::predictor::{Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior};
+pub use model::predictor::{
+    Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior, RelationError,
+};
 pub use patch::{patch, scenario_patch};
 pub use plan::next_experiment::{NextExperiment, Rival, next_experiment};
 pub use progress::ProgressListener;
-pub use session::{Diagnosis, DiagnosisRequest, ParameterEstimate, diagnose};
+pub use session::{Diagnosis, DiagnosisRequest, ParameterEstimate, RankedEffect, diagnose};
 pub use wear::files::{growth_csv, growth_json, growth_words};
 pub use wear::growth::{Amount, Cause, Direction, LeftOutTool, WearGrowth, WearSegment, grows};
 pub use wear::land::{Land, Lands, lands};

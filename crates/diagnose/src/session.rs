@@ -14,7 +14,7 @@ use crate::inference::problem::{InstrumentPriors, RegressionProblem};
 use crate::inference::setups::SetupScatter;
 use crate::inference::templates::Templates;
 use crate::inference::verdict::{ClaimVerdict, Conclusion, judge};
-use crate::model::predictor::{Active, Predictor};
+use crate::model::predictor::{Active, Predictor, RelationError};
 use crate::plan::next_experiment::{NextExperiment, Rival, next_experiment};
 use crate::progress::{ProgressListener, Stages};
 use nalgebra::{DMatrix, DVector};
@@ -79,6 +79,17 @@ pub struct ParameterEstimate {
     pub interval: [f64; 2],
 }
 
+/// A member of the 95 % set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RankedEffect {
+    /// The effect; `None`: an unmodelled one.
+    pub effect: Option<usize>,
+    /// Probability that it is among what is missing.
+    pub probability: f64,
+    /// Its parameters where it alone is missing; none of an effect that was not fitted.
+    pub estimates: Vec<ParameterEstimate>,
+}
+
 /// All that was found.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
@@ -117,6 +128,26 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
+    /// The 95 % set, the most probable first.
+    #[must_use]
+    pub fn ranking(&self, predictor: &dyn Predictor) -> Vec<RankedEffect> {
+        let of = |(effect, probability): (Option<usize>, f64)| {
+            let alone = self.fits.iter().find(|fit| effect.is_some_and(|k| fit.effects == [k]));
+            let estimates = alone.map_or_else(Vec::new, |fit| self.estimates(predictor, fit));
+            RankedEffect { effect, probability, estimates }
+        };
+        self.finding.ranked().into_iter().map(of).collect()
+    }
+
+    /// What relations of the model were allowed to be wrong by; empty where they are taken to be right.
+    #[must_use]
+    pub fn relation_errors(&self, predictor: &dyn Predictor) -> Vec<RelationError> {
+        let shares = self.biases.iter().map(|(_, bias)| bias.origin.relation_share());
+        let share = shares.fold(0.0, f64::max);
+        let all = predictor.relations().into_iter().filter(|_| share > 0.0);
+        all.map(|error| RelationError { deviation: share * error.deviation, ..error }).collect()
+    }
+
     /// The parameters of a fit with their intervals.
     #[must_use]
     pub fn estimates(&self, predictor: &dyn Predictor, found: &Fit) -> Vec<ParameterEstimate> {

@@ -25,6 +25,8 @@ fn what_the_example_conceals_is_among_what_is_claimed() {
         serde_json::from_str(&shop.read("missing/diagnosis.json")).unwrap();
     let set = numbers["set"].as_array().unwrap();
     assert!(set.iter().any(|key| key == "speed_dependent_friction"), "{}", ended.out);
+    let ranking = numbers["ranking"].as_array().unwrap();
+    assert_eq!(ranking[0]["effect"], "speed_dependent_friction");
     assert_eq!(numbers["false_alarms"]["trials"], 20);
     let named = numbers["verdict"] == "named";
     assert_eq!(shop.path("missing/scenario.patch.toml").exists(), named);

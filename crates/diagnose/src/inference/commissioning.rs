@@ -69,6 +69,18 @@ pub enum BiasOrigin {
     AnotherBatch,
 }
 
+impl BiasOrigin {
+    /// Share of [`Predictor::relations`] by which relations may be wrong beside a bias of this origin.
+    #[must_use]
+    pub const fn relation_share(self) -> f64 {
+        match self {
+            Self::Compared => 1.0,
+            Self::AnotherBatch => RELATION_OF_BATCH,
+            Self::Reference | Self::Difference | Self::Stated => 0.0,
+        }
+    }
+}
+
 /// The bias of the model as a normal process of log v_c and log h, and of rake and edge radius where the tools of the recordings differ,
 /// independent between channels:
 ///
@@ -199,11 +211,11 @@ impl RegressionProblem {
         let mut factors: Vec<Factor> = factors.collect();
         let has = |origin| biases.iter().any(|(_, bias)| bias.origin == origin);
         if has(BiasOrigin::Compared) {
-            factors.extend(self.relation_factors(1.0, |_| true));
+            factors.extend(self.relation_factors(BiasOrigin::Compared.relation_share(), |_| true));
         }
         if has(BiasOrigin::AnotherBatch) {
-            let of_batch = self.relation_factors(RELATION_OF_BATCH, |row| self.is_diagnosed(row));
-            factors.extend(of_batch);
+            let share = BiasOrigin::AnotherBatch.relation_share();
+            factors.extend(self.relation_factors(share, |row| self.is_diagnosed(row)));
         }
         self.with_common(factors)
     }

@@ -85,6 +85,16 @@ impl Conclusion {
         probable(&self.inclusion)
     }
 
+    /// The set by posterior probability, the most probable first: effects, and `None` for "none of these".
+    #[must_use]
+    pub fn ranked(&self) -> Vec<(Option<usize>, f64)> {
+        let effects = self.set.iter().map(|&k| (Some(k), self.inclusion[k]));
+        let mut all: Vec<_> =
+            effects.chain(self.set_has_none.then_some((None, self.none_of_these))).collect();
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        all
+    }
+
     /// The family that is named: that of all claimed effects, or one above the probability of a claim.
     #[must_use]
     pub fn family(&self) -> Option<&'static str> {

@@ -1,7 +1,7 @@
 //! The closed-form model of `sphcut-analytic` as a predictor.
 
 use crate::model::predictor::{
-    Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior,
+    Active, CandidateEffect, EffectParameter, Nuisance, Predictor, Prior, RelationError,
 };
 use sphcut_analytic::{ActiveEffect, EFFECTS, FlowStress, OrthogonalCut, Scale, predict};
 use sphcut_physics::{Channel, CuttingCondition};
@@ -35,21 +35,62 @@ const MODEL_ERRORS: [[f64; Channel::RECORDED.len()]; 4] = [
     [0.145, 0.377, 0.347, 0.449, 0.347, 0.347, 0.347],
 ];
 
-/// Standard deviations of what its relations may be wrong by, the same at all conditions or not (docs/diagnosis_method.md).
-const RELATION_ERRORS: [RelationError; 5] = [
-    // The angle between resultant force and shear plane in rad: equilibrium, least energy and slip lines differ by 0.1 to 0.3.
-    (0.12, |cut, x| cut.physics.errors.resultant_angle += x),
-    // The contact length: a pressure that is constant, or falls with the power 1, 2, 3, gives 1, 1.5, 2, 2.5 times the same.
-    (0.3, |cut, x| cut.physics.errors.contact_length += x),
-    // Forces on the edge: (1 + pi/2) k to the hardness, up to 37 to 60 degrees.
-    (0.4, |cut, x| cut.physics.errors.edge_force += x),
-    // eta: 0.5 to 1.
-    (0.2, |cut, x| cut.plane_heat_share *= x.exp()),
-    // psi: fits and closed solutions of the contact's temperature.
-    (0.3, |cut, x| cut.interface_share *= x.exp()),
+/// What its relations may be wrong by, the same at all conditions or not (docs/diagnosis_method.md), each with a cut that is wrong by so much.
+const RELATION_ERRORS: [(RelationError, MakeWrong); 5] = [
+    (
+        RelationError {
+            key: "resultant_angle",
+            title: "shear angle, by the angle of the resultant force to the shear plane",
+            deviation: 0.12,
+            unit: "rad",
+            reason: "equilibrium, least energy and slip lines differ by 0.1 to 0.3 rad",
+        },
+        |cut, x| cut.physics.errors.resultant_angle += x,
+    ),
+    (
+        RelationError {
+            key: "contact_length",
+            title: "contact length",
+            deviation: 0.3,
+            unit: "",
+            reason: "a pressure that is constant, or falls with the power 1, 2, 3, gives 1, 1.5, 2, 2.5 times the same",
+        },
+        |cut, x| cut.physics.errors.contact_length += x,
+    ),
+    (
+        RelationError {
+            key: "edge_force",
+            title: "forces on the rounded edge",
+            deviation: 0.4,
+            unit: "",
+            reason: "a pressure from (1 + \u{3c0}/2) k to the hardness, up to 37 to 60\u{b0} of the edge",
+        },
+        |cut, x| cut.physics.errors.edge_force += x,
+    ),
+    (
+        RelationError {
+            key: "plane_heat_share",
+            title: "temperature of the shear plane, by the share \u{3b7} of the zone's heat",
+            deviation: 0.2,
+            unit: "",
+            reason: "0.5 to 1 in the literature",
+        },
+        |cut, x| cut.plane_heat_share *= x.exp(),
+    ),
+    (
+        RelationError {
+            key: "interface_share",
+            title: "interface temperature, by the ratio \u{3c8} of its mean rise to the largest",
+            deviation: 0.3,
+            unit: "",
+            reason: "fits and closed solutions differ",
+        },
+        |cut, x| cut.interface_share *= x.exp(),
+    ),
 ];
-/// A standard deviation, and a cut that is wrong by so much.
-type RelationError = (f64, fn(&mut OrthogonalCut, f64));
+
+/// Makes a cut wrong by so much.
+type MakeWrong = fn(&mut OrthogonalCut, f64);
 
 /// The only effect left that depends on what was cut before.
 const GROWS: &str = "flank_wear";
@@ -152,16 +193,20 @@ impl Predictor for ClosedForm {
         &MODEL_ERRORS
     }
 
+    fn relations(&self) -> Vec<RelationError> {
+        RELATION_ERRORS.iter().map(|(error, _)| *error).collect()
+    }
+
     fn relation_errors(&self, condition: &CuttingCondition) -> Vec<Vec<f64>> {
         let logs = |cut: &OrthogonalCut| {
             let seen = predict(cut, condition, &[]).ok();
             PREDICTED.map(|channel| seen.as_ref().map_or(f64::NAN, |s| s.get(channel).ln()))
         };
         let plain = logs(&self.cut);
-        let of = |&(deviation, apply): &RelationError| {
+        let of = |(error, apply): &(RelationError, MakeWrong)| {
             let wrong = |share: f64| {
                 let mut cut = self.cut.clone();
-                apply(&mut cut, share * deviation);
+                apply(&mut cut, share * error.deviation);
                 logs(&cut)
             };
             let (less, more) = (wrong(-0.5), wrong(0.5));

@@ -107,6 +107,21 @@ pub struct Active {
     pub values: Vec<f64>,
 }
 
+/// What a relation of a model may be wrong by, where no reference cuts teach it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelationError {
+    /// Its name in files.
+    pub key: &'static str,
+    /// In words.
+    pub title: &'static str,
+    /// Standard deviation: in the unit, or of the logarithm.
+    pub deviation: f64,
+    /// SI unit; empty for a logarithm.
+    pub unit: &'static str,
+    /// Where the deviation comes from.
+    pub reason: &'static str,
+}
+
 /// A model of the cut with nuisances and with effects that can be switched on.
 ///
 /// The closed-form model and tables of paired solver runs implement it: nothing else is asked of a model.
@@ -144,8 +159,13 @@ pub trait Predictor: Sync {
         &[[0.0; Channel::RECORDED.len()]]
     }
 
-    /// What the logarithms of [`Predictor::channels`]' quantities change by one standard deviation of each error of its relations, where
-    /// no reference cuts teach it: what is wrong in several channels at once.
+    /// What its relations may be wrong by where no reference cuts teach it.
+    fn relations(&self) -> Vec<RelationError> {
+        Vec::new()
+    }
+
+    /// What the logarithms of [`Predictor::channels`]' quantities change by one standard deviation of each of
+    /// [`Predictor::relations`]: what is wrong in several channels at once.
     fn relation_errors(&self, condition: &CuttingCondition) -> Vec<Vec<f64>> {
         let _ = condition;
         Vec::new()

@@ -65,6 +65,15 @@ pub(crate) fn percent_tenths(share: f64) -> String {
     minus(&format!("{:.1} %", 100.0 * share))
 }
 
+/// A probability in whole per cent.
+pub(crate) fn percent_whole(share: f64) -> String {
+    match 100.0 * share {
+        value if value != 0.0 && (0.0..0.5).contains(&value) => "< 1 %".to_owned(),
+        value if (99.5..100.0).contains(&value) => "> 99 %".to_owned(),
+        value => format!("{value:.0} %"),
+    }
+}
+
 /// A change as `+3.2`.
 pub(crate) fn signed(value: f64, decimals: usize) -> String {
     minus(&format!("{value:+.decimals$}"))
@@ -78,6 +87,22 @@ pub(crate) fn signed_percent(share: f64, decimals: usize) -> String {
 /// A value with the ends of its interval: `5.65 (3.62 to 7.96)`.
 pub(crate) fn with_ends([value, low, high]: [f64; 3]) -> String {
     let [value, low, high] = [value, low, high].map(three_digits);
+    format!("{value} ({low} to {high})")
+}
+
+/// The same with no more digits than are known: all to the second digit of the shorter arm of the interval, `36 (9 to 71)`.
+pub(crate) fn with_known_ends([value, low, high]: [f64; 3]) -> String {
+    let arms = [value - low, high - value].map(f64::abs);
+    let arm = if arms[0].min(arms[1]) > 0.0 { arms[0].min(arms[1]) } else { arms[0].max(arms[1]) };
+    let place = arm.log10().floor() - 1.0;
+    let largest = low.abs().max(high.abs());
+    if !(-4.0..6.0).contains(&place) || largest >= 1e6 {
+        return with_ends([value, low, high]);
+    }
+    let (step, decimals) = (10.0_f64.powf(place), (-place).max(0.0) as usize);
+    // What rounds to -0 is 0.
+    let [value, low, high] = [value, low, high]
+        .map(|x| minus(&format!("{:.decimals$}", (x / step).round() * step + 0.0)));
     format!("{value} ({low} to {high})")
 }
 
@@ -116,6 +141,18 @@ mod tests {
         assert_eq!(
             [0.06, 0.1000001, 150.0, 0.004, 2151.3, 0.0, 1e-6].map(plain),
             ["0.06", "0.1", "150", "0.004", "2151", "0", "1e\u{2212}6"]
+        );
+        assert_eq!(with_known_ends([36.2, 9.3, 71.4]), "36 (9 to 71)");
+        assert_eq!(with_known_ends([39.12, 35.21, 42.94]), "39.1 (35.2 to 42.9)");
+        // The shorter arm is 0.019, 23 000, and where that is 0 the longer one, 0.3.
+        assert_eq!(with_known_ends([0.02, 0.001, 0.9]), "0.020 (0.001 to 0.900)");
+        assert_eq!(with_known_ends([35123.0, 12045.0, 97890.0]), "35000 (12000 to 98000)");
+        assert_eq!(with_known_ends([0.0, 0.0, 0.3]), "0.00 (0.00 to 0.30)");
+        assert_eq!(with_known_ends([-0.21, -0.35, 0.04]), "\u{2212}0.21 (\u{2212}0.35 to 0.04)");
+        assert_eq!(with_known_ends([2e-7, 1e-7, 4e-7]), with_ends([2e-7, 1e-7, 4e-7]));
+        assert_eq!(
+            [0.337, 0.0, 0.004, 0.999].map(percent_whole),
+            ["34 %", "0 %", "< 1 %", "> 99 %"]
         );
         assert_eq!(percent(0.0691), "6.91 %");
         assert_eq!(percent(-3e-7), "< 0.01 %");

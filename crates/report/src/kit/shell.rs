@@ -72,10 +72,21 @@ pub(crate) fn verdict(
     sentences: &[String],
     render: impl Fn(&str) -> Markup,
 ) -> Markup {
+    verdict_above(alarm, sentences, render, &html! {})
+}
+
+/// The same with a table or list between the answer and what belongs to it.
+pub(crate) fn verdict_above(
+    alarm: bool,
+    sentences: &[String],
+    render: impl Fn(&str) -> Markup,
+    detail: &Markup,
+) -> Markup {
     html! {
         section.warnings[alarm].clean[!alarm] role="note" {
             @if let [first, rest @ ..] = sentences {
                 h2 { (first) }
+                (detail)
                 ul { @for sentence in rest { li { (render(sentence)) } } }
             }
         }

@@ -64,6 +64,15 @@ pub(crate) fn listed(words: &[String]) -> String {
     }
 }
 
+/// A count up to twelve in words.
+pub(crate) fn counted(count: usize) -> String {
+    const WORDS: [&str; 13] = [
+        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+        "eleven", "twelve",
+    ];
+    WORDS.get(count).map_or_else(|| count.to_string(), |word| (*word).to_owned())
+}
+
 /// `Travel in mm` as its name and unit; what follows a comma says more and is left out.
 pub(crate) fn name_and_unit(title: &str) -> (&str, &str) {
     let title = title.split(',').next().unwrap_or(title);

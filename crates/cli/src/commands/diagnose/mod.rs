@@ -12,11 +12,12 @@ pub(crate) use runs::refused;
 use runs::{Ended, Paired};
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, DiagnosisFile, DiagnosisProvenance, Predictor, ProgressListener,
-    closed_form_cut, compare_rerun, diagnose_case_as, diagnosis_json, held_out_csv, patch,
+    ClosedForm, DIAGNOSIS_SCHEMA_VERSION, DiagnoseError, DiagnosisFile, DiagnosisProvenance,
+    Predictor, ProgressListener, closed_form_cut, compare_rerun, diagnose_case_as, diagnosis_json,
+    held_out_csv, patch,
 };
 use sphcut_report::{
-    DiagnosisPage, SeriesPage, diagnosis_words, render_diagnosis, render_series, series_summary,
+    DiagnosisPage, SeriesPage, diagnosis_text, render_diagnosis, render_series, series_summary,
 };
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -175,7 +176,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         series.as_ref().map(trends_csv),
     ];
     write_or_remove(&files[2..], &texts)?;
-    diagnosis_words(&page).iter().for_each(|words| terminal::line(words));
+    diagnosis_text(&page).iter().for_each(|words| terminal::line(words));
     series.iter().flat_map(series_summary).for_each(|words| terminal::line(&words));
     let next = if files[2].is_file() {
         let base = case.base_path.display();
@@ -197,7 +198,7 @@ fn series_alone(
     let page = SeriesPage { title: &file.title, source: &file.source, version, series: found };
     files::save(&files[0], render_series(&page).as_bytes())?;
     let numbers = serde_json::json!({
-        "schema_version": "1.0",
+        "schema_version": DIAGNOSIS_SCHEMA_VERSION,
         "program_version": version,
         "title": file.title,
         "source": file.source,

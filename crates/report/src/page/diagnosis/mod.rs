@@ -2,17 +2,18 @@
 
 mod compared;
 mod series;
+mod set;
 mod time;
 mod words;
 
 pub use series::{SeriesPage, render_series, series_summary};
-pub use words::diagnosis_words;
+pub use words::diagnosis_text;
 
 use crate::kit::map::{ColourScale, Map, ValueAt};
 use crate::kit::numbers::{
     M_PER_MIN, MM, UM, minus, percent, signed, signed_percent, three_digits, with_ends,
 };
-use crate::kit::shell::{self, Shell, plain, plotted, tab, verdict};
+use crate::kit::shell::{self, Shell, plain, plotted, tab, verdict_above};
 use crate::kit::table::ColumnHead::{Number, Text};
 use crate::kit::table::{NONE, table};
 use crate::kit::text::{indexed, listed};
@@ -23,7 +24,9 @@ use sphcut_diagnose::{
     NoiseSource, Predictor, Recordings, Rerun, Scored,
 };
 use sphcut_greybox::{Hull, Input};
-use words::{error, family, parameters, part, pattern, rate, shown, unanswered};
+use words::{
+    error, family, parameters, part, pattern, rate, relation_error, sentences, shown, unanswered,
+};
 
 /// Explanations that are shown.
 const MOST_EXPLANATIONS: usize = 10;
@@ -52,10 +55,10 @@ pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
     let lead = html! {
         (page.recordings.all().len()) " recordings, explained with " (provenance.model) "; " (provenance.source) "."
     };
-    let sentences = diagnosis_words(page);
+    let sentences = sentences(page);
     let alarm = page.diagnosis.finding.is_alarm();
     let body = html! {
-        (verdict(alarm, &sentences, plain))
+        (verdict_above(alarm, &sentences, plain, &set::ranking(page)))
         (compared::section(page))
         (where_it_is(page))
         (what_it_is(page))
@@ -320,10 +323,19 @@ fn trust(page: &DiagnosisPage<'_>) -> Markup {
                         @if !gate.passed { ": not followed" } }
                 } }
                 @if let Some(bias) = found.bias { tr {
-                    th scope="row" { "Bias of the model" }
+                    th scope="row" { "Bias of the model, in the channel where it is largest" }
                     td { (self::bias(bias)) }
                 } }
             } }
+            @let relations = found.relation_errors(page.predictor);
+            @if !relations.is_empty() {
+                (table("Errors that relations of the model are allowed besides, each in all channels that it changes: standard deviations, a share being one of \
+                        the logarithm. Half of the variance is the same at all conditions, the rest changes smoothly over them.",
+                    [Text("Relation"), Number("Standard deviation"), Text("Why")],
+                    &html! { @for error in &relations { tr {
+                        th scope="row" { (error.title) } td.n { (relation_error(error)) } td { (error.reason) }
+                    } } }))
+            }
         }
     }
 }

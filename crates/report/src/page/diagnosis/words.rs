@@ -1,11 +1,14 @@
 //! The verdict in plain words.
 
 use super::DiagnosisPage;
-use crate::kit::numbers::{percent, three_digits, with_ends};
+use super::set::{self, SET, ranked};
+use crate::kit::numbers::{
+    percent, percent_whole, plain, three_digits, with_ends, with_known_ends,
+};
 use crate::kit::text::listed;
 use sphcut_diagnose::{
-    BiasOrigin, ClaimVerdict, Competitor, Fit, HeldOutErrors, ParameterEstimate, Part, Rate, Rerun,
-    RerunChannel,
+    BiasOrigin, ClaimVerdict, Competitor, Fit, HeldOutErrors, ParameterEstimate, Part, Rate,
+    RelationError, Rerun, RerunChannel,
 };
 use sphcut_physics::Channel;
 
@@ -125,26 +128,55 @@ pub(super) fn shown(unit: &str, value: f64) -> (f64, &str) {
     }
 }
 
-/// `39.1 µm (35.2 to 42.9)`.
+/// `r_n = 39.1 µm (35.2 to 42.9)`.
 pub(super) fn estimate(page: &DiagnosisPage<'_>, estimate: &ParameterEstimate) -> String {
     let parameter = &page.predictor.effects()[estimate.effect].parameters[estimate.parameter];
     let (scale, unit) = shown(parameter.unit, estimate.interval[1]);
-    let [low, high] = estimate.interval.map(|x| three_digits(x * scale));
+    let [low, high] = estimate.interval;
+    let text = with_known_ends([estimate.value, low, high].map(|x| x * scale));
     let blank = if unit.is_empty() { "" } else { " " };
-    format!(
-        "{} = {}{blank}{unit} ({low} to {high})",
-        parameter.symbol,
-        three_digits(estimate.value * scale)
-    )
+    format!("{} = {}", parameter.symbol, text.replacen(" (", &format!("{blank}{unit} ("), 1))
 }
 
 pub(super) fn parameters(page: &DiagnosisPage<'_>, fit: &Fit) -> Vec<String> {
-    page.diagnosis.estimates(page.predictor, fit).iter().map(|e| estimate(page, e)).collect()
+    sizes(page, &page.diagnosis.estimates(page.predictor, fit))
+}
+
+pub(super) fn sizes(page: &DiagnosisPage<'_>, estimates: &[ParameterEstimate]) -> Vec<String> {
+    estimates.iter().map(|e| estimate(page, e)).collect()
+}
+
+/// An effect of a set in words; `None`: one that is not among the candidates.
+pub(super) fn title(page: &DiagnosisPage<'_>, effect: Option<usize>) -> String {
+    effect.map_or("an unmodelled effect", |k| page.predictor.effects()[k].title).to_owned()
+}
+
+/// `0.12 rad (7°)`, `30 %`.
+pub(super) fn relation_error(error: &RelationError) -> String {
+    let (scale, unit) = shown(error.unit, error.deviation);
+    if error.unit.is_empty() {
+        return percent_whole(error.deviation);
+    }
+    format!("{} {} ({:.0}{unit})", plain(error.deviation), error.unit, scale * error.deviation)
+}
+
+/// What the terminal shows, a line per entry: the verdict, the ranking of its set where there is one, and all else that can be said.
+#[must_use]
+pub fn diagnosis_text(page: &DiagnosisPage<'_>) -> Vec<String> {
+    let mut lines = sentences(page);
+    let ranked = ranked(page);
+    if !ranked.is_empty() {
+        let rows = ranked.iter().enumerate().map(|(k, row)| {
+            let size = if row.size.is_empty() { String::new() } else { format!(": {}", row.size) };
+            format!("{:>4}  {:>6}  {}{size}", k + 1, row.probability, row.title)
+        });
+        lines.splice(1..1, [format!("  {SET}")].into_iter().chain(rows));
+    }
+    lines
 }
 
 /// What can be said, one entry per thought.
-#[must_use]
-pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
+pub(super) fn sentences(page: &DiagnosisPage<'_>) -> Vec<String> {
     let mut words = vec![verdict(page)];
     words.extend(whereabouts(page));
     words.extend(page.diagnosis.help.first().map(|held| help(page, held)));
@@ -213,9 +245,8 @@ pub fn diagnosis_words(page: &DiagnosisPage<'_>) -> Vec<String> {
 
 fn verdict(page: &DiagnosisPage<'_>) -> String {
     let finding = &page.diagnosis.finding;
-    let titles = |list: &[usize]| -> Vec<String> {
-        list.iter().map(|&k| page.predictor.effects()[k].title.to_owned()).collect()
-    };
+    let titles =
+        |list: &[usize]| -> Vec<String> { list.iter().map(|&k| title(page, Some(k))).collect() };
     match &finding.verdict {
         ClaimVerdict::NoAlarm => format!(
             "No effect is shown to be missing: the scatter of material, friction and instruments explains these data (posterior probability of the null hypothesis: {}).",
@@ -233,10 +264,6 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
             )
         }
         ClaimVerdict::OneOf => {
-            let mut set = titles(&finding.set);
-            if finding.set_has_none {
-                set.push("an unmodelled effect".to_owned());
-            }
             let family = finding.family().map_or_else(String::new, |name| {
                 format!(" Its family is known: {}.", family(name))
             });
@@ -245,9 +272,9 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
                 listed(&titles(&finding.probable())),
                 percent(share)
             ));
+            let which = set::named(page);
             format!(
-                "An effect is missing, but these data do not distinguish which: with 95 % probability at least one of {}.{family}{stands_in}",
-                listed(&set)
+                "An effect is missing, but these data do not distinguish which: {which}.{family}{stands_in}"
             )
         }
         ClaimVerdict::NoneOfThese => {
