@@ -1,6 +1,5 @@
 //! Chip, contact and machined surface over the snapshots of a run.
 
-use crate::along_edge::{self, AlongEdge};
 use crate::chip::{self, ChipContext, ChipShape};
 use crate::cloud::{CutParticles, CutPlane};
 use crate::contact::{self, ContactShape};
@@ -12,10 +11,10 @@ use crate::segments::{self, SegmentContext, Segments, deviation};
 use crate::shear_zone::{self, ShearZone};
 use crate::statistics::{mean, median, quantile};
 use crate::surface::{self, MachinedSurface, SurfaceContext};
-use sphcut_record::{Run, RunError};
+use sphcut_record::{Facts, Run, RunError};
 use sphcut_sph::{ChannelId, Snapshot};
 
-/// What the snapshots show; in space in the section of the largest uncut chip thickness ([`AlongEdge`]).
+/// What the snapshots show; in space in the section of the largest uncut chip thickness ([`AlongEdge`], measured in `space`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
     /// The chip.
@@ -106,7 +105,35 @@ impl ContactLengths {
     }
 }
 
-/// Measures the snapshots that lie in the window, and the last one whether it does or not.
+/// A section of a cut in space. Lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EdgeSection {
+    /// Along the feed, from the tool's lowest point.
+    pub place: f64,
+    /// h there.
+    pub uncut_chip_thickness: f64,
+    /// The chip there; its compression ratio is that of the section.
+    pub chip: Result<Chip, Missing>,
+    /// Shear angle in rad from it.
+    pub shear_angle: Result<f64, Missing>,
+    /// Length of contact there.
+    pub contact: Result<ContactLengths, Missing>,
+}
+
+/// What is only measured in space.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AlongEdge {
+    /// Against the feed first.
+    pub sections: Vec<EdgeSection>,
+    /// Section of what the tool meets in m^2: between its shadow and the surface before the cut, by the particles.
+    pub uncut_section: f64,
+    /// Area of the tool in contact in m^2, mean over the snapshots of the window.
+    pub contact_area: Option<f64>,
+    /// The section of the largest uncut chip thickness as a plane cut, and its last snapshot.
+    pub deepest: Option<(Facts, Snapshot)>,
+}
+
+/// Measures the snapshots of a plane cut that lie in the window, and the last one whether it does or not.
 pub(crate) fn measure(run: &Run, window: &SteadyWindow) -> Result<Geometry, RunError> {
     let (Some(thickness), Some(tool_velocity)) =
         (run.facts.uncut_chip_thickness, run.facts.tool_velocity)
@@ -115,9 +142,6 @@ pub(crate) fn measure(run: &Run, window: &SteadyWindow) -> Result<Geometry, RunE
     };
     if !run.facts.passes.is_empty() {
         return Ok(Geometry::without(&Missing::SeveralPasses));
-    }
-    if run.facts.dimension != 2 {
-        return along_edge::measure(run, window);
     }
     if run.snapshots.is_empty() {
         return Ok(Geometry::without(&Missing::NoSnapshots));

@@ -3,7 +3,6 @@
 //! [`evaluate`] turns a [`sphcut_record::Run`] into a [`ProcessResult`], [`summary_json`] turns
 //! that into `summary.json`, whose schema `docs/summary_json.md` describes.
 
-mod along_edge;
 mod balances;
 pub mod calibration;
 mod checks;
@@ -18,9 +17,9 @@ mod missing;
 mod outline;
 mod process;
 mod result;
-mod section;
 mod segments;
 mod shear_zone;
+mod space;
 pub mod springback;
 pub mod statistics;
 pub mod steady;
@@ -34,13 +33,12 @@ mod warnings;
 #[path = "../tests/synthetic/mod.rs"]
 pub mod synthetic;
 
-pub use along_edge::{AlongEdge, EdgeSection};
 pub use balances::{
     ENERGY_TERMS, EnergyBalance, EnergyTerm, HeatBalance, MomentumBalance, MomentumBalances,
     TermKind, ToolHeatBalance,
 };
 pub use forces::{Force, Forces, SteadyWindow};
-pub use geometry::{Chip, ContactLengths, Geometry};
+pub use geometry::{AlongEdge, Chip, ContactLengths, EdgeSection, Geometry};
 pub use interface::{Interface, InterfaceBin};
 pub use known::KnownForce;
 pub use missing::Missing;

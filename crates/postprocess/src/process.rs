@@ -5,6 +5,7 @@ use crate::forces::{Force, Forces, SteadyWindow};
 use crate::known::KnownForce;
 use crate::missing::Missing;
 use crate::result::{Extremes, ParticleResolution, PassResult, ProcessResult, StressBin};
+use crate::space;
 use crate::springback::{self, SpringbackError};
 use crate::steady::{Series, SteadyOptions, SteadyState, detect, window_mean};
 use crate::temperature::temperatures;
@@ -65,7 +66,10 @@ fn evaluate_by(
         feed_known: KnownForce::feed(samples, &window, &last, &run.facts, &forces.feed),
         forces,
         passes: ranges.into_iter().enumerate().map(of_pass).collect(),
-        geometry: geometry::measure(run, &window)?,
+        geometry: match run.facts.dimension {
+            2 => geometry::measure(run, &window)?,
+            _ => space::measure(run, &window)?,
+        },
         residual_stress: Err(Missing::NoCut),
         temperature: temperatures(samples, &last, criterion),
         extremes: extremes(samples),

@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 use sphcut_postprocess::synthetic::{AMBIENT, INTERFACE_TEMPERATURE, SyntheticCut};
-use sphcut_postprocess::{Missing, ProcessResult, Warning, evaluate, summary_json};
+use sphcut_postprocess::{
+    AlongEdge, EdgeSection, Missing, ProcessResult, Warning, evaluate, summary_json,
+};
 use sphcut_record::{Outcome, Run, Setting};
 use sphcut_sph::ChannelId;
 use sphcut_sph::setup::Pass;
@@ -308,7 +310,20 @@ fn paths(value: &Value, prefix: &str, found: &mut Vec<String>) {
 fn the_summary_and_its_description_name_the_same_keys() {
     let mut run = run();
     run.provenance.warnings.push("said before".to_owned());
-    let value: Value = serde_json::from_str(&summary_json(&evaluate(&run).unwrap())).unwrap();
+    let mut result = evaluate(&run).unwrap();
+    // What only a cut in space has.
+    let geometry = &mut result.geometry;
+    geometry.along_edge = Some(AlongEdge {
+        sections: vec![EdgeSection {
+            place: 0.0,
+            uncut_chip_thickness: 1e-4,
+            chip: geometry.chip.clone(),
+            shear_angle: geometry.shear_angle.clone(),
+            contact: geometry.contact.clone(),
+        }],
+        ..AlongEdge::default()
+    });
+    let value: Value = serde_json::from_str(&summary_json(&result)).unwrap();
     let mut keys = Vec::new();
     paths(&value, "", &mut keys);
     // A run of several passes has no chip to describe, a run of one no list of passes.
@@ -327,7 +342,7 @@ fn the_summary_and_its_description_name_the_same_keys() {
     described.sort();
     assert_eq!(keys, described);
     // What scripts rely on.
-    assert_eq!(value["schema_version"], "2.0");
+    assert_eq!(value["schema_version"], "2.1");
     let force = value["forces"]["cutting"]["mean_n_per_mm"].as_f64().unwrap();
     assert!((force - 200.0).abs() < 3.0, "{force}");
     assert_eq!(value["warnings"][0]["code"], "scenario");

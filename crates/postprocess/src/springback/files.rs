@@ -9,7 +9,7 @@ use sphcut_physics::csv;
 use std::fmt::Write;
 
 /// Version of the schema of `springback.json`.
-pub const SCHEMA_VERSION: &str = "1.1";
+pub const SCHEMA_VERSION: &str = "1.2";
 
 const UM: f64 = 1e6;
 const MM: f64 = 1e3;
@@ -99,6 +99,7 @@ fn run(entry: &SpringbackEntry<'_>, measurements: &[Measurement]) -> Value {
         "steady": entry.result.steady.reached,
         "cutting_force": force(&entry.result.forces.cutting),
         "feed_force": force(&entry.result.forces.feed),
+        "normal_force": force(&found.normal_force),
         "comparison": comparison,
         "touched": touched.collect::<Vec<Value>>(),
         "recovery": recovery.collect::<Vec<Value>>(),
@@ -119,7 +120,7 @@ fn agreement(agreement: Agreement) -> &'static str {
 #[must_use]
 pub fn springback_csv(entries: &[SpringbackEntry<'_>], measurements: &[Measurement]) -> String {
     let mut text = "run,v_c [m/min],springback [um],ci95 [um],error [um],F_c [N],F_c ci95 [N],\
-                    F_f [N],F_f ci95 [N],measured springback [um],uncertainty [um],agreement\n"
+                    F_n [N],F_n ci95 [N],measured springback [um],uncertainty [um],agreement\n"
         .to_owned();
     for entry in entries {
         let (found, forces) = (entry.springback, &entry.result.forces);
@@ -131,8 +132,8 @@ pub fn springback_csv(entries: &[SpringbackEntry<'_>], measurements: &[Measureme
             Some(found.error.total() * UM),
             Some(forces.cutting.mean),
             Some(forces.cutting.ci95),
-            Some(forces.feed.mean),
-            Some(forces.feed.ci95),
+            Some(found.normal_force.mean),
+            Some(found.normal_force.ci95),
             comparison.map(|c| c.measured.springback * UM),
             comparison.map(|c| c.measured.uncertainty * UM),
         ];

@@ -36,6 +36,7 @@ pub use strips::{Strips, outer_heights};
 pub use touched::{RecoveryBin, Touched};
 
 use crate::cloud::{CutParticles, PlanePoint};
+use crate::forces::Force;
 use crate::result::ProcessResult;
 use crate::steady::{autocorrelation_time, mean_interval};
 use context::{Lowest, SnapshotView, context};
@@ -56,21 +57,22 @@ const SLICE_WINDOW: f64 = 10.0;
 pub fn measure(run: &Run, result: &ProcessResult) -> Result<Springback, SpringbackError> {
     if run.facts.dimension == 3 {
         let slice = slice::first_pass(run, result)?;
-        return measure_plane(&slice.run, slice.window_start, SLICE_WINDOW);
+        return measure_plane(&slice.run, slice.window_start, SLICE_WINDOW, result.forces.passive);
     }
-    measure_plane(run, result.window.start, PLANE_WINDOW)
+    measure_plane(run, result.window.start, PLANE_WINDOW, result.forces.feed)
 }
 
 fn measure_plane(
     run: &Run,
     window_start: f64,
     least_window: f64,
+    normal_force: Force,
 ) -> Result<Springback, SpringbackError> {
     let context = context(run, window_start, least_window)?;
     let mut followed = Followed::default();
     let mut strips = strips::StripCollector::new(&context);
     let mut stress = StressProfile::new(run, &context);
-    let mut snapshots = 0;
+    let (mut snapshots, mut tool) = (0, Vec::new());
     for number in 0..run.snapshots.len() {
         let snapshot = run.snapshots.get(number)?;
         let cloud = CutParticles::new(&snapshot, context.plane);
@@ -82,6 +84,7 @@ fn measure_plane(
         strips.visit(&view, &context);
         stress.visit(&view, &context);
         snapshots += 1;
+        tool = corners.iter().map(|c| [c[0] - lowest.rear, c[1] - lowest.height]).collect();
     }
     let found = followed.finish(&context);
     let in_window: Vec<f64> = found
@@ -105,6 +108,8 @@ fn measure_plane(
         mean,
         median,
         recovery: found.recovery,
+        tool,
+        normal_force,
         strips: strips.finish(&context),
         stress: stress.finish(),
         snapshots,

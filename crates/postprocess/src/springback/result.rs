@@ -4,6 +4,7 @@ use super::error::ErrorBar;
 use super::median::MedianInterval;
 use super::strips::Strips;
 use super::touched::{RecoveryBin, Touched};
+use crate::forces::Force;
 use crate::result::StressBin;
 use crate::steady::MeanInterval;
 
@@ -32,6 +33,10 @@ pub struct Springback {
     pub median: Option<MedianInterval>,
     /// The same particles against the distance behind the tool.
     pub recovery: Vec<RecoveryBin>,
+    /// Corners of the tool in the last snapshot: along the cut from the rear end of its lowest side, above its lowest point.
+    pub tool: Vec<[f64; 2]>,
+    /// Into the machined surface: F_f of a plane cut, F_p in turning.
+    pub normal_force: Force,
     /// The outermost particles.
     pub strips: Strips,
     /// Residual stress against depth.

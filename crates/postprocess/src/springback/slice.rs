@@ -13,7 +13,7 @@ use super::error::SpringbackError;
 use crate::cloud::CutPlane;
 use crate::geometry::uncut_surface;
 use crate::result::ProcessResult;
-use crate::section::Axes;
+use crate::space::Axes;
 use sphcut_record::{Facts, Run, Samples, Snapshots};
 use sphcut_sph::setup::{CuttingFrame, Vector};
 use sphcut_sph::{ChannelId, Snapshot};

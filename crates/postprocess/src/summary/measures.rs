@@ -2,8 +2,7 @@
 //! `reason` says why.
 
 use super::MM_PER_M;
-use crate::along_edge::EdgeSection;
-use crate::geometry::Geometry;
+use crate::geometry::{EdgeSection, Geometry};
 use crate::interface::InterfaceBin;
 use crate::missing::Missing;
 use crate::result::ProcessResult;

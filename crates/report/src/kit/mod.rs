@@ -4,6 +4,7 @@
 pub(crate) mod canvas;
 pub(crate) mod chart;
 pub(crate) mod colours;
+pub(crate) mod drawing;
 pub(crate) mod map;
 pub(crate) mod numbers;
 pub(crate) mod parity;

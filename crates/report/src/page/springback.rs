@@ -3,10 +3,11 @@
 use super::{residual_stress, run};
 use crate::kit::chart::{Band, Chart, ChartLine};
 use crate::kit::colours::{BLUE, BLUE_LIGHT, GREEN, RED};
+use crate::kit::drawing::Drawing;
 use crate::kit::numbers::{M_PER_MIN, MM, UM, three_digits, with_interval};
 use crate::kit::shell::{Shell, figure, next, note, tab};
 use crate::kit::table::{ColumnHead, or_dash, table};
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 use sphcut_postprocess::ProcessResult;
 use sphcut_postprocess::springback::{
     Agreement, Measurement, MedianInterval, RESOLUTION_SHARE, Springback,
@@ -136,7 +137,7 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
         Number("resolution"),
         Number("Measured in \u{b5}m"),
         Number("F_c in N"),
-        Number("F_f in N"),
+        Number("F_n in N"),
     ];
     let rows = html! { @for run in runs {
         @let found = run.springback;
@@ -153,7 +154,7 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
             td.n { (three_digits(error.resolution * UM)) }
             td.n { (or_dash(compared, |c| with_interval(c.measured.springback * UM, c.measured.uncertainty * UM))) }
             td.n { (with_interval(forces.cutting.mean, forces.cutting.ci95)) (measured_force(compared.and_then(|c| c.measured.cutting_force))) }
-            td.n { (with_interval(forces.feed.mean, forces.feed.ci95)) (measured_force(compared.and_then(|c| c.measured.normal_force))) }
+            td.n { (with_interval(found.normal_force.mean, found.normal_force.ci95)) (measured_force(compared.and_then(|c| c.measured.normal_force))) }
         }
     } };
     html! {
@@ -161,7 +162,8 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
             h2 { "Springback and forces" }
             (table("Springback with its error bar: 95 % interval of the mean, plus the overlap of \
                 particles and tool, plus what the spacing resolves. The median does not follow crumbs \
-                that stand up from the surface. Forces with their 95 % interval.", columns, &rows))
+                that stand up from the surface. Forces with their 95 % interval; F_n is that into the machined \
+                surface, F_f of a plane cut and F_p in turning.", columns, &rows))
         }
     }
 }
@@ -241,6 +243,7 @@ fn details(run: &SpringbackRun<'_>) -> Markup {
         section {
             h2 { (run.name) ", " (speed(found)) " m/min" }
             @if let Some(page) = run.page { p { a href=(page) { "Page of the run" } } }
+            (behind_the_tool(found))
             (figure(profile(found).svg(), "Springback against the cutting distance. Blue: particles that a \
                 snapshot has seen touching the lowest part of the tool, followed until they lie clear \
                 of it. Pale: outermost particles of strips two spacings wide, whose height says how rough \
@@ -262,6 +265,48 @@ fn details(run: &SpringbackRun<'_>) -> Markup {
                 (thin). The stress normal to the surface has to vanish at it: what it is there is an \
                 error of the other two. Pressure alternates between single rows, which mean nothing \
                 alone."))
+        }
+    }
+}
+
+/// The surface behind the tool in its true scale.
+fn behind_the_tool(found: &Springback) -> Markup {
+    let (Some(mean), Some(last)) = (found.mean, found.recovery.last()) else { return html! {} };
+    if found.tool.len() < 3 {
+        return html! {};
+    }
+    let long = last.behind.min(2.0 * found.clear_distance);
+    let x = [-1.1 * long, 0.5 * long];
+    let y = [-0.18 * long, 0.42 * long];
+    let mut drawing = Drawing::new(x, y, "The machined surface behind the tool, in its true scale");
+    let mut surface: Vec<[f64; 2]> =
+        found.recovery.iter().map(|bin| [-bin.behind, bin.height]).collect();
+    surface.insert(0, [0.0, 0.0]);
+    surface.retain(|point| point[0] > x[0]);
+    surface.extend([
+        [x[0], surface.last().map_or(0.0, |point| point[1])],
+        [x[0], y[0]],
+        [0.0, y[0]],
+    ]);
+    drawing.polygon(&surface, &format!(r#"fill="{BLUE_LIGHT}" stroke="{BLUE}""#));
+    drawing.tool(&found.tool);
+    drawing.line([x[0], 0.0], [x[1], 0.0], &format!(r#"stroke="{RED}" stroke-dasharray="6 4""#));
+    let place = [-0.8 * long, mean.mean];
+    drawing.arrow([place[0], 0.1 * long], place, RED);
+    drawing.arrow([place[0], -0.1 * long], [place[0], 0.0], RED);
+    let error = if found.error.statistical.is_finite() {
+        with_interval(mean.mean * UM, found.error.total() * UM)
+    } else {
+        three_digits(mean.mean * UM)
+    };
+    drawing.text([place[0], 0.1 * long], [0.0, -6.0], "middle", &format!("s = {error} \u{b5}m"));
+    html! {
+        figure {
+            (PreEscaped(drawing.finish()))
+            figcaption {
+                "The machined surface behind the tool in its true scale, " (three_digits((x[1] - x[0]) * UM))
+                " \u{b5}m wide. Dashed: the height of the tool's lowest point, where the surface would lie without springback."
+            }
         }
     }
 }

@@ -29,29 +29,14 @@ pub(crate) const CUT_SPRINGBACK_ERROR: Observable = Observable {
     evaluate: |evidence, _| Ok(springback(evidence)?.error.total()),
 };
 
-/// Median springback.
-pub(crate) const CUT_SPRINGBACK_MEDIAN: Observable = Observable {
-    name: "cut_springback_median",
+/// The part of it that differs from run to run.
+pub(crate) const CUT_SPRINGBACK_INTERVAL: Observable = Observable {
+    name: "cut_springback_interval",
     unit: "m",
-    meaning: "median springback of the machined surface, which does not follow crumbs",
+    meaning: "half the width of the 95 % interval of that mean; overlap and resolution, the rest of the error bar, are the same in \
+              runs that differ in one cause",
     arguments: &[],
-    evaluate: |evidence, _| {
-        let springback = springback(evidence)?;
-        Ok(springback.median.ok_or("no particle of the surface touched the tool")?.median)
-    },
-};
-
-/// Half the width of its interval.
-pub(crate) const CUT_SPRINGBACK_MEDIAN_INTERVAL: Observable = Observable {
-    name: "cut_springback_median_interval",
-    unit: "m",
-    meaning: "half the width of the 95 % interval of that median",
-    arguments: &[],
-    evaluate: |evidence, _| {
-        let springback = springback(evidence)?;
-        let [low, high] = springback.median.ok_or("no particle of the surface touched")?.bounds;
-        Ok(0.5 * (high - low))
-    },
+    evaluate: |evidence, _| Ok(springback(evidence)?.error.statistical),
 };
 
 /// Mean cutting force of the last pass.

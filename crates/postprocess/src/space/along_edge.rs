@@ -10,11 +10,12 @@
 //! **Limits.** A chip that turns aside from the normal of the chord, or curls out of the plane, is cut obliquely and seems
 //! thicker. One pass into a block at rest; a section whose uncut chip is thinner than two spacings has no chip thickness.
 
+use super::section::Axes;
 use crate::cloud::CutPlane;
 use crate::forces::SteadyWindow;
-use crate::geometry::{self, Chip, ContactLengths, Geometry, uncut_surface};
+use crate::geometry::{self, AlongEdge, EdgeSection, Geometry, uncut_surface};
 use crate::missing::Missing;
-use crate::section::Axes;
+use crate::result::ProcessResult;
 use crate::statistics::{mean, median};
 use sphcut_record::{Facts, Run, RunError, Snapshots};
 use sphcut_sph::Snapshot;
@@ -34,36 +35,14 @@ const LEVEL: f64 = 1e-6;
 /// Places along the feed at which the engagement is looked for.
 const PLACES: usize = 200;
 
-/// A section of a cut in space. Lengths in m.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EdgeSection {
-    /// Along the feed, from the tool's lowest point.
-    pub place: f64,
-    /// h there.
-    pub uncut_chip_thickness: f64,
-    /// The chip there; its compression ratio is that of the section.
-    pub chip: Result<Chip, Missing>,
-    /// Shear angle in rad from it.
-    pub shear_angle: Result<f64, Missing>,
-    /// Length of contact there.
-    pub contact: Result<ContactLengths, Missing>,
-}
-
-/// What is only measured in space.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct AlongEdge {
-    /// Against the feed first.
-    pub sections: Vec<EdgeSection>,
-    /// Section of what the tool meets in m^2: between its shadow and the surface before the cut, by the particles.
-    pub uncut_section: f64,
-    /// Area of the tool in contact in m^2, mean over the snapshots of the window.
-    pub contact_area: Option<f64>,
-    /// The section of the largest uncut chip thickness as a plane cut, and its last snapshot.
-    pub deepest: Option<(Facts, Snapshot)>,
-}
-
 /// The section of the largest uncut chip thickness as the geometry of a plane cut, and all along the edge.
 pub(crate) fn measure(run: &Run, window: &SteadyWindow) -> Result<Geometry, RunError> {
+    if !ProcessResult::is_cut(run) {
+        return Ok(Geometry::without(&Missing::NoCut));
+    }
+    if !run.facts.passes.is_empty() {
+        return Ok(Geometry::without(&Missing::SeveralPasses));
+    }
     if run.snapshots.is_empty() {
         return Ok(Geometry::without(&Missing::NoSnapshots));
     }
