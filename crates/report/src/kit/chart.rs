@@ -14,6 +14,9 @@ const LEGEND_ROW: f64 = 19.0;
 /// Base line of its first row.
 const FIRST_ROW: f64 = 15.0;
 const BOTTOM: f64 = 46.0;
+/// Room of the name of a band: width, and height of a line.
+const NAME: f64 = 150.0;
+const LINE: f64 = 15.0;
 /// Width of one letter of the legend, generously.
 const LETTER: f64 = 7.4;
 /// Most points of a line; a longer series keeps the extremes of each column.
@@ -272,23 +275,30 @@ impl Chart<'_> {
         }
     }
 
+    /// Names above the bands, below where another name is.
     fn draw_bands(&self, svg: &mut String, axes: &Axes) {
+        let mut named: Vec<[f64; 2]> = Vec::new();
         for band in &self.bands {
             // A window may end beyond the last point of the lines.
             let [x0, x1] = [band.from, band.to].map(|end| axes.x(end).clamp(LEFT, WIDTH - RIGHT));
             let y = axes.y(band.mean);
             let half = if band.half_width.is_finite() { band.half_width } else { 0.0 };
-            let top = axes.y(band.mean + half);
+            let (top, bottom) = (axes.y(band.mean + half), axes.y(band.mean - half));
+            let is_taken = |y: f64| {
+                named.iter().any(|at| (at[0] - x1).abs() < NAME && (at[1] - y).abs() < LINE)
+            };
+            let name = Some(top - 6.0).filter(|y| !is_taken(*y)).unwrap_or(bottom + LINE);
+            named.extend((!band.label.is_empty()).then_some([x1, name]));
             put(
                 svg,
                 format_args!(
                     r#"<rect x="{x0:.1}" y="{top:.1}" width="{:.1}" height="{:.1}" fill="{}" opacity="0.25"/><line x1="{x0:.1}" x2="{x1:.1}" y1="{y:.1}" y2="{y:.1}" stroke="{}" stroke-width="2"/><text class="value" x="{:.1}" y="{:.1}" text-anchor="end">{}</text>"#,
                     x1 - x0,
-                    axes.y(band.mean - half) - top,
+                    bottom - top,
                     band.colour,
                     band.colour,
                     x1 - 6.0,
-                    top - 6.0,
+                    name,
                     svg_text(&band.label)
                 ),
             );

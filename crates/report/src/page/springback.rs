@@ -162,8 +162,8 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
             h2 { "Springback and forces" }
             (table("Springback with its error bar: 95 % interval of the mean, plus the overlap of \
                 particles and tool, plus what the spacing resolves. The median does not follow crumbs \
-                that stand up from the surface. Forces with their 95 % interval; F_n is that into the machined \
-                surface, F_f of a plane cut and F_p in turning.", columns, &rows))
+                that stand up from the surface. Forces with their 95 % interval; the last is that \
+                into the machined surface: the feed force of a plane cut, the passive force in turning.", columns, &rows))
         }
     }
 }
