@@ -4,6 +4,78 @@ use crate::common::Workshop;
 
 const TABLE: &str = "v_c [m/min],springback [um],uncertainty [um],F_c [N]\n150,1.2,0.85,600\n";
 
+/// One pass on the groove of an earlier one, coarse.
+const TURNING: &str = r#"title = "A small turning"
+dimension = 3
+
+[workpiece]
+material = "en_aw_6262a_t8"
+length = "0.8 mm"
+height = "0.3 mm"
+width = "1.1 mm"
+
+[tool]
+nose_radius = "0.4 mm"
+edge_radius = "40 um"
+rake_angle = "15 deg"
+clearance_angle = "7 deg"
+side_cutting_edge_angle = "5 deg"
+front_cutting_edge_angle = "15 deg"
+friction = { law = "coulomb", friction_coefficient = 0.3 }
+
+[process]
+cutting_speed = "300 m/min"
+depth_of_cut = "80 um"
+feed = "0.15 mm"
+earlier_passes = 1
+
+[window]
+ahead = "0.4 mm"
+behind = "0.5 mm"
+
+[boundaries]
+layers = 1
+
+[resolution]
+particle_spacing = "30 um"
+grading = {}
+
+[numerics]
+mass_scaling = 2000
+
+[output]
+snapshots = 8
+
+[stop]
+travel = "0.25 mm"
+"#;
+
+#[test]
+fn turning_in_a_window_is_measured_in_sections() {
+    let shop = Workshop::new("springback_turning");
+    shop.write("turning.toml", TURNING);
+    let run = ["run", "turning.toml", "--quiet", "--threads", "1", "--out", "cut"];
+    shop.sphcut(&run).expect_code(0);
+    let summary: serde_json::Value = serde_json::from_str(&shop.read("cut/summary.json")).unwrap();
+    let along = &summary["along_edge"];
+    let sections = along["sections"].as_array().unwrap();
+    assert_eq!(sections.len(), 9);
+    // The section of a later pass is a_p f = 0.012 mm^2, as well as rows of 24 um tell.
+    let area = along["uncut_section_mm2"].as_f64().unwrap();
+    assert!((area / 0.012 - 1.0).abs() < 0.2, "{area}");
+    let thickest = |key: &str| {
+        let values = sections.iter().filter_map(|section| section[key].as_f64());
+        values.fold(0.0, f64::max)
+    };
+    let derived = 1e-3 * 64.9;
+    assert!((thickest("uncut_chip_thickness_mm") - derived).abs() < 0.02, "{along}");
+    assert!(thickest("contact_rake_mm") > 0.02 && along["contact_area_mm2"].as_f64() > Some(0.0));
+    assert!(shop.read("cut/report.html").contains("section of the largest uncut chip thickness"));
+    // Clear of the tool is nothing yet.
+    let ended = shop.sphcut(&["springback", "cut", "--out", "sb"]).expect_code(2);
+    assert!(ended.err.contains("the cut is too short"), "{}", ended.err);
+}
+
 #[test]
 fn a_cut_gets_its_page_its_numbers_and_its_verdict() {
     let shop = Workshop::new("springback_cut");
