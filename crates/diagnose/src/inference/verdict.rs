@@ -85,7 +85,7 @@ impl Conclusion {
         probable(&self.inclusion)
     }
 
-    /// The set by posterior probability, the most probable first: effects, and `None` for "none of these".
+    /// The set by posterior probability, the most probable first: effects, and `None` for an unmodelled effect.
     #[must_use]
     pub fn ranked(&self) -> Vec<(Option<usize>, f64)> {
         let effects = self.set.iter().map(|&k| (Some(k), self.inclusion[k]));

@@ -30,7 +30,7 @@ pub struct RecoveryBin {
 /// The lowest part of the tool ends where its side is this many spacings higher than its lowest point.
 const LOWEST_PART: f64 = 0.5;
 /// Material that is no further than this many spacings from the tool touches it. Contact is spread over the particles within a
-/// spacing of the tool, so that others carry a force, too: on a groove across the rows of a lattice two of three, up to a
+/// spacing of the tool, so that others carry a force, too: on a groove across the rows of a lattice one of three, up to a
 /// whole row below the surface. What touches overlaps the tool; of 446 particles of a turned groove five had a gap of 0
 /// to 0.04 spacings.
 const TOUCHES: f64 = 0.05;
