@@ -44,7 +44,9 @@ pub(crate) fn process(
         reader::read(findings, &root.source, root.table("process")?, &sections::process(), 2);
     let mirrored = record.switch("mirrored");
     let (plane, turning) = (["uncut_chip_thickness", "width_of_cut"], ["depth_of_cut", "feed"]);
-    let several = root.is_written("passes") || record.count(EARLIER).is_some_and(|count| count > 0);
+    // A count out of its range is told by itself.
+    let earlier = record.is_written(EARLIER) && record.count(EARLIER) != Some(0);
+    let several = root.is_written("passes") || earlier;
     let kind = if dimension == 2 {
         require(findings, &record, &plane);
         refuse_keys(
