@@ -8,7 +8,7 @@ use crate::left_out::{Foreseen, foresee, grouped, left_out, mean_error, regressi
 use crate::posterior::{
     AMPLITUDES, LinearLaw, MeasuredValue, PRIOR, Posterior, infer, infer_without, values,
 };
-use crate::{CutValues, RunPoint};
+use crate::{CutValues, NORMAL_95, RunPoint};
 use nalgebra::DVector;
 use sphcut_diagnose::Change;
 use sphcut_physics::{Channel, ToolGeometry};
@@ -47,7 +47,7 @@ pub struct CalibrationRequest<'a> {
 /// How well values were predicted that were left out: mean absolute relative errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOutErrors {
-    /// What was left out together: `cut`, `speed`, `thickness`, `rake`.
+    /// What was left out together: `cut`, `speed`, `thickness`, `rake`, or `held out`.
     pub by: &'static str,
     /// The channel.
     pub channel: Channel,
@@ -348,6 +348,24 @@ fn contradictions(
     Some(found)
 }
 
+/// Errors of each channel, beside those of regression alone and of the scenario with its errors regressed.
+fn compared_errors(
+    by: &'static str,
+    seen: &[Foreseen],
+    rivals: [&[(MeasuredValue, f64)]; 2],
+) -> Vec<LeftOutErrors> {
+    let of = |channel: Channel| {
+        let own: Vec<&Foreseen> = seen.iter().filter(|f| f.value.channel == channel).collect();
+        let calibrated = mean_error(own.iter().map(|f| (channel, f.error())), channel)?;
+        let [regression, corrected] =
+            rivals.map(|rows| mean_error(rows.iter().map(|(v, e)| (v.channel, *e)), channel));
+        let inside = own.iter().filter(|f| f.score().abs() < NORMAL_95).count();
+        let covered = inside as f64 / own.len() as f64;
+        Some(LeftOutErrors { by, channel, calibrated, regression, corrected, covered })
+    };
+    Channel::RECORDED.into_iter().filter_map(of).collect()
+}
+
 fn finished(
     request: &CalibrationRequest<'_>,
     places: &Places,
@@ -396,25 +414,7 @@ fn finished(
         let Some(seen) = left_out(&law, &values, &posterior, &groups) else { continue };
         let rival = regression(&values, cuts, places, &groups, None);
         let corrected = regression(&values, cuts, places, &groups, Some(&base));
-        for channel in Channel::RECORDED {
-            let own: Vec<&Foreseen> = seen.iter().filter(|f| f.value.channel == channel).collect();
-            let mean = |rows: &[(MeasuredValue, f64)]| {
-                mean_error(rows.iter().map(|(v, e)| (v.channel, *e)), channel)
-            };
-            let Some(calibrated) = mean_error(own.iter().map(|f| (channel, f.error())), channel)
-            else {
-                continue;
-            };
-            let inside = own.iter().filter(|f| f.score().abs() < 1.96).count();
-            errors.push(LeftOutErrors {
-                by,
-                channel,
-                calibrated,
-                regression: mean(&rival),
-                corrected: mean(&corrected),
-                covered: inside as f64 / own.len() as f64,
-            });
-        }
+        errors.extend(compared_errors(by, &seen, [&rival, &corrected]));
     }
     let effects = (0..constants.len())
         .filter(|&k| constants[k].effect.is_some())
@@ -436,13 +436,22 @@ fn finished(
         })
         .chain(held_out.iter().cloned())
         .collect();
-    let foreseen = foresee(&together, cuts.len(), &posterior, &emulator)?
-        .into_iter()
-        .map(|f| {
-            let condition = &together[f.value.cut].condition;
-            (emulator.log(f.value.channel, condition, t), f)
-        })
-        .collect();
+    let seen = foresee(&together, cuts.len(), &posterior, &emulator)?;
+    let measured = seen.iter().filter(|f| f.value.log.is_finite());
+    let held: Vec<MeasuredValue> = measured.map(|f| f.value).collect();
+    if !held.is_empty() {
+        let fitted = values.len();
+        let all: Vec<MeasuredValue> = values.into_iter().chain(held).collect();
+        let as_stated =
+            |v: &MeasuredValue| emulator.log(v.channel, &together[v.cut].condition, stated);
+        let base: Vec<f64> = all.iter().map(as_stated).collect();
+        let group = [(fitted..all.len()).collect::<Vec<usize>>()];
+        let of = |base| regression(&all, &together, places, &group, base);
+        errors.extend(compared_errors("held out", &seen, [&of(None), &of(Some(&base))]));
+    }
+    let simulated =
+        |f: &Foreseen| emulator.log(f.value.channel, &together[f.value.cut].condition, t);
+    let foreseen = seen.iter().map(|f| (simulated(f), *f)).collect();
     Some(CutCalibration {
         constants: constants.to_vec(),
         cuts: cuts.to_vec(),

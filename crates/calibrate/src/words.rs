@@ -237,12 +237,18 @@ fn left_out_words(found: &CutCalibration) -> Vec<String> {
             own.iter().map(|one| error(one).abs()).sum::<f64>() / count
         };
         let inside = own.iter().filter(|(_, f)| f.score().abs() < NORMAL_95).count();
+        let rivals = found.errors.iter().find(|e| e.by == "held out" && e.channel == channel);
+        let rival = |name: &str, error: Option<f64>| {
+            error.map_or_else(String::new, |error| format!(", {name} {}", percent(error)))
+        };
         words.push(format!(
-            "{} cuts held out, {}: simulated to {}, predicted to {} (mean absolute), {inside} of {} within 95 % intervals.",
+            "{} cuts held out, {}: simulated to {}, predicted to {}{}{} (mean absolute), {inside} of {} within 95 % intervals.",
             found.held_out.len(),
             channel.short_name(),
             percent(mean(&|(log, f)| (log - f.value.log).exp_m1())),
             percent(mean(&|(_, f)| f.error())),
+            rival("by regression of the fitted cuts", rivals.and_then(|e| e.regression)),
+            rival("by the scenario with its errors regressed", rivals.and_then(|e| e.corrected)),
             own.len()
         ));
     }

@@ -77,6 +77,11 @@ fn a_list_takes_the_values_of_all_keys_together() {
     let plan = planned("list_repeats", &format!("[design]\nkind = \"list\"\n{same}{radii}"));
     let speeds: Vec<Option<f64>> = plan.runs.iter().map(|run| run.numbers[0]).collect();
     assert_eq!(speeds, [Some(100.0 / 60.0); 2]);
+    // A thickness for which the height of the base is too little, beside a height that is enough.
+    let together = "[[vary]]\nkey = \"process.uncut_chip_thickness\"\nvalues = [\"0.1 mm\", \"0.35 mm\"]\n\
+                    [[vary]]\nkey = \"workpiece.height\"\nvalues = [\"0.4 mm\", \"1 mm\"]\n";
+    let plan = planned("list_together", &format!("[design]\nkind = \"list\"\n{together}"));
+    assert_eq!(plan.runs[1].numbers, [Some(350e-6), Some(1e-3)]);
 }
 
 /// A key that follows another has a value for every run, and the same address as if it had been written.

@@ -119,7 +119,25 @@ fn a_friction_coefficient_is_found_with_particle_runs() {
     ];
     let dry = shop.sphcut(&[&command[..], &["--dry-run"]].concat()).expect_code(0).out;
     assert!(dry.contains("9 runs") && dry.contains("processor time"), "{dry}");
-    shop.sphcut(&command).expect_code(0);
+    // The first round elsewhere: what is listed is a sweep, and its store is looked into.
+    let list = [&command[..], &["--list-runs"]].concat();
+    let listed = shop.sphcut(&list).expect_code(130).out;
+    assert!(listed.contains("as stated: 3 runs, 3 of them to be computed"), "{listed}");
+    let sweep = [
+        "sweep",
+        "twin/runs/as_stated/runs.toml",
+        "--out",
+        "twin/runs/as_stated",
+        "--store",
+        "twin/runs/store",
+        "--allow-outside",
+    ];
+    assert!(listed.contains(&format!("sphcut {}", sweep.join(" "))), "{listed}");
+    shop.sphcut(&[&sweep[..], &["--quiet", "--threads", "1"]].concat()).expect_code(0);
+    let listed = shop.sphcut(&list).expect_code(130).out;
+    assert!(listed.contains("changes: 3 runs, 3 of them to be computed"), "{listed}");
+    let ended = shop.sphcut(&command).expect_code(0);
+    assert!(!ended.err.contains("as stated"), "{}", ended.err);
     let found = numbers(&shop, "twin");
     let mu = &found["constants"][0];
     let [low, high] = [0, 1].map(|k| mu["interval"][k].as_f64().unwrap());

@@ -114,6 +114,14 @@ const COMMANDS: &[(&str, Trial)] = &[
         "sphcut calibrate scenarios/calibration/cut.toml --measured scenarios/calibration/cuts.csv --out twin",
         Elsewhere("calibrate"),
     ),
+    (
+        "sphcut calibrate scenarios/calibration/cut.toml --measured scenarios/calibration/cuts.csv --out twin --list-runs",
+        Elsewhere("calibrate"),
+    ),
+    (
+        "sphcut sweep twin/runs/as_stated/runs.toml --out twin/runs/as_stated --store twin/runs/store --allow-outside --executor slurm",
+        Elsewhere("calibrate"),
+    ),
     ("sphcut calibrate cut.toml --measured cuts.csv --out twin", Elsewhere("calibrate")),
     ("sphcut run cut.toml --patch twin/scenario.patch.toml", Elsewhere("calibrate")),
     (

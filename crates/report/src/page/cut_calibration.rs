@@ -171,8 +171,8 @@ fn left_out(found: &CutCalibration) -> Markup {
     html! {
         section {
             h2 { "Cuts left out" }
-            p { "Mean absolute errors of cuts held out of the fit, on the emulator made linear at the optimum: nothing is run for it. Beside it, \
-                 on the same rows, a power law of speed and thickness (and rake or edge, where they vary) fitted to the other cuts alone, and the same of the \
+            p { "Mean absolute errors of cuts held out of the fit, on the emulator made linear at the optimum: nothing is run for it; \
+                 held out are the cuts of the table of its own, as they are predicted below. Beside it, on the same rows, a power law of speed and thickness (and rake or edge, where they vary) fitted to the other cuts alone, and the same of the \
                  errors of the scenario as it was." }
             (table("Errors of values left out", columns, &rows))
         }

@@ -105,6 +105,13 @@ impl Sweep {
         })
     }
 
+    /// A listed sweep as a file that names its `base`.
+    #[must_use]
+    pub fn file_text(&self, base: &Path) -> String {
+        let base = toml::Value::from(base.display().to_string());
+        self.text.replacen('\n', &format!("\nbase = {base}\n"), 1)
+    }
+
     /// The scenario with `values`, one for each axis, as if a person had written them into the base.
     ///
     /// # Errors
@@ -306,6 +313,8 @@ fn try_values(findings: &mut Findings, sweep: &Sweep, places: &[Record<'_>]) {
                     continue;
                 }
                 mistake if Some(problem.line) == line => mistake.clone(),
+                // In a list it stands beside the values of other keys: the runs tell.
+                _ if sweep.design == Design::List => continue,
                 mistake => Mistake::Contradiction {
                     message: format!("with `{} = {value}`: {}", axis.key, mistake.message()),
                     help: mistake.help(),

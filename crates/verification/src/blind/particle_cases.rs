@@ -170,7 +170,7 @@ pub fn plan(
     let title = "Cuts of the particle solver for blind cases";
     let options = LoadOptions::default();
     let sweep = Sweep::listed((title, "runs"), (base, path), &options, (&keys, &values))?;
-    Ok(sweep.text.replacen('\n', "\nbase = \"cut.toml\"\n", 1))
+    Ok(sweep.file_text(Path::new("cut.toml")))
 }
 
 /// The cases from the table of simulated cuts that the sweep wrote. A cut without a result is left out of its case.

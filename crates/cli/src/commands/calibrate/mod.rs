@@ -111,6 +111,9 @@ pub struct CutCalibrationArguments {
     /// Say how many runs it takes, how long, and which intervals to expect; compute nothing.
     #[arg(long)]
     dry_run: bool,
+    /// List the runs that are missing as a sweep for another machine or a cluster, and compute none: when they are there, the same command goes on.
+    #[arg(long, conflicts_with_all = ["model", "dry_run"])]
+    list_runs: bool,
     /// Threads [default: all].
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -222,10 +225,7 @@ pub fn calibrate(arguments: &CutCalibrationArguments) -> Result<ExitCode, Failur
     let (found, model) = match arguments.model {
         CutModel::Particles => match fit(&request, &mut runs?) {
             Ok(found) => (found, "the particle solver"),
-            Err(Stopped::Interrupted) => {
-                terminal::note("interrupted: checkpoints are written; the same command goes on");
-                return Ok(ExitCode::Interrupted);
-            }
+            Err(Stopped::Interrupted) => return Ok(ExitCode::Interrupted),
             Err(Stopped::Failed(failure)) => return Err(*failure),
         },
         CutModel::ClosedForm => {

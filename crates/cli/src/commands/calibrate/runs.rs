@@ -2,7 +2,7 @@
 
 use super::CutCalibrationArguments;
 use crate::commands::diagnose::refused;
-use crate::commands::sweep::listed::{self, RunPlace};
+use crate::commands::sweep::listed::{self, ListedRuns, RunPlace};
 use crate::commands::sweep::{dry_run, local};
 use crate::failure::Failure;
 use crate::loading;
@@ -24,7 +24,7 @@ pub struct ParticleRuns<'a> {
 
 /// Why runs ended early.
 pub enum Stopped {
-    /// The user stopped them.
+    /// The user stopped them, or computes them elsewhere.
     Interrupted,
     /// Something is wrong.
     Failed(Box<Failure>),
@@ -85,8 +85,11 @@ impl CutEvaluator for ParticleRuns<'_> {
             store: self.arguments.store.clone().unwrap_or_else(|| folder.join("store")),
             folder: folder.join(&sweep.name),
             threads: loading::threads(self.arguments.threads),
+            only_list: self.arguments.list_runs.then(|| self.arguments.scene.patch.clone()),
         };
-        let rows = listed::compute(&sweep, &place)?.ok_or(Stopped::Interrupted)?;
+        let ListedRuns::Finished(rows) = listed::compute(&sweep, &place)? else {
+            return Err(Stopped::Interrupted);
+        };
         let mut found = vec![CutValues::default(); points.len()];
         for row in &rows {
             found[row.number - 1] = listed::means(row).map(|mean| {

@@ -66,6 +66,9 @@ pub struct DiagnoseArguments {
     /// Say how many runs it takes and how long, and compute nothing.
     #[arg(long, conflicts_with = "closed_form")]
     pub dry_run: bool,
+    /// List the runs that are missing as a sweep for another machine or a cluster, and compute none: when they are there, the same command goes on.
+    #[arg(long, conflicts_with = "dry_run")]
+    pub list_runs: bool,
     /// Threads [default: all].
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -92,9 +95,16 @@ const TRENDS: &str = "trends.csv";
 
 /// Diagnoses and writes page, numbers and, where an effect is named, the patch.
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
-    if arguments.closed_form && !arguments.confirm && arguments.store.is_some() {
-        let message = "--store keeps runs of the particle solver, and --closed-form makes none";
-        return Err(Failure::input(message).advise("add --confirm, or leave --store out"));
+    if arguments.closed_form && !arguments.confirm {
+        let asked = [("--store", arguments.store.is_some()), ("--list-runs", arguments.list_runs)];
+        if let Some((option, _)) = asked.into_iter().find(|(_, is_asked)| *is_asked) {
+            let message = format!(
+                "{option} is for runs of the particle solver, and --closed-form makes none"
+            );
+            return Err(
+                Failure::input(message).advise(format!("add --confirm, or leave {option} out"))
+            );
+        }
     }
     let out = &arguments.folder();
     let files = [PAGE, NUMBERS, PATCH, HELD_OUT, LINES, TRENDS].map(|name| out.join(name));
@@ -124,7 +134,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         (&closed, CLOSED_FORM)
     } else {
         match Paired::library(case, arguments)?.run(arguments)? {
-            Ended::Interrupted => return Ok(interrupted()),
+            Ended::Interrupted => return Ok(ExitCode::Interrupted),
             Ended::Finished(results) => paired = runs::model(case, &results)?,
         }
         (&paired, "paired runs of the particle solver")
@@ -138,7 +148,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         && let Some((runs, null, repair)) = Paired::repaired(case, arguments, (&found, model))?
     {
         match runs.run(arguments)? {
-            Ended::Interrupted => return Ok(interrupted()),
+            Ended::Interrupted => return Ok(ExitCode::Interrupted),
             Ended::Finished(results) => {
                 let own = runs.in_order(&results);
                 found.rerun = compare_rerun(&found.problem, (&null, &repair), &own, case.seed);
@@ -224,9 +234,4 @@ fn write_or_remove(files: &[PathBuf], texts: &[Option<String>]) -> Result<(), Fa
         }
     }
     Ok(())
-}
-
-fn interrupted() -> ExitCode {
-    terminal::note("interrupted: checkpoints are written; the same command goes on");
-    ExitCode::Interrupted
 }

@@ -1,7 +1,7 @@
 //! The paired runs of a diagnosis, through a store like any sweep.
 
 use super::DiagnoseArguments;
-use crate::commands::sweep::listed::{self, RunPlace};
+use crate::commands::sweep::listed::{self, ListedRuns, RunPlace};
 use crate::commands::sweep::{dry_run, local};
 use crate::failure::{ExitCode, Failure};
 use crate::{files, loading, terminal};
@@ -28,7 +28,7 @@ pub struct Paired {
 pub enum Ended {
     /// With so many results.
     Finished(Vec<PairedRun>),
-    /// The user stopped them; the same command goes on.
+    /// The user stopped them, or computes them elsewhere; the same command goes on.
     Interrupted,
 }
 
@@ -146,8 +146,9 @@ impl Paired {
                 .clone()
                 .unwrap_or_else(|| arguments.folder().join(FOLDER).join("store")),
             threads: loading::threads(arguments.threads),
+            only_list: arguments.list_runs.then_some(None),
         };
-        let Some(rows) = listed::compute(&self.sweep, &place)? else {
+        let ListedRuns::Finished(rows) = listed::compute(&self.sweep, &place)? else {
             return Ok(Ended::Interrupted);
         };
         let results = rows.iter().map(|row| {

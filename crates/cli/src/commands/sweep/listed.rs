@@ -6,7 +6,7 @@ use crate::progress::OutputStyle;
 use crate::{files, interrupt, terminal};
 use sphcut_physics::Channel;
 use sphcut_sweep::{Execution, Retry, State, Store, Sweep, SweepRow, SweepTable};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -21,11 +21,23 @@ pub struct RunPlace {
     pub store: PathBuf,
     /// Threads of all runs together.
     pub threads: usize,
+    /// What is missing is written as a sweep for elsewhere, and nothing is computed; with the patch of the scenario.
+    pub only_list: Option<Option<PathBuf>>,
 }
 
-/// Computes what the store does not have, writes table and page, and gives the rows with a result; `None` if the user stopped
-/// it: the same command goes on.
-pub fn compute(sweep: &Sweep, place: &RunPlace) -> Result<Option<Vec<SweepRow>>, Failure> {
+/// What became of the runs.
+pub enum ListedRuns {
+    /// The rows with a result.
+    Finished(Vec<SweepRow>),
+    /// The user stopped them, or they are to be computed elsewhere; the same command goes on.
+    Stopped,
+}
+
+/// The file of the sweep in its folder.
+const FILE: &str = "runs.toml";
+
+/// Computes what the store does not have, or lists it for elsewhere, and writes table and page; tells what stopped it.
+pub fn compute(sweep: &Sweep, place: &RunPlace) -> Result<ListedRuns, Failure> {
     let plan = local::planned(sweep, place.threads)?;
     files::create_folder(&place.folder)?;
     let store = Store::create(&place.store)?;
@@ -33,6 +45,10 @@ pub fn compute(sweep: &Sweep, place: &RunPlace) -> Result<Option<Vec<SweepRow>>,
     interrupt::install();
     let is_there = |address| store.entry(address).ok().flatten().is_some();
     let left = plan.runs.iter().filter(|run| !is_there(&run.address)).count();
+    if let (Some(patch), true) = (&place.only_list, left > 0) {
+        list(sweep, place, patch.as_deref(), (plan.runs.len(), left))?;
+        return Ok(ListedRuns::Stopped);
+    }
     if left > 0 {
         terminal::note(&format!(
             "{}: {} runs of the particle solver, {left} of them to be computed (results in {})",
@@ -46,14 +62,43 @@ pub fn compute(sweep: &Sweep, place: &RunPlace) -> Result<Option<Vec<SweepRow>>,
     let states = local::run((sweep, None), &plan, &store, execution, style)?;
     tables::write(&place.folder, sweep, &plan, &store, (&states, &[]))?;
     if states.iter().any(|state| matches!(state, State::Stopped)) {
-        return Ok(None);
+        terminal::note("interrupted: checkpoints are written; the same command goes on");
+        return Ok(ListedRuns::Stopped);
     }
     let table = SweepTable::new(sweep, &plan, &store, &states, &tables::summary);
     let failed = states.iter().filter(|state| matches!(state, State::Failed(_))).count();
     if failed > 0 {
         terminal::note(&format!("{failed} of the runs failed; it goes on without them"));
     }
-    Ok(Some(table.rows.into_iter().filter(SweepRow::has_result).collect()))
+    Ok(ListedRuns::Finished(table.rows.into_iter().filter(SweepRow::has_result).collect()))
+}
+
+/// The sweep as a file that `sphcut sweep` takes, here or on a cluster, with the store where the results are looked for.
+fn list(
+    sweep: &Sweep,
+    place: &RunPlace,
+    patch: Option<&Path>,
+    (runs, left): (usize, usize),
+) -> Result<(), Failure> {
+    let base = files::absolute(sweep.base_path())?;
+    let file = place.folder.join(FILE);
+    files::save(&file, sweep.file_text(&base).as_bytes())?;
+    // The base lies outside the folder of this file.
+    let mut command = format!(
+        "sphcut sweep {} --out {} --store {} --allow-outside",
+        file.display(),
+        place.folder.display(),
+        place.store.display()
+    );
+    if let Some(patch) = patch {
+        command += &format!(" --patch {}", patch.display());
+    }
+    terminal::line(&format!("{}: {runs} runs, {left} of them to be computed", sweep.title));
+    terminal::report(
+        &file,
+        &format!("`{command}`, on a cluster with `--executor slurm`; then the same command again"),
+    );
+    Ok(())
 }
 
 /// Means and their standard deviations, SI units. A run in the plane has no passive force.
