@@ -2,7 +2,7 @@
 
 use crate::table::ReferenceTable;
 use serde::Deserialize;
-use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Snapshots};
+use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Setting, Snapshots};
 use sphcut_sph::setup::{Dimension, Vector};
 use sphcut_sph::{ChannelId, Sample, Setup, Simulation, Snapshot};
 
@@ -75,8 +75,15 @@ impl Evidence {
     pub(crate) fn as_run(&self) -> Run {
         let mut samples = Samples::default();
         self.samples.iter().for_each(|sample| samples.push(sample));
+        // What evaluations read of the settings.
+        let stiffness = Setting {
+            section: "contact".to_owned(),
+            key: "stiffness".to_owned(),
+            value: self.setup.contact.get("stiffness").to_string(),
+            ..Setting::default()
+        };
         Run {
-            provenance: Provenance::default(),
+            provenance: Provenance { settings: vec![stiffness], ..Provenance::default() },
             facts: Facts::of(&self.setup),
             samples,
             snapshots: Snapshots::in_memory(self.snapshots.clone()),
