@@ -1,14 +1,14 @@
 //! `sphcut predict`: forces at new conditions with the correction of a diagnosis.
 
-use super::diagnose::{CLOSED_FORM, NUMBERS};
+use super::diagnose::{CLOSED_FORM, DiagnoseArguments, NUMBERS, paired_model};
 use crate::common_arguments::ScenarioArguments;
 use crate::failure::{ExitCode, Failure};
 use crate::progress::ShareDisplay;
 use crate::{files, loading, terminal};
 use clap::Args;
 use sphcut_diagnose::{
-    ClosedForm, DiagnoseError, ProgressListener, closed_form_cut, diagnose_case_as, forecast,
-    forecasts_csv,
+    ClosedForm, DiagnoseError, Predictor, ProgressListener, closed_form_cut, diagnose_case_as,
+    forecast, forecasts_csv,
 };
 use sphcut_input::read_condition_table;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ The table of conditions: v_c [m/min],h [mm], and cut_length, rake, edge_radius a
 The table that is written has of every channel that was measured: as simulated, corrected, and the ends of the 95 % interval
 of a single cut. The correction is what the diagnosis names, or the most probable of its set; without either, material and friction
 recalibrated. What it leaves of the measured cuts is followed smoothly over speed and thickness. The diagnosis is made again from its
-file, which takes some seconds; only diagnoses with --closed-form can be used.
+file, which takes some seconds; if it was made with paired runs of the particle solver, from these runs in their store.
 
 See docs/howto/diagnose.md.";
 
@@ -37,6 +37,9 @@ pub struct PredictForcesArguments {
     /// Conditions at which forces are asked for (CSV with units in the header).
     #[arg(long, value_name = "FILE")]
     pub conditions: PathBuf,
+    /// Store of the paired runs, if the diagnosis was made with --store.
+    #[arg(long, value_name = "DIR")]
+    pub store: Option<PathBuf>,
     /// The table that is written [default: out/NAME_forces.csv, NAME being that of the conditions].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -62,9 +65,6 @@ pub fn predict(arguments: &PredictForcesArguments) -> Result<ExitCode, Failure> 
             "names no file of a diagnosis that is there: go to the folder from which it was made",
         )
     })?;
-    if found["model"] != CLOSED_FORM {
-        return Err(damaged("is of paired runs: make the diagnosis with --closed-form"));
-    }
     let scene = ScenarioArguments { scenario, allow_outside: arguments.allow_outside };
     let case = loading::diagnosis(&scene)?.case;
     let case = case.ok_or_else(|| damaged("is of forces over time alone"))?;
@@ -73,10 +73,35 @@ pub fn predict(arguments: &PredictForcesArguments) -> Result<ExitCode, Failure> 
         .map_err(|problem| Failure::input(format!("`{table}`, {problem}")))?;
     let conditions: Vec<_> = rows.iter().map(|row| row.condition()).collect();
     let mistaken = |error: DiagnoseError| Failure::input(error.to_string());
-    let model = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
+    let closed;
+    let paired;
+    let model: &dyn Predictor = if found["model"] == CLOSED_FORM {
+        closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
+        &closed
+    } else {
+        let own = DiagnoseArguments {
+            scene,
+            out: Some(arguments.diagnosis.clone()),
+            closed_form: false,
+            confirm: false,
+            store: arguments.store.clone(),
+            dry_run: false,
+            list_runs: true,
+            threads: None,
+            force: false,
+        };
+        let Some(runs) = paired_model(&case, &own)? else {
+            terminal::note(
+                "the diagnosis was made with these runs: if they are kept elsewhere, name their store with --store",
+            );
+            return Ok(ExitCode::Interrupted);
+        };
+        paired = runs;
+        &paired
+    };
     let display = ShareDisplay::new(false);
     let told = |share: f64, what: &str| display.update(share, what);
-    let again = diagnose_case_as(&case, &model, ProgressListener(&told), |request| {
+    let again = diagnose_case_as(&case, model, ProgressListener(&told), |request| {
         (request.self_test, request.control, request.batch) = (0, 0, 0);
         request.held_out = false;
     });
@@ -87,7 +112,7 @@ pub fn predict(arguments: &PredictForcesArguments) -> Result<ExitCode, Failure> 
             "is of other measurements or another version: make the diagnosis again",
         ));
     }
-    let forecasts = forecast(&diagnosis, &recordings, &model, &conditions).map_err(mistaken)?;
+    let forecasts = forecast(&diagnosis, &recordings, model, &conditions).map_err(mistaken)?;
     files::save_alone(&out, forecasts_csv(&conditions, &forecasts).as_bytes())?;
     terminal::line(&format!("{} conditions  {}", conditions.len(), out.display()));
     terminal::next(

@@ -276,6 +276,25 @@ fn paired_runs_explain_and_are_kept() {
     let second = second.expect_code(0);
     assert!(!second.err.contains("to be computed"), "{}", second.err);
     assert_eq!(shop.read("missing/diagnosis.json"), shop.read("again/diagnosis.json"));
+    // And predicts from the same runs, which have to be there.
+    shop.write("new.csv", "v_c [m/min],h [mm]\n120,0.1\n150,0.12\n");
+    let predict = ["predict", "--diagnosis", "missing", "--conditions", "new.csv", "--out"];
+    let ended = shop.sphcut(&[&predict[..], &["new_forces.csv"]].concat()).expect_code(130);
+    assert!(ended.out.contains("207 runs, 207 of them to be computed"), "{}", ended.out);
+    ended.expect_err("--store");
+    let kept = [&predict[..], &["new_forces.csv", "--store", "kept"]].concat();
+    shop.sphcut(&kept).expect_code(0);
+    let forces = shop.read("new_forces.csv");
+    let rows: Vec<Vec<f64>> = forces
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').filter_map(|cell| cell.parse().ok()).collect())
+        .collect();
+    assert_eq!(rows.len(), 2, "{forces}");
+    for row in rows {
+        // v_c, h; of F_c as simulated, corrected, and the interval about it.
+        assert!(row[2] > 0.0 && row[4] < row[3] && row[3] < row[5], "{forces}");
+    }
 }
 
 /// The correction that the closed form finds, run in the particle solver: coarse runs of a tenth of a second, which decide nothing.

@@ -12,9 +12,9 @@ pub(crate) use runs::refused;
 use runs::{Ended, Paired};
 use sphcut_diagnose::series::{SeriesDiagnosis, series_csv, series_json, trends_csv, with_series};
 use sphcut_diagnose::{
-    ClosedForm, DIAGNOSIS_SCHEMA_VERSION, DiagnoseError, DiagnosisFile, DiagnosisProvenance,
-    Predictor, ProgressListener, closed_form_cut, compare_rerun, diagnose_case_as, diagnosis_json,
-    held_out_csv, patch,
+    ClosedForm, DIAGNOSIS_SCHEMA_VERSION, DiagnoseError, DiagnosisCase, DiagnosisFile,
+    DiagnosisProvenance, PairedRuns, Predictor, ProgressListener, closed_form_cut, compare_rerun,
+    diagnose_case_as, diagnosis_json, held_out_csv, patch,
 };
 use sphcut_report::{
     DiagnosisPage, SeriesPage, diagnosis_text, render_diagnosis, render_series, series_summary,
@@ -93,6 +93,17 @@ const HELD_OUT: &str = "held_out.csv";
 const LINES: &str = "lines.csv";
 const TRENDS: &str = "trends.csv";
 
+/// The paired runs of a case as a model; `None` if they were stopped, or only listed.
+pub(crate) fn paired_model(
+    case: &DiagnosisCase,
+    arguments: &DiagnoseArguments,
+) -> Result<Option<PairedRuns>, Failure> {
+    match Paired::library(case, arguments)?.run(arguments)? {
+        Ended::Interrupted => Ok(None),
+        Ended::Finished(results) => runs::model(case, &results).map(Some),
+    }
+}
+
 /// Diagnoses and writes page, numbers and, where an effect is named, the patch.
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     if arguments.closed_form && !arguments.confirm {
@@ -133,10 +144,8 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
         (&closed, CLOSED_FORM)
     } else {
-        match Paired::library(case, arguments)?.run(arguments)? {
-            Ended::Interrupted => return Ok(ExitCode::Interrupted),
-            Ended::Finished(results) => paired = runs::model(case, &results)?,
-        }
+        let Some(model) = paired_model(case, arguments)? else { return Ok(ExitCode::Interrupted) };
+        paired = model;
         (&paired, "paired runs of the particle solver")
     };
     let display = ShareDisplay::new(false);
