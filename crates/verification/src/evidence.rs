@@ -2,9 +2,12 @@
 
 use crate::table::ReferenceTable;
 use serde::Deserialize;
+use sphcut_postprocess::springback::{Springback, measure};
+use sphcut_postprocess::{ProcessResult, evaluate};
 use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Setting, Snapshots};
 use sphcut_sph::setup::{Dimension, Vector};
 use sphcut_sph::{ChannelId, Sample, Setup, Simulation, Snapshot};
+use std::sync::OnceLock;
 
 /// Whether a run is stepped to its end or only set up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -30,6 +33,15 @@ pub struct Evidence {
     pub steps: u64,
     /// The case's `reference.csv`; empty if there is none.
     pub reference: ReferenceTable,
+    /// What evaluating it gave: once for all observables.
+    pub(crate) evaluated: Evaluated,
+}
+
+/// A run evaluated as one on disk, when first asked for.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Evaluated {
+    result: OnceLock<Result<ProcessResult, String>>,
+    springback: OnceLock<Result<Springback, String>>,
 }
 
 impl Evidence {
@@ -44,8 +56,14 @@ impl Evidence {
         reference: ReferenceTable,
         progress: &dyn Fn(f64),
     ) -> Result<Self, String> {
-        let mut evidence =
-            Self { setup, samples: Vec::new(), snapshots: Vec::new(), steps: 0, reference };
+        let mut evidence = Self {
+            setup,
+            samples: Vec::new(),
+            snapshots: Vec::new(),
+            steps: 0,
+            reference,
+            evaluated: Evaluated::default(),
+        };
         if mode == RunMode::Setup {
             return Ok(evidence);
         }
@@ -71,8 +89,25 @@ impl Evidence {
         Ok(evidence)
     }
 
+    /// What `sphcut run` reports of it.
+    pub(crate) fn result(&self) -> Result<&ProcessResult, String> {
+        let evaluated = self
+            .evaluated
+            .result
+            .get_or_init(|| evaluate(&self.as_run()).map_err(|error| error.to_string()));
+        evaluated.as_ref().map_err(Clone::clone)
+    }
+
+    /// What `sphcut springback` reports of it.
+    pub(crate) fn springback(&self) -> Result<&Springback, String> {
+        let measured = self.evaluated.springback.get_or_init(|| {
+            measure(&self.as_run(), self.result()?).map_err(|error| error.to_string())
+        });
+        measured.as_ref().map_err(Clone::clone)
+    }
+
     /// The same as a run on disk, for what evaluates those.
-    pub(crate) fn as_run(&self) -> Run {
+    fn as_run(&self) -> Run {
         let mut samples = Samples::default();
         self.samples.iter().for_each(|sample| samples.push(sample));
         // What evaluations read of the settings.

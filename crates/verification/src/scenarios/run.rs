@@ -3,7 +3,7 @@
 use super::judge::{RunValues, judge};
 use super::{RunSpecification, ScenarioRuns, overrides};
 use crate::error::CaseError;
-use crate::evidence::Evidence;
+use crate::evidence::{Evaluated, Evidence};
 use crate::head::{CaseHead, text_of};
 use crate::options::{CaseOptions, CaseProgress, ProgressWatch};
 use crate::store::{CaseStore, StoredRun};
@@ -111,6 +111,7 @@ impl ScenarioRuns {
             snapshots,
             steps: finished.performance.steps,
             reference: self.reference.clone(),
+            evaluated: Evaluated::default(),
         };
         let values = self.evaluate(index, &evidence)?;
         let values = RunValues { spacing: evidence.setup.particle_spacing, values };

@@ -1,8 +1,6 @@
 //! Whether and how a chip forms.
 
-use crate::evidence::Evidence;
 use crate::observable::Observable;
-use sphcut_postprocess::{Geometry, evaluate};
 use sphcut_sph::ChannelId;
 
 /// Highest equivalent plastic strain at the end.
@@ -40,13 +38,8 @@ pub(crate) const CHIP_THICKNESS: Observable = Observable {
     meaning: "chip thickness as `sphcut run` reports it: median local thickness, mean over the \
               snapshots of the window of the means",
     arguments: &[],
-    evaluate: |evidence, _| match geometry(evidence)?.chip {
+    evaluate: |evidence, _| match &evidence.result()?.geometry.chip {
         Ok(chip) => Ok(chip.thickness),
         Err(reason) => Err(reason.to_string()),
     },
 };
-
-/// What the snapshots show, evaluated as those of a run on disk.
-fn geometry(evidence: &Evidence) -> Result<Geometry, String> {
-    evaluate(&evidence.as_run()).map(|result| result.geometry).map_err(|error| error.to_string())
-}

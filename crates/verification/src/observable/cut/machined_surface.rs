@@ -1,10 +1,7 @@
 //! The machined surface of a cut and the forces of its last pass, as `sphcut springback` and `sphcut run`
 //! report them.
 
-use crate::evidence::Evidence;
 use crate::observable::Observable;
-use sphcut_postprocess::evaluate;
-use sphcut_postprocess::springback::{Springback, measure};
 
 /// Mean springback of the machined surface.
 pub(crate) const CUT_SPRINGBACK: Observable = Observable {
@@ -14,8 +11,8 @@ pub(crate) const CUT_SPRINGBACK: Observable = Observable {
               reports it",
     arguments: &[],
     evaluate: |evidence, _| {
-        let springback = springback(evidence)?;
-        let mean = springback.mean.ok_or("no particle of the surface touched the tool")?;
+        let mean =
+            evidence.springback()?.mean.ok_or("no particle of the surface touched the tool")?;
         Ok(mean.mean)
     },
 };
@@ -26,7 +23,7 @@ pub(crate) const CUT_SPRINGBACK_ERROR: Observable = Observable {
     unit: "m",
     meaning: "error bar of that springback: interval of the mean, overlap and resolution",
     arguments: &[],
-    evaluate: |evidence, _| Ok(springback(evidence)?.error.total()),
+    evaluate: |evidence, _| Ok(evidence.springback()?.error.total()),
 };
 
 /// The part of it that differs from run to run.
@@ -36,7 +33,7 @@ pub(crate) const CUT_SPRINGBACK_INTERVAL: Observable = Observable {
     meaning: "half the width of the 95 % interval of that mean; overlap and resolution, the rest of the error bar, are the same in \
               runs that differ in one cause",
     arguments: &[],
-    evaluate: |evidence, _| Ok(springback(evidence)?.error.statistical),
+    evaluate: |evidence, _| Ok(evidence.springback()?.error.statistical),
 };
 
 /// Mean cutting force of the last pass.
@@ -45,10 +42,7 @@ pub(crate) const PASS_CUTTING_FORCE: Observable = Observable {
     unit: "N",
     meaning: "mean cutting force of the last pass as `sphcut run` reports it (per width in 2D)",
     arguments: &[],
-    evaluate: |evidence, _| {
-        let result = evaluate(&evidence.as_run()).map_err(|error| error.to_string())?;
-        Ok(result.forces.cutting.mean)
-    },
+    evaluate: |evidence, _| Ok(evidence.result()?.forces.cutting.mean),
 };
 
 /// Mean passive force of the last pass.
@@ -57,14 +51,5 @@ pub(crate) const PASS_PASSIVE_FORCE: Observable = Observable {
     unit: "N",
     meaning: "mean passive force (into the machined surface) of the last pass, likewise",
     arguments: &[],
-    evaluate: |evidence, _| {
-        let result = evaluate(&evidence.as_run()).map_err(|error| error.to_string())?;
-        Ok(result.forces.passive.mean)
-    },
+    evaluate: |evidence, _| Ok(evidence.result()?.forces.passive.mean),
 };
-
-fn springback(evidence: &Evidence) -> Result<Springback, String> {
-    let run = evidence.as_run();
-    let result = evaluate(&run).map_err(|error| error.to_string())?;
-    measure(&run, &result).map_err(|error| error.to_string())
-}
