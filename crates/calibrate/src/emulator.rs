@@ -76,6 +76,9 @@ impl Places {
     }
 }
 
+/// How closely the last place is found at which the quick model has an answer: to a hundredth of a deviation of the prior.
+const HALVINGS: usize = 8;
+
 /// The emulator of one channel.
 #[derive(Debug, Clone)]
 struct ChannelEmulator {
@@ -115,7 +118,7 @@ pub struct Emulator<'m> {
     model: &'m dyn PriorModel,
     places: Places,
     channels: Vec<Option<ChannelEmulator>>,
-    /// Where y_0 has no answer.
+    /// Where y_0 has no answer even at the mean of the prior.
     fallback: Channels<f64>,
 }
 
@@ -139,9 +142,31 @@ impl<'m> Emulator<'m> {
         self.channels[channel.index()].is_some()
     }
 
+    /// y_0, where it has no answer continued from the last place on the way there from the mean of the prior that has one: a jump would
+    /// look like a change with a constant, and determine it.
     fn quick(&self, channel: usize, condition: &CuttingCondition, t: &[f64]) -> f64 {
+        let at = |share: f64| {
+            let t: Vec<f64> = t.iter().map(|t| share * t).collect();
+            self.model.logs(condition, &t)[channel]
+        };
         let log = self.model.logs(condition, t)[channel];
-        if log.is_finite() { log } else { self.fallback[channel] }
+        if log.is_finite() {
+            return log;
+        }
+        let (mut found, mut low, mut high) = (at(0.0), 0.0, 1.0);
+        if !found.is_finite() {
+            return self.fallback[channel];
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let there = at(middle);
+            if there.is_finite() {
+                (found, low) = (there, middle);
+            } else {
+                high = middle;
+            }
+        }
+        found
     }
 
     fn learn(&self, channel: usize, runs: &[(RunPoint, CutValues)]) -> Option<ChannelEmulator> {
@@ -251,5 +276,37 @@ impl<'m> Emulator<'m> {
     #[must_use]
     pub fn places(&self) -> &Places {
         &self.places
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A model that has no answer beyond half a deviation.
+    struct Cliff;
+    impl PriorModel for Cliff {
+        fn logs(&self, _: &CuttingCondition, t: &[f64]) -> Channels<f64> {
+            let mut logs = [f64::NAN; Channel::RECORDED.len()];
+            logs[0] = if t[0] > 0.5 { f64::NAN } else { 5.0 + 0.1 * t[0] };
+            logs
+        }
+    }
+
+    /// Where the quick model ends, nothing changes at once: no constant follows from that.
+    #[test]
+    fn the_end_of_the_quick_model_is_no_jump() {
+        let condition = CuttingCondition::new(2.0, 1e-4);
+        let run = |t: f64| {
+            let mut values = CutValues::default();
+            values[0] = Some((5.0 + 0.1 * t, 1e-4));
+            (RunPoint { condition, t: vec![t] }, values)
+        };
+        let places = Places::of([condition].iter());
+        let emulator = Emulator::new(&Cliff, &places, &[run(-1.0), run(0.0), run(1.0)]);
+        let at = |t: f64| emulator.log(Channel::CuttingForce, &condition, &[t]);
+        assert!((at(0.51) - at(0.49)).abs() < 0.005, "{} {}", at(0.49), at(0.51));
+        let slope = emulator.slopes(Channel::CuttingForce, &condition, &[0.5])[0];
+        assert!((0.0..0.2).contains(&slope), "{slope}");
     }
 }
