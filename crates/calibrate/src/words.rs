@@ -281,6 +281,10 @@ fn constant_words(found: &CutCalibration) -> Vec<String> {
     let determined = named(ConstantStanding::Determined);
     if determined.is_empty() {
         words.push("No constant is determined alone: its interval is more than half of what it was before.".to_owned());
+    } else if missed(found).is_some() {
+        words.push(format!(
+            "{determined}: narrowed to half of the prior or less, but these cuts follow no constants: what the model lacks is in them."
+        ));
     } else {
         words.push(format!("These cuts determine {determined}."));
     }
@@ -338,9 +342,14 @@ fn together_words(found: &CutCalibration) -> Vec<String> {
     words
 }
 
+/// The share of F_c by which the model probably misses the cuts, whatever the constants.
+fn missed(found: &CutCalibration) -> Option<f64> {
+    MISSES.into_iter().find(|a| found.posterior.misses(*a) > PROBABLE)
+}
+
 fn discrepancy_words(found: &CutCalibration) -> Vec<String> {
     let posterior = &found.posterior;
-    if let Some(amplitude) = MISSES.into_iter().find(|a| posterior.misses(*a) > PROBABLE) {
+    if let Some(amplitude) = missed(found) {
         return vec![format!(
             "No constants follow these cuts: the model misses F_c by about {:.0} % beside all noise (probability {:.0} %). The intervals hold that; \
              `sphcut diagnose` looks for the missing physics.",

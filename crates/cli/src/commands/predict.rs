@@ -23,7 +23,7 @@ The table of conditions: v_c [m/min],h [mm], and cut_length, rake, edge_radius a
 The table that is written has of every channel that was measured: as simulated, corrected, and the ends of the 95 % interval
 of a single cut. The correction is what the diagnosis names, or the most probable of its set; without either, material and friction
 recalibrated. What it leaves of the measured cuts is followed smoothly over speed and thickness. The diagnosis is made again from its
-file, which takes some seconds; if it was made with paired runs of the particle solver, from these runs in their store.
+file, in some seconds; if it was made with paired runs of the particle solver, from these runs in their store, in some minutes.
 
 See docs/howto/diagnose.md.";
 
