@@ -195,13 +195,13 @@ fn line(run: &Measured) -> String {
     let count = found.in_window();
     if !found.error.statistical.is_finite() {
         return format!(
-            "{name}: {speed} m/min, springback {} um from {count} particles in the window, too few for an interval",
+            "{name}: {speed} m/min, springback {} um from {count} particles, too few for an interval",
             um(mean.mean)
         );
     }
     let resolved = if found.is_resolved() { "resolved" } else { "not resolved" };
     format!(
-        "{name}: {speed} m/min, springback {} ± {} um ({resolved}, {count} particles in the window)",
+        "{name}: {speed} m/min, springback {} ± {} um ({resolved}, {count} particles)",
         um(mean.mean),
         um(found.error.total())
     )

@@ -44,6 +44,8 @@ pub(crate) struct Context {
     /// Distance from the lowest side within which a touch counts.
     pub reach: f64,
     pub uncut_chip_thickness: f64,
+    /// Cutting distance that is left out at the entry.
+    pub entry: f64,
     /// Cutting distances of the window.
     pub window: [f64; 2],
 }
@@ -125,6 +127,7 @@ pub(super) fn context(
         clear_distance,
         reach: radius.max(spacing),
         uncut_chip_thickness: thickness,
+        entry: ENTRY * spacing,
         window: [start.min(end - least_window * spacing), end],
     })
 }

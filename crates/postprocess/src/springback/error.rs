@@ -14,9 +14,9 @@ pub const RESOLUTION_SHARE: f64 = 0.01;
 pub struct ErrorBar {
     /// Half width of the 95 % interval of the mean; infinite with fewer than twenty particles.
     pub statistical: f64,
-    /// Mean overlap of the touched particles with the tool, `g = f / (kappa M)`, f the contact
-    /// force per width (2D) normal to the machined plane, M the p-wave modulus: by so much the material
-    /// was less deep than the tool's surface.
+    /// Half of the mean overlap of the touched particles with the tool, `g / 2 = f / (2 kappa M)`, f the contact
+    /// force per width (2D) normal to the machined plane, M the p-wave modulus. While it was pressed the material lay less deep than a
+    /// hard contact would have it, by nothing to g where it left the tool: the mean is less by g / 2, and known to that.
     pub overlap: f64,
     /// [`RESOLUTION_SHARE`] times the spacing.
     pub resolution: f64,
@@ -41,7 +41,7 @@ impl ErrorBar {
             .materials
             .first()
             .map_or(0.0, |m| m.bulk_modulus + 4.0 / 3.0 * m.shear_modulus);
-        let overlap = if modulus > 0.0 { contact_force / (stiffness * modulus) } else { 0.0 };
+        let overlap = if modulus > 0.0 { 0.5 * contact_force / (stiffness * modulus) } else { 0.0 };
         Self {
             statistical: mean.map_or(f64::INFINITY, |mean| mean.half_width),
             overlap,

@@ -9,7 +9,7 @@ use sphcut_physics::csv;
 use std::fmt::Write;
 
 /// Version of the schema of `springback.json`.
-pub const SCHEMA_VERSION: &str = "1.2";
+pub const SCHEMA_VERSION: &str = "1.3";
 
 const UM: f64 = 1e6;
 const MM: f64 = 1e3;
@@ -87,6 +87,7 @@ fn run(entry: &SpringbackEntry<'_>, measurements: &[Measurement]) -> Value {
         "resolution_um": found.error.resolution * UM,
         "error_um": found.error.total() * UM,
         "resolved": found.is_resolved(),
+        "averaged_from_mm": found.averaged_from * MM,
         "window_mm": found.window.map(|distance| distance * MM),
         "clear_distance_um": found.clear_distance * UM,
         "torn": found.torn,

@@ -38,7 +38,7 @@ pub use touched::{RecoveryBin, Touched};
 use crate::cloud::{CutParticles, PlanePoint};
 use crate::forces::Force;
 use crate::result::ProcessResult;
-use crate::steady::{autocorrelation_time, mean_interval};
+use crate::steady::{MeanInterval, examine, window_mean};
 use context::{Lowest, SnapshotView, context};
 use residual::StressProfile;
 use sphcut_record::Run;
@@ -87,22 +87,26 @@ fn measure_plane(
         tool = corners.iter().map(|c| [c[0] - lowest.rear, c[1] - lowest.height]).collect();
     }
     let found = followed.finish(&context);
-    let in_window: Vec<f64> = found
-        .touched
-        .iter()
-        .filter(|touch| touch.distance >= context.window[0])
-        .map(|touch| touch.springback)
-        .collect();
-    let all: Vec<f64> = found.touched.iter().map(|touch| touch.springback).collect();
-    let mean = (!in_window.is_empty())
-        .then(|| mean_interval(&in_window, Some(autocorrelation_time(&all))));
-    let median = median::median_interval(&in_window, &all);
+    let heights: Vec<f64> = found.touched.iter().map(|touch| touch.springback).collect();
+    let entered = found.touched.iter().filter(|touch| touch.distance < context.entry).count();
+    let first = examine(&heights).first.max(entered).min(heights.len());
+    let (within, record) = (&heights[first..], &heights[entered.min(first)..]);
+    let mean = (!within.is_empty()).then(|| window_mean(&heights, first));
+    let error = ErrorBar::new(run, found.contact_force, mean, context.spacing);
+    // What is known of the overlap is between nothing and all of it: half, give or take as much.
+    let pressed = error.overlap;
+    let mean = mean.map(|mean| MeanInterval { mean: mean.mean - pressed, ..mean });
+    let median = median::median_interval(within, record).map(|found| MedianInterval {
+        median: found.median - pressed,
+        bounds: found.bounds.map(|bound| bound - pressed),
+    });
     Ok(Springback {
         cutting_speed: run.facts.cutting_speed(),
         particle_spacing: context.spacing,
         clear_distance: context.clear_distance,
         window: context.window,
-        error: ErrorBar::new(run, found.contact_force, mean, context.spacing),
+        averaged_from: found.touched.get(first).map_or(context.window[1], |touch| touch.distance),
+        error,
         touched: found.touched,
         torn: found.torn,
         mean,

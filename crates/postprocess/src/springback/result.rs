@@ -19,17 +19,19 @@ pub struct Springback {
     /// and three spacings, plus the uncut chip thickness, over which the stress under the tool
     /// fades.
     pub clear_distance: f64,
-    /// The cutting distances over which means are taken: from the window of the forces on, at least
+    /// The cutting distances over which the strips and the stress are averaged: from the window of the forces on, at least
     /// four spacings, to the clear distance behind the tool at the end.
     pub window: [f64; 2],
+    /// Cutting distance from which on springback is steady by itself: the mean is taken from there.
+    pub averaged_from: f64,
     /// Particles that have touched the lowest part of the tool and lie clear of it, in the order of
     /// the cutting distance.
     pub touched: Vec<Touched>,
     /// Touched particles that lie further than 1.5 spacings from the tool's lowest plane: torn out.
     pub torn: usize,
-    /// Mean springback over the window with its 95 % interval; `None` without a touched particle.
+    /// Mean springback with its 95 % interval, less half of the overlap in the contact; `None` without a touched particle.
     pub mean: Option<MeanInterval>,
-    /// Median over the same window: unlike the mean it does not follow a crumb that stands up from the surface.
+    /// Median of the same particles, likewise: unlike the mean it does not follow a crumb that stands up from the surface.
     pub median: Option<MedianInterval>,
     /// The same particles against the distance behind the tool.
     pub recovery: Vec<RecoveryBin>,
@@ -51,6 +53,6 @@ impl Springback {
     /// Number of touched particles that the mean is taken over.
     #[must_use]
     pub fn in_window(&self) -> usize {
-        self.touched.iter().filter(|touch| touch.distance >= self.window[0]).count()
+        self.touched.iter().filter(|touch| touch.distance >= self.averaged_from).count()
     }
 }

@@ -81,7 +81,7 @@ fn sentence(run: &SpringbackRun<'_>, measurements: &[Measurement]) -> String {
     let spacing = three_digits(found.particle_spacing * UM);
     if !error.statistical.is_finite() {
         return format!(
-            "{start}{} \u{b5}m from {} particles in the window: too few for an interval, twenty are needed. A \
+            "{start}{} \u{b5}m from {} particles: too few for an interval, twenty are needed. A \
              longer cut or more snapshots give more.",
             three_digits(mean.mean * UM),
             found.in_window()
@@ -133,7 +133,7 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
         Number("Springback in \u{b5}m"),
         Number("interval"),
         Number("median and its interval"),
-        Number("overlap"),
+        Number("half of the overlap"),
         Number("resolution"),
         Number("Measured in \u{b5}m"),
         Number("F_c in N"),
@@ -160,7 +160,7 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
     html! {
         section {
             h2 { "Springback and forces" }
-            (table("Springback with its error bar: 95 % interval of the mean, plus the overlap of \
+            (table("Springback with its error bar: 95 % interval of the mean, plus half of the overlap of \
                 particles and tool, plus what the spacing resolves. The median does not follow crumbs \
                 that stand up from the surface. Forces with their 95 % interval; the last is that \
                 into the machined surface: the feed force of a plane cut, the passive force in turning.", columns, &rows))
@@ -335,7 +335,7 @@ fn profile(found: &Springback) -> Chart<'static> {
     x.sort_by(f64::total_cmp);
     x.dedup();
     let values = |points: &[(f64, f64)]| x.iter().map(|&x| interpolate(points, x)).collect();
-    let [from, to] = found.window.map(|distance| distance * MM);
+    let [from, to] = [found.averaged_from, found.window[1]].map(|distance| distance * MM);
     let half_width = found.error.total() * UM;
     let bands = found.mean.map(|mean| Band {
         from,
@@ -391,8 +391,9 @@ fn definitions() -> Markup {
             h2 { "Definitions and limits" }
             p { "A particle of the surface has touched the tool with its radius, half a spacing; its \
                 springback is the height of its centre plus that radius above the tool's lowest point once it is \
-                clear of the tool. The error bar adds the 95 % interval of the mean (correlation taken into \
-                account), the overlap of particles and tool in the contact (force over penalty \
+                clear of the tool. Averaged are those after the run-in of springback itself. In a contact with a penalty the surface lies \
+                less deep than in a hard one, where it leaves the tool by nothing to the mean overlap: the mean is less by half of that. The error bar adds the 95 % interval of the mean (correlation taken into \
+                account), half of the overlap of particles and tool in the contact (force over penalty \
                 stiffness), and " (three_digits(RESOLUTION_SHARE * 100.0)) " % of a spacing, the error of a \
                 released surface with a known answer (validation cases springback_resolution and springback_cylinder)." }
             p { "At a spacing of 10 \u{b5}m springback of 1 \u{b5}m is a tenth of a spacing. The smooth surface of a \
