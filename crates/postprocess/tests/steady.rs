@@ -1,7 +1,7 @@
 //! Steady-state detection on series whose truth is known.
 
 use sphcut_postprocess::steady::{
-    Reason, Series, SteadyOptions, SteadyState, detect, window_drift,
+    Reason, Series, SteadyOptions, SteadyState, detect, examine, window_drift,
 };
 use sphcut_postprocess::synthetic::Noise;
 
@@ -92,6 +92,14 @@ fn a_jump_late_in_the_record_is_not_steady() {
         force[1000..].iter_mut().for_each(|f| *f *= 1.12);
         let state = judge(&force);
         assert!(!state.reached, "seed {seed}: {state:?}");
+    }
+}
+
+#[test]
+fn a_record_of_nothing_or_little_has_a_mean_and_no_interval() {
+    for count in 0..20 {
+        let found = examine(&cut(1, count, 0.5, 1.0));
+        assert!(found.first <= count && found.mean.half_width.is_infinite(), "{count} {found:?}");
     }
 }
 
