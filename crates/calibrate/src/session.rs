@@ -403,6 +403,7 @@ fn finished(
     let base: Vec<f64> =
         values.iter().map(|v| emulator.log(v.channel, &cuts[v.cut].condition, stated)).collect();
     let mut errors = Vec::new();
+    let cuts_apart = groups.len();
     let of = |get: fn(&MeasuredCut) -> f64| grouped(&values, |cut| get(&cuts[cut]));
     for (by, groups) in [
         ("cut", Some(groups.clone()).filter(|groups| groups.len() > 2)),
@@ -411,6 +412,10 @@ fn finished(
         ("rake", of(|cut| cut.condition.tool.rake_angle.unwrap_or(0.0))),
     ] {
         let Some(groups) = groups else { continue };
+        // Where every cut has a speed of its own, leaving that out leaves out the cut.
+        if by != "cut" && groups.len() == cuts_apart {
+            continue;
+        }
         let Some(seen) = left_out(&law, &values, &posterior, &groups) else { continue };
         let rival = regression(&values, cuts, places, &groups, None);
         let corrected = regression(&values, cuts, places, &groups, Some(&base));
