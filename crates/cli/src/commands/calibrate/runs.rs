@@ -85,7 +85,8 @@ impl CutEvaluator for ParticleRuns<'_> {
             store: self.arguments.store.clone().unwrap_or_else(|| folder.join("store")),
             folder: folder.join(&sweep.name),
             threads: loading::threads(self.arguments.threads),
-            only_list: self.arguments.list_runs.then(|| self.arguments.scene.patch.clone()),
+            only_list: self.arguments.list_runs,
+            patch: self.arguments.scene.patch.clone(),
         };
         let ListedRuns::Finished(rows) = listed::compute(&sweep, &place)? else {
             return Err(Stopped::Interrupted);

@@ -146,7 +146,8 @@ impl Paired {
                 .clone()
                 .unwrap_or_else(|| arguments.folder().join(FOLDER).join("store")),
             threads: loading::threads(arguments.threads),
-            only_list: arguments.list_runs.then_some(None),
+            only_list: arguments.list_runs,
+            patch: None,
         };
         let ListedRuns::Finished(rows) = listed::compute(&self.sweep, &place)? else {
             return Ok(Ended::Interrupted);

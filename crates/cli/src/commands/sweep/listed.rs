@@ -6,7 +6,7 @@ use crate::progress::OutputStyle;
 use crate::{files, interrupt, terminal};
 use sphcut_physics::Channel;
 use sphcut_sweep::{Execution, Retry, State, Store, Sweep, SweepRow, SweepTable};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -21,8 +21,10 @@ pub struct RunPlace {
     pub store: PathBuf,
     /// Threads of all runs together.
     pub threads: usize,
-    /// What is missing is written as a sweep for elsewhere, and nothing is computed; with the patch of the scenario.
-    pub only_list: Option<Option<PathBuf>>,
+    /// What is missing is written as a sweep for elsewhere, and nothing is computed.
+    pub only_list: bool,
+    /// The patch of the scenario, which that sweep needs as well.
+    pub patch: Option<PathBuf>,
 }
 
 /// What became of the runs.
@@ -45,8 +47,8 @@ pub fn compute(sweep: &Sweep, place: &RunPlace) -> Result<ListedRuns, Failure> {
     interrupt::install();
     let is_there = |address| store.entry(address).ok().flatten().is_some();
     let left = plan.runs.iter().filter(|run| !is_there(&run.address)).count();
-    if let (Some(patch), true) = (&place.only_list, left > 0) {
-        list(sweep, place, patch.as_deref(), (plan.runs.len(), left))?;
+    if place.only_list && left > 0 {
+        list(sweep, place, (plan.runs.len(), left))?;
         return Ok(ListedRuns::Stopped);
     }
     if left > 0 {
@@ -74,12 +76,7 @@ pub fn compute(sweep: &Sweep, place: &RunPlace) -> Result<ListedRuns, Failure> {
 }
 
 /// The sweep as a file that `sphcut sweep` takes, here or on a cluster, with the store where the results are looked for.
-fn list(
-    sweep: &Sweep,
-    place: &RunPlace,
-    patch: Option<&Path>,
-    (runs, left): (usize, usize),
-) -> Result<(), Failure> {
+fn list(sweep: &Sweep, place: &RunPlace, (runs, left): (usize, usize)) -> Result<(), Failure> {
     let base = files::absolute(sweep.base_path())?;
     let file = place.folder.join(FILE);
     files::save(&file, sweep.file_text(&base).as_bytes())?;
@@ -90,7 +87,7 @@ fn list(
         place.folder.display(),
         place.store.display()
     );
-    if let Some(patch) = patch {
+    if let Some(patch) = &place.patch {
         command += &format!(" --patch {}", patch.display());
     }
     terminal::line(&format!("{}: {runs} runs, {left} of them to be computed", sweep.title));
