@@ -1,6 +1,6 @@
 //! The surface of a rigid tool with its spatial index: which of its points is nearest.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 /// The surface of a rigid tool. Normals point out of the tool.
@@ -49,6 +49,10 @@ enum FacetKind {
     Plane,
 }
 
+/// Room for rounding in comparing distances, as a share of them.
+const NEARLY: f64 = 1e-9;
+/// The same where they vanish, in m.
+const TINY: f64 = 1e-15;
 /// Half-extent that stands for "everywhere" in the box of a plane, in m.
 const FAR: f64 = 1e6;
 
@@ -98,6 +102,58 @@ impl Facet {
     }
 }
 
+/// The box around a facet along its longest side and across it: tells cheaply how far it is at least.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    corner: DVec3,
+    along: DVec3,
+    across: DVec3,
+    normal: DVec3,
+    /// Ends of the box along and across in m.
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Extent {
+    fn of(facet: &Facet) -> Self {
+        let [a, b, c] = facet.corners;
+        let longer =
+            |p: DVec3, q: DVec3| if q.length_squared() > p.length_squared() { q } else { p };
+        let along = longer(longer(b - a, c - b), a - c).normalize_or_zero();
+        let mut extent = Self {
+            corner: a,
+            along,
+            across: facet.normal.cross(along),
+            normal: facet.normal,
+            low: DVec2::ZERO,
+            high: DVec2::ZERO,
+        };
+        for corner in [b, c] {
+            extent.low = extent.low.min(extent.place(corner));
+            extent.high = extent.high.max(extent.place(corner));
+        }
+        if facet.kind == FacetKind::Plane {
+            extent.low = DVec2::NEG_INFINITY;
+            extent.high = DVec2::INFINITY;
+        }
+        extent
+    }
+
+    /// Place of `x` along and across.
+    fn place(&self, x: DVec3) -> DVec2 {
+        let way = x - self.corner;
+        DVec2::new(way.dot(self.along), way.dot(self.across))
+    }
+
+    /// No point of the facet is nearer to `x` than the root of this, but for rounding; in m^2.
+    fn least_square(&self, x: DVec3) -> f64 {
+        let place = self.place(x);
+        let outside = (self.low - place).max(place - self.high).max(DVec2::ZERO);
+        let height = (x - self.corner).dot(self.normal);
+        outside.length_squared() + height * height
+    }
+}
+
 /// The nearest point of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearestPoint {
@@ -111,6 +167,7 @@ pub struct NearestPoint {
 #[derive(Debug)]
 pub struct IndexedSurface {
     facets: Vec<Facet>,
+    extents: Vec<Extent>,
     tree: RTree<IndexedFacet>,
     low: DVec3,
     high: DVec3,
@@ -195,7 +252,8 @@ impl IndexedSurface {
                 Some(here)
             })
             .collect();
-        Self { facets, tree: RTree::bulk_load(indexed), low, high, start }
+        let extents = facets.iter().map(Extent::of).collect();
+        Self { facets, extents, tree: RTree::bulk_load(indexed), low, high, start }
     }
 
     /// Length of a closed outline in m; infinity of a half space. Without meaning in space.
@@ -236,16 +294,28 @@ impl IndexedSurface {
         (0..3).all(|k| x[k] >= self.low[k] - reach && x[k] <= self.high[k] + reach)
     }
 
-    /// Facets within `reach` of `x`, in the order of their index.
-    pub fn facets_near(&self, x: DVec3, reach: f64, found: &mut Vec<u32>) {
+    /// Facets within `reach` of `x` that can be the nearest of all while `x` moves by no more than `way`, in the order of
+    /// their index.
+    pub fn facets_near(&self, x: DVec3, reach: f64, way: f64, found: &mut Vec<u32>) {
         let range = AABB::from_corners((x - reach).to_array(), (x + reach).to_array());
         let first = found.len();
         // Boxes of large slanted facets reach far beyond them: one that is far away must not decide on which side x lies.
-        let near = |f: &&IndexedFacet| {
-            (x - self.facets[f.index as usize].closest(x)).length_squared() <= reach * reach
-        };
-        let in_box = self.tree.locate_in_envelope_intersecting(&range);
-        found.extend(in_box.filter(near).map(|f| f.index));
+        let distance = |index: u32| (x - self.facets[index as usize].closest(x)).length();
+        let in_box = self.tree.locate_in_envelope_intersecting(&range).map(|f| f.index);
+        found.extend(
+            in_box.filter(|&index| self.extents[index as usize].least_square(x) <= reach * reach),
+        );
+        let nearest = found[first..].iter().map(|&f| distance(f)).fold(f64::INFINITY, f64::min);
+        // By then the nearest of now has come no farther off than by `way`, and no other nearer than by as much.
+        let limit = reach.min((1.0 + NEARLY) * (nearest + 2.0 * way) + TINY);
+        let mut last = first;
+        for place in first..found.len() {
+            if distance(found[place]) <= limit {
+                found[last] = found[place];
+                last += 1;
+            }
+        }
+        found.truncate(last);
         found[first..].sort_unstable();
     }
 
@@ -259,9 +329,9 @@ impl IndexedSurface {
         let facet =
             self.tree.nearest_neighbor(&x.to_array()).expect("a surface has at least one facet");
         // All that are as near but for rounding: they decide together on which side x lies.
-        let reach = (1.0 + 1e-9) * facet.distance_2(&x.to_array()).sqrt() + 1e-12;
+        let reach = (1.0 + NEARLY) * facet.distance_2(&x.to_array()).sqrt() + 1e-12;
         let mut near = Vec::new();
-        self.facets_near(x, reach, &mut near);
+        self.facets_near(x, reach, f64::INFINITY, &mut near);
         self.foot_of(x, &near).expect("the nearest facet is among them")
     }
 
@@ -272,8 +342,17 @@ impl IndexedSurface {
 
     /// NearestPoint point among the facets listed, with the facet it lies on.
     pub fn foot_of(&self, x: DVec3, facets: &[u32]) -> Option<SurfaceFoot> {
+        let least = |index: u32| self.extents[index as usize].least_square(x);
+        let guess =
+            facets.iter().map(|&f| (least(f), f)).reduce(|a, b| if b.0 < a.0 { b } else { a })?.1;
+        let guessed = (x - self.facets[guess as usize].closest(x)).length_squared();
+        // Those beyond cannot be the nearest.
+        let limit = (1.0 + NEARLY) * guessed + TINY * TINY;
         let mut best: Option<(f64, DVec3, u32)> = None;
         for &index in facets {
+            if least(index) > limit {
+                continue;
+            }
             let facet = &self.facets[index as usize];
             let d = x - facet.closest(x);
             let square = d.length_squared();
@@ -296,7 +375,7 @@ impl IndexedSurface {
             let length = square.sqrt();
             let side = if d.dot(facet.normal) >= 0.0 { 1.0 } else { -1.0 };
             // On the surface itself the direction of d is noise: take the facet's normal there.
-            let normal = if length > 1e-15 { side * d / length } else { facet.normal };
+            let normal = if length > TINY { side * d / length } else { facet.normal };
             let nearest = NearestPoint { distance: side * length, normal };
             SurfaceFoot { place: x - d, nearest, facet: index }
         })
@@ -398,7 +477,7 @@ mod tests {
         let surface = IndexedSurface::new(&ToolSurface::Triangles { vertices, triangles }).unwrap();
         let near = |x: [f64; 3], reach: f64| {
             let mut found = Vec::new();
-            surface.facets_near(x.into(), reach, &mut found);
+            surface.facets_near(x.into(), reach, f64::INFINITY, &mut found);
             found
         };
         // In the box of the slanted facet, 1.07 before its plane.
@@ -407,5 +486,61 @@ mod tests {
         assert_eq!(near([0.4; 3], 0.12), vec![3]);
         assert_eq!(near([-0.05, 0.2, 0.2], 0.1), vec![2]);
         assert!(surface.foot(DVec3::new(-0.05, 0.2, 0.2)).nearest.distance > 0.0);
+    }
+    /// A sphere of radius 1 as an octahedron whose facets are parted `times` times.
+    fn sphere(times: usize) -> IndexedSurface {
+        let corner = |axis: usize, sign: f64| DVec3::AXES[axis] * sign;
+        let mut facets = Vec::new();
+        for signs in 0..8 {
+            let sign = |k: usize| if signs >> k & 1 == 0 { 1.0 } else { -1.0 };
+            let [a, b, c] = [0, 1, 2].map(|k| corner(k, sign(k)));
+            let outward = sign(0) * sign(1) * sign(2) > 0.0;
+            facets.push(if outward { [a, b, c] } else { [a, c, b] });
+        }
+        for _ in 0..times {
+            let part = |[a, b, c]: [DVec3; 3]| {
+                let [d, e, f] = [(a, b), (b, c), (c, a)].map(|(p, q)| (p + q).normalize());
+                [[a, d, f], [d, b, e], [f, e, c], [d, e, f]]
+            };
+            facets = facets.into_iter().flat_map(part).collect();
+        }
+        let facets = facets.into_iter().map(|corners| Facet {
+            corners,
+            normal: (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize(),
+            kind: FacetKind::Triangle,
+        });
+        IndexedSurface::of_facets(facets.collect())
+    }
+
+    /// The nearest facets listed before a point moves are enough after it: nothing else decides, to the bit.
+    #[test]
+    fn facets_listed_before_a_move_hold_the_nearest_after_it() {
+        let surface = sphere(4);
+        let all: Vec<u32> = (0..surface.facets.len() as u32).collect();
+        let (reach, way) = (0.25, 0.05);
+        let unit = |k: i32| {
+            DVec3::from([0.61803, 0.41421, 0.73205].map(|a| 2.0 * (a * f64::from(k)).fract() - 1.0))
+        };
+        let mut listed = 0;
+        for k in 1..400 {
+            let direction = unit(k).normalize();
+            let x = direction * (0.85 + 0.3 * (0.32471 * f64::from(k)).fract());
+            let mut near = Vec::new();
+            surface.facets_near(x, reach, way, &mut near);
+            listed += near.len();
+            // At a corner of several facets, and anywhere.
+            let corner = surface.facets[near[0] as usize].corners[0];
+            let moved = x + 0.999 * way * unit(k + 77).normalize();
+            for x in
+                [x, moved, corner, 1.01 * corner].into_iter().filter(|y| (y - x).length() <= way)
+            {
+                assert_eq!(surface.foot_of(x, &near), surface.foot_of(x, &all), "{k}");
+                let square = |f: &Facet| (x - f.closest(x)).length_squared();
+                let least = surface.facets.iter().map(square).fold(f64::INFINITY, f64::min);
+                let found = surface.foot_of(x, &all).unwrap().nearest.distance.powi(2);
+                assert!((found - least).abs() <= 1e-11 * least, "{k}: {found} {least}");
+            }
+        }
+        assert!(listed < 400 * 100, "{listed} of {}", 400 * all.len());
     }
 }

@@ -20,6 +20,7 @@ use crate::particles::Particles;
 use crate::setup::Tool;
 use crate::tensor::{Matrix, Vector, dot, extended, minus, plus_scaled, reduced};
 use glam::DVec3;
+use rayon::prelude::*;
 use sphcut_geometry::tool_surface::{IndexedSurface, NearestPoint};
 use sphcut_physics::friction::{ContactState, FrictionLaw};
 
@@ -32,6 +33,9 @@ struct Candidate {
     first: u32,
     last: u32,
 }
+
+/// How a particle lies on the tool, and its M^-1 where that was needed.
+type Near<const D: usize> = (Footing, Option<Matrix<D>>);
 
 /// The tool in contact with particles.
 #[derive(Debug)]
@@ -49,7 +53,9 @@ pub(crate) struct ToolContact<const D: usize> {
     candidate_facets: Vec<u32>,
     /// Contacts of the last force evaluation, ordered by particle.
     pub(crate) touches: Vec<Touch<D>>,
-    /// Who is near the tool in the present evaluation.
+    /// What became of each candidate in the present evaluation.
+    found: Vec<Option<Near<D>>>,
+    /// Who is near the tool in it.
     near: Vec<u32>,
     footings: Vec<Footing>,
     /// What the surface points of these particles are found from; computed where it was needed.
@@ -86,6 +92,7 @@ impl<const D: usize> ToolContact<D> {
             candidates: Vec::new(),
             candidate_facets: Vec::new(),
             touches: Vec::new(),
+            found: Vec::new(),
             near: Vec::new(),
             footings: Vec::new(),
             moments: Vec::new(),
@@ -201,27 +208,27 @@ impl<const D: usize> ToolContact<D> {
         }
     }
 
-    /// Lists the particles that can come into contact while nothing moves by more than
-    /// `margin` relative to the tool.
+    /// Lists the particles that can come into contact, and the facets that can be nearest to them, while nothing moves by more
+    /// than `way` relative to the tool.
     pub(crate) fn update_reference(
         &mut self,
         particles: &Particles<D>,
         list: &NeighbourList,
         time: f64,
-        margin: f64,
+        way: f64,
     ) {
         self.holder.update_reference();
         let displacement = self.displacement(time);
         self.candidates.clear();
         self.candidate_facets.clear();
         for (particle, position) in particles.position.iter().enumerate() {
-            let reach = self.contact_surface.depth() * particles.size(particle) + margin;
+            let reach = self.contact_surface.depth() * particles.size(particle) + way;
             let x = in_space(position) - displacement;
             if !self.surface.is_near(x, reach) {
                 continue;
             }
             let first = self.candidate_facets.len() as u32;
-            self.surface.facets_near(x, reach, &mut self.candidate_facets);
+            self.surface.facets_near(x, reach, way, &mut self.candidate_facets);
             let last = self.candidate_facets.len() as u32;
             if last > first {
                 self.candidates.push(Candidate { particle: particle as u32, first, last });
@@ -229,6 +236,7 @@ impl<const D: usize> ToolContact<D> {
         }
         // Room for all of them to touch: a step then asks for none.
         let most = self.candidates.len();
+        make_room(&mut self.found, most);
         make_room(&mut self.footings, most);
         make_room(&mut self.moments, most);
         make_room(&mut self.near, most);
@@ -241,50 +249,79 @@ impl<const D: usize> ToolContact<D> {
         self.friction.make_room(particles.count(), most, neighbours);
     }
 
-    /// Computes the contact forces at `time` on the particles for the coming step.
-    pub(crate) fn evaluate(&mut self, time: f64, time_step: f64, around: &Neighbourhood<'_, D>) {
+    /// Finds who is near the tool at `time`, after a step.
+    fn find_near(&mut self, time: f64, time_step: f64, around: &Neighbourhood<'_, D>) {
         let displacement = self.displacement(time);
-        let velocity = reduced(self.mean_velocity(time, time_step).as_ref());
-        let depth = self.contact_surface.depth();
+        let mut found = std::mem::take(&mut self.found);
+        found.clear();
+        found.resize(self.candidates.len(), None);
+        let all =
+            found.par_iter_mut().zip(&self.candidates).with_min_len(self.contact_surface.task());
+        all.for_each(|(found, candidate)| {
+            *found = self.footing(candidate, displacement, time_step, around);
+        });
         self.footings.clear();
         self.moments.clear();
         self.near.clear();
-        let particles = around.particles;
-        for candidate in &self.candidates {
-            let i = candidate.particle as usize;
-            let centre = in_space(&particles.position[i]) - displacement;
-            let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
-            let Some(foot) = self.surface.foot_of(centre, facets) else { continue };
-            let NearestPoint { distance, normal } = foot.nearest;
-            let size = particles.size(i);
-            if distance >= depth * size {
-                continue;
+        for (found, candidate) in found.iter().zip(&self.candidates) {
+            if let Some((footing, moment)) = found {
+                self.footings.push(*footing);
+                self.moments.push(*moment);
+                self.near.push(candidate.particle);
             }
-            let moment = (distance < 2.0 * self.radius * size).then(|| around.inverse_moment(i));
-            let half_thickness = match &moment {
-                Some(moment) => around.followed_half_thickness(
-                    i,
-                    &reduced(normal.as_ref()),
-                    (time_step, 2.0 * self.radius),
-                    moment,
-                ),
-                None => particles.point[i].half_thickness,
-            };
-            self.moments.push(moment);
-            let (station, turn) = self.surface.station(centre, &foot);
-            self.footings.push(Footing {
-                centre,
-                foot: foot.place,
-                normal,
-                station,
-                turn,
-                distance,
-                half_thickness,
-                pressing: self.stiffness * (half_thickness - distance).max(0.0),
-                volume: particles.volume[i] * particles.point[i].volume_ratio,
-            });
-            self.near.push(candidate.particle);
         }
+        self.found = found;
+    }
+
+    /// How `candidate` lies on the tool, unless it is too far from it; and what its surface point is found from where that was
+    /// needed.
+    fn footing(
+        &self,
+        candidate: &Candidate,
+        displacement: DVec3,
+        time_step: f64,
+        around: &Neighbourhood<'_, D>,
+    ) -> Option<Near<D>> {
+        let particles = around.particles;
+        let i = candidate.particle as usize;
+        let centre = in_space(&particles.position[i]) - displacement;
+        let facets = &self.candidate_facets[candidate.first as usize..candidate.last as usize];
+        let foot = self.surface.foot_of(centre, facets)?;
+        let NearestPoint { distance, normal } = foot.nearest;
+        let size = particles.size(i);
+        if distance >= self.contact_surface.depth() * size {
+            return None;
+        }
+        let moment = (distance < 2.0 * self.radius * size).then(|| around.inverse_moment(i));
+        let half_thickness = match &moment {
+            Some(moment) => around.followed_half_thickness(
+                i,
+                &reduced(normal.as_ref()),
+                (time_step, 2.0 * self.radius),
+                moment,
+            ),
+            None => particles.point[i].half_thickness,
+        };
+        let (station, turn) = self.surface.station(centre, &foot);
+        let footing = Footing {
+            centre,
+            foot: foot.place,
+            normal,
+            station,
+            turn,
+            distance,
+            half_thickness,
+            pressing: self.stiffness * (half_thickness - distance).max(0.0),
+            volume: particles.volume[i] * particles.point[i].volume_ratio,
+        };
+        Some((footing, moment))
+    }
+
+    /// Computes the contact forces at `time` on the particles for the coming step.
+    pub(crate) fn evaluate(&mut self, time: f64, time_step: f64, around: &Neighbourhood<'_, D>) {
+        let velocity = reduced(self.mean_velocity(time, time_step).as_ref());
+        let particles = around.particles;
+        self.find_near(time, time_step, around);
         self.contact_surface.lay(&self.footings, self.surface.perimeter());
         let mut touches = std::mem::take(&mut self.touches);
         touches.clear();

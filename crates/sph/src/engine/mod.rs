@@ -43,8 +43,9 @@ use sphcut_tool_heat::HeatedTool;
 
 /// Spread of the displacements since the last reference update, in particle spacings, that triggers the next.
 const UPDATE_SPREAD: f64 = 0.25;
-/// Particles within this many spacings of the tool's surface are watched for contact until the next reference update.
-const CONTACT_MARGIN: f64 = 1.0;
+/// Nothing moves against the tool by more than this many spacings until the next reference update: the root of three times the
+/// spread, and a step.
+const WAY_OF_CONTACT: f64 = 0.5;
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -326,8 +327,8 @@ impl<const D: usize> Engine<D> {
         self.set_time_step();
         let Self { particles, reference, numerics, tool, .. } = self;
         if let Some(tool) = tool {
-            let margin = CONTACT_MARGIN * numerics.spacing;
-            tool.update_reference(particles, &reference.list, reference.time, margin);
+            let way = WAY_OF_CONTACT * numerics.spacing;
+            tool.update_reference(particles, &reference.list, reference.time, way);
         }
         self.conduction.tensor.clear();
     }

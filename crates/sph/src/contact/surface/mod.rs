@@ -34,6 +34,8 @@ mod cell;
 
 use cell::{Cell, angle, gap, is_within, widest_sector};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Radius of the regularisation in terms of the mean distance of the particles that press.
 const RADIUS: f64 = 3.0;
@@ -61,6 +63,8 @@ const FREE: f64 = std::f64::consts::TAU / 3.0;
 const CHUNK: usize = 16;
 /// Least room, in values.
 const LEAST_ROOM: usize = 256;
+/// In space so many particles of the contact are worth a task.
+const TASK: usize = 32;
 
 /// Room for `most` values in all, and for as many as a power of two.
 pub(crate) fn make_room<T>(values: &mut Vec<T>, most: usize) {
@@ -101,6 +105,17 @@ pub(crate) struct Share {
 /// Distance, number in the layer and direction of a neighbour in the tangent plane.
 type Neighbour = (f64, u32, DVec2);
 
+/// What a thread notes around one particle in space.
+#[derive(Debug, Default)]
+struct Surroundings {
+    /// Directions to those that press, or cut its cell.
+    angles: Vec<f64>,
+    /// The layer.
+    around: Vec<Neighbour>,
+    /// Place in the tangent plane in m and volume over the spacing in m^2.
+    filling: Vec<(DVec2, f64)>,
+}
+
 /// Makes the contact surface of each step; keeps its memory between the steps.
 #[derive(Debug, Default)]
 pub(crate) struct ContactSurface {
@@ -114,14 +129,14 @@ pub(crate) struct ContactSurface {
     pressing: Vec<u32>,
     /// Mean distance of those that press around each of the layer in m.
     pitches: Vec<f64>,
-    /// W around one of them.
-    weights: Vec<f64>,
-    /// In space: directions to those that press around one.
-    angles: Vec<f64>,
-    /// In space: the layer around one.
-    around: Vec<Neighbour>,
-    /// In space: place in the tangent plane in m and volume over the spacing in m^2 of the particles around one.
-    filling: Vec<(DVec2, f64)>,
+    /// Whether each of the order belongs to the layer.
+    belongs: Vec<bool>,
+    /// One value for each of the layer: what is being found.
+    values: Vec<f64>,
+    /// S of each of the layer in m^2 (m in 2D).
+    sums: Vec<f64>,
+    /// One for each thread.
+    surroundings: Vec<Mutex<Surroundings>>,
     shares: Vec<Share>,
 }
 
@@ -139,7 +154,8 @@ fn in_plane(way: DVec3, basis: &[DVec3; 2]) -> DVec2 {
 
 impl ContactSurface {
     pub(crate) fn new(spacing: f64, dimension: usize) -> Self {
-        Self { spacing, dimension, ..Self::default() }
+        let surroundings = vec![Mutex::default()];
+        Self { spacing, dimension, surroundings, ..Self::default() }
     }
 
     /// Distance from the tool in m within which particles have to be told of.
@@ -153,11 +169,17 @@ impl ContactSurface {
         make_room(&mut self.layer, most);
         make_room(&mut self.pressing, most);
         make_room(&mut self.pitches, most);
-        make_room(&mut self.weights, most);
+        make_room(&mut self.belongs, most);
+        make_room(&mut self.values, most);
+        make_room(&mut self.sums, most);
         if self.dimension == 3 {
-            make_room(&mut self.angles, 2 * most);
-            make_room(&mut self.around, most);
-            make_room(&mut self.filling, most);
+            self.surroundings.resize_with(rayon::current_num_threads(), Mutex::default);
+            for surroundings in &mut self.surroundings {
+                let room = surroundings.get_mut().unwrap_or_else(PoisonError::into_inner);
+                make_room(&mut room.angles, 2 * most);
+                make_room(&mut room.around, most);
+                make_room(&mut room.filling, most);
+            }
         }
         make_room(&mut self.shares, most);
     }
@@ -221,20 +243,46 @@ impl ContactSurface {
         first..last
     }
 
+    /// How many particles are worth a task: in the plane there are too few for more than one.
+    pub(crate) fn task(&self) -> usize {
+        if self.dimension == 2 { usize::MAX } else { TASK }
+    }
+
+    /// The notes of this thread.
+    fn surroundings(&self) -> MutexGuard<'_, Surroundings> {
+        let thread = rayon::current_thread_index().unwrap_or(0);
+        self.surroundings[thread % self.surroundings.len()]
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A value of each of the layer.
+    fn of_layer(&mut self, value: impl Fn(&Self, usize) -> f64 + Sync) -> Vec<f64> {
+        let mut values = std::mem::take(&mut self.values);
+        values.clear();
+        values.resize(self.layer.len(), 0.0);
+        let all = values.par_iter_mut().enumerate().with_min_len(self.task());
+        all.for_each(|(n, found)| *found = value(self, n));
+        values
+    }
+
     fn find_layer(&mut self, footings: &[Footing]) {
-        self.layer.clear();
-        for k in 0..self.order.len() {
+        let mut belongs = std::mem::take(&mut self.belongs);
+        belongs.clear();
+        belongs.resize(self.order.len(), false);
+        let all = belongs.par_iter_mut().enumerate().with_min_len(self.task());
+        all.for_each(|(k, belongs)| {
             let this = &footings[self.order[k].1 as usize];
-            let belongs = this.pressing > 0.0
+            *belongs = this.pressing > 0.0
                 || (this.distance < self.spacing && self.is_surrounded(footings, k));
-            if belongs {
-                self.layer.push(k as u32);
-            }
-        }
+        });
+        self.layer.clear();
+        self.layer.extend((0..).zip(&belongs).filter(|(_, belongs)| **belongs).map(|(k, _)| k));
+        self.belongs = belongs;
     }
 
     /// Whether particles that press stand around place `k` of the order.
-    fn is_surrounded(&mut self, footings: &[Footing], k: usize) -> bool {
+    fn is_surrounded(&self, footings: &[Footing], k: usize) -> bool {
         let here = self.order[k];
         let near = self.near(k, REACH);
         if self.dimension == 2 {
@@ -245,7 +293,7 @@ impl ContactSurface {
         }
         let this = &footings[here.1 as usize];
         let basis = tangents(this.normal);
-        let mut angles = std::mem::take(&mut self.angles);
+        let Surroundings { angles, .. } = &mut *self.surroundings();
         angles.clear();
         for &(_, other) in &self.order[near] {
             let other = &footings[other as usize];
@@ -255,9 +303,7 @@ impl ContactSurface {
                 angles.push(angle(unit));
             }
         }
-        let widest = widest_sector(&mut angles);
-        self.angles = angles;
-        widest <= WIDEST
+        widest_sector(angles) <= WIDEST
     }
 
     /// Direction in the tangent plane and distance of the feet, if within reach and apart.
@@ -316,8 +362,8 @@ impl ContactSurface {
         self.fills(filled, gap)
     }
 
-    /// The same in space of the way along `unit` of the tangent plane to a neighbour `gap` off.
-    fn is_covered_in_space(&self, unit: DVec2, gap: f64) -> bool {
+    /// The same in space of the way along `unit` of the tangent plane to a neighbour `gap` off, with the material around.
+    fn is_covered_in_space(&self, filling: &[(DVec2, f64)], unit: DVec2, gap: f64) -> bool {
         if gap <= CLOSED_GAP * self.spacing {
             return true;
         }
@@ -329,17 +375,22 @@ impl ContactSurface {
             filled * share
         };
         let mut filled = 0.0;
-        self.filling.chunks(CHUNK).any(|some| {
+        filling.chunks(CHUNK).any(|some| {
             filled = some.iter().map(counted).fold(filled, |sum, part| sum + part);
             self.fills(filled, gap)
         })
     }
 
     /// Notes the material that may lie behind gaps around place `k` of the order.
-    fn note_filling(&mut self, footings: &[Footing], k: usize, basis: &[DVec3; 2]) {
+    fn note_filling(
+        &self,
+        footings: &[Footing],
+        k: usize,
+        basis: &[DVec3; 2],
+        filling: &mut Vec<(DVec2, f64)>,
+    ) {
         let foot = footings[self.order[k].1 as usize].foot;
         let most = (REACH + END).hypot(1.0) * self.spacing;
-        let mut filling = std::mem::take(&mut self.filling);
         filling.clear();
         for &(_, other) in &self.order[self.near(k, REACH + END)] {
             let other = &footings[other as usize];
@@ -348,7 +399,6 @@ impl ContactSurface {
                 filling.push((place, other.volume / self.spacing));
             }
         }
-        self.filling = filling;
     }
 
     /// Whether `filled` of a band in m^2 is enough material behind a gap.
@@ -375,44 +425,48 @@ impl ContactSurface {
 
     /// Shares the surface out among the layer as Voronoi cells.
     fn share_cells(&mut self, footings: &[Footing]) {
-        let mut around = std::mem::take(&mut self.around);
-        let mut angles = std::mem::take(&mut self.angles);
-        for n in 0..self.layer.len() {
-            let k = self.layer[n] as usize;
-            let this = &footings[self.order[k].1 as usize];
-            let basis = tangents(this.normal);
-            around.clear();
-            for m in self.layer_near(n, REACH) {
-                let other = &footings[self.order[self.layer[m] as usize].1 as usize];
-                if let Some((unit, distance)) = self.way(this, other, &basis) {
-                    around.push((distance, m as u32, unit));
-                }
-            }
-            around.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            self.note_filling(footings, k, &basis);
-            let is_covered =
-                |&(distance, _, unit): &Neighbour| self.is_covered_in_space(unit, distance);
-            let mut cell = Cell::square(0.5 * REACH * self.spacing);
-            angles.clear();
-            for neighbour in &around {
-                let (distance, _, unit) = *neighbour;
-                if cell.is_cut(unit, 0.5 * distance) {
-                    cell.cut(unit, 0.5 * distance);
-                    if is_covered(neighbour) {
-                        angles.push(angle(unit));
-                    }
-                }
-            }
-            if widest_sector(&mut angles) > FREE {
-                around.retain(is_covered);
-                angles.clear();
-                angles.extend(around.iter().map(|neighbour| angle(neighbour.2)));
-                self.end_cell(&mut cell, &around, &mut angles);
-            }
-            self.shares[self.order[k].1 as usize].area = cell.area();
+        let areas = self.of_layer(|surface, n| surface.cell_area(footings, n));
+        for (&k, &area) in self.layer.iter().zip(&areas) {
+            self.shares[self.order[k as usize].1 as usize].area = area;
         }
-        self.around = around;
-        self.angles = angles;
+        self.values = areas;
+    }
+
+    /// Area of the Voronoi cell of number `n` of the layer.
+    fn cell_area(&self, footings: &[Footing], n: usize) -> f64 {
+        let Surroundings { angles, around, filling } = &mut *self.surroundings();
+        let k = self.layer[n] as usize;
+        let this = &footings[self.order[k].1 as usize];
+        let basis = tangents(this.normal);
+        around.clear();
+        for m in self.layer_near(n, REACH) {
+            let other = &footings[self.order[self.layer[m] as usize].1 as usize];
+            if let Some((unit, distance)) = self.way(this, other, &basis) {
+                around.push((distance, m as u32, unit));
+            }
+        }
+        around.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        self.note_filling(footings, k, &basis, filling);
+        let is_covered =
+            |&(distance, _, unit): &Neighbour| self.is_covered_in_space(filling, unit, distance);
+        let mut cell = Cell::square(0.5 * REACH * self.spacing);
+        angles.clear();
+        for neighbour in around.iter() {
+            let (distance, _, unit) = *neighbour;
+            if cell.is_cut(unit, 0.5 * distance) {
+                cell.cut(unit, 0.5 * distance);
+                if is_covered(neighbour) {
+                    angles.push(angle(unit));
+                }
+            }
+        }
+        if widest_sector(angles) > FREE {
+            around.retain(is_covered);
+            angles.clear();
+            angles.extend(around.iter().map(|neighbour| angle(neighbour.2)));
+            self.end_cell(&mut cell, around, angles);
+        }
+        cell.area()
     }
 
     /// Ends the `cell` of one at the rim whose neighbours are `around`, seen in the directions `angles`.
@@ -479,29 +533,44 @@ impl ContactSurface {
 
     /// Pressure of the layer.
     fn regularise(&mut self, footings: &[Footing]) {
-        let number = |surface: &Self, n: usize| surface.order[surface.layer[n] as usize].1 as usize;
         self.find_pitches(footings);
-        for n in 0..self.layer.len() {
-            let this = number(self, n);
-            let radius = RADIUS * self.pitches[n];
-            let near = self.layer_near(n, radius / self.spacing);
-            let mut whole = 0.0;
-            self.weights.clear();
-            for m in near.clone() {
-                let other = number(self, m);
-                let weight = (1.0 - self.distance(footings, n, m) / radius).max(0.0)
-                    * footings[this].normal.dot(footings[other].normal).max(0.0);
-                whole += weight * self.shares[other].area;
-                self.weights.push(weight);
+        // S of those that press: their weights times the areas.
+        let sums = self.of_layer(|surface, n| {
+            if footings[surface.number(n)].pressing <= 0.0 {
+                return 0.0;
             }
-            if whole <= 0.0 || footings[this].pressing <= 0.0 {
-                continue;
-            }
-            for (k, m) in near.enumerate() {
-                let other = number(self, m);
-                self.shares[other].pressure += self.weights[k] * footings[this].pressing / whole;
-            }
+            let radius = RADIUS * surface.pitches[n];
+            let near = surface.layer_near(n, radius / surface.spacing);
+            let part = |m| surface.weight(footings, n, m) * surface.shares[surface.number(m)].area;
+            near.fold(0.0, |sum, m| sum + part(m))
+        });
+        let widest = RADIUS * self.pitches.iter().copied().fold(0.0, f64::max) / self.spacing;
+        self.values = std::mem::take(&mut self.sums);
+        let pressures = self.of_layer(|surface, m| {
+            let presses = |n: &usize| sums[*n] > 0.0;
+            surface.layer_near(m, widest).filter(presses).fold(0.0, |pressure, n| {
+                let pressing = footings[surface.number(n)].pressing;
+                pressure + surface.weight(footings, n, m) * pressing / sums[n]
+            })
+        });
+        for (m, &pressure) in pressures.iter().enumerate() {
+            let number = self.number(m);
+            self.shares[number].pressure = pressure;
         }
+        self.values = pressures;
+        self.sums = sums;
+    }
+
+    /// Footing of number `n` of the layer.
+    fn number(&self, n: usize) -> usize {
+        self.order[self.layer[n] as usize].1 as usize
+    }
+
+    /// W of numbers `n`, which presses, and `m` of the layer.
+    fn weight(&self, footings: &[Footing], n: usize, m: usize) -> f64 {
+        let radius = RADIUS * self.pitches[n];
+        let normal = |n: usize| footings[self.number(n)].normal;
+        (1.0 - self.distance(footings, n, m) / radius).max(0.0) * normal(n).dot(normal(m)).max(0.0)
     }
 
     /// Mean distance of the particles that press around each of the layer, at least one spacing: in the
@@ -510,9 +579,8 @@ impl ContactSurface {
         self.pitches.clear();
         self.pitches.resize(self.layer.len(), self.spacing);
         if self.dimension != 2 {
-            for n in 0..self.layer.len() {
-                self.pitches[n] = self.pitch_in_space(footings, n);
-            }
+            let pitches = self.of_layer(|surface, n| surface.pitch_in_space(footings, n));
+            self.values = std::mem::replace(&mut self.pitches, pitches);
             return;
         }
         self.pressing.clear();
