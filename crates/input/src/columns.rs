@@ -211,9 +211,16 @@ fn header(
             return Err(wrong(format!("the unit is missing: write `{}`", rule.heading())));
         }
         if let Some(quantity) = rule.quantity {
-            units::parse(&format!("1 {unit}"), quantity).map_err(|error| {
-                wrong(format!("`{unit}`: {error}; for example `{}`", rule.unit))
-            })?;
+            let one = format!("1 {unit}");
+            let is_per_width =
+                quantity == Quantity::Force && units::parse(&one, Quantity::ForcePerWidth).is_ok();
+            let hint = if is_per_width {
+                "multiply the values by the width of cut and write `N`".to_owned()
+            } else {
+                format!("for example `{}`", rule.unit)
+            };
+            units::parse(&one, quantity)
+                .map_err(|error| wrong(format!("`{unit}`: {error}; {hint}")))?;
         }
         columns.push(Column { rule: found, unit });
     }

@@ -145,6 +145,10 @@ mod tests {
                 "line 1, column 2 `h`: the unit is missing: write `h [mm]`",
             ),
             (
+                good.replace("F_c [N]", "F_c [N/mm]"),
+                "line 1, column 3 `F_c`: `N/mm`: this is a force per width; multiply the values by the width of cut",
+            ),
+            (
                 good.replace("h [mm]", "F_t_sd [N]"),
                 "line 1, column 2 `F_t_sd`: no such column; there are",
             ),
