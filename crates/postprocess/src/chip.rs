@@ -6,7 +6,7 @@
 //! **Thickness** h_ch: at each particle of the chip's surface a straight line is drawn inwards,
 //! against the surface normal, to where the material ends. The local thickness is the area of
 //! the particles about the line per length along the chip: sum of (1 - d / w) dx_i^2 / w over the
-//! particles at a distance d < w = 2 dx of it (dx: the largest spacing in the chip). Counting area and not the distance between the
+//! particles at a distance d < w = 2 dx of it (their areas dx_i^2, or what they count for in a section; dx: the largest spacing in the chip). Counting area and not the distance between the
 //! outermost particles needs no assumption on how the flow has rearranged their rows, and leaves
 //! holes out. The chip thickness is the median over the lines: the few that run along the chip
 //! from its free end do not matter, nor does the curl. Lines that leave the chip downwards are
@@ -89,7 +89,7 @@ pub(crate) fn measure(
         return None;
     }
     let thickness = median(&lines);
-    let area: f64 = chip.iter().map(|&i| cloud.spacings[i].powi(2)).sum();
+    let area: f64 = chip.iter().map(|&i| cloud.areas[i]).sum();
     if area < LEAST_SLENDERNESS * thickness * thickness {
         return None;
     }
@@ -145,7 +145,7 @@ fn local_thickness(
     let weight = |&i: &usize| {
         let offset = difference(cloud.points[i], start);
         let aside = (offset[0] * normal[1] - offset[1] * normal[0]).abs();
-        (1.0 - aside / width).max(0.0) * cloud.spacings[i].powi(2)
+        (1.0 - aside / width).max(0.0) * cloud.areas[i]
     };
     Some(strip.iter().map(weight).sum::<f64>() / width)
 }

@@ -45,6 +45,8 @@ pub(crate) struct CutParticles {
     pub spacing: f64,
     /// That of each.
     pub spacings: Vec<f64>,
+    /// Area that each stands for in m^2.
+    pub areas: Vec<f64>,
     coarsest: f64,
     /// Positions of the particles kept.
     pub points: Vec<PlanePoint>,
@@ -72,6 +74,7 @@ impl CutParticles {
         let source: Vec<usize> = kept.iter().map(|&i| finite[i]).collect();
         let points: Vec<PlanePoint> = kept.iter().map(|&i| points[i]).collect();
         let spacings: Vec<f64> = kept.iter().map(|&i| spacings[i]).collect();
+        let areas = source.iter().map(|&i| snapshot.plane_area_at(i)).collect();
         let tree = PointTree::new(&points, LINK * spacing);
         let half_thickness = source
             .iter()
@@ -82,7 +85,7 @@ impl CutParticles {
             .collect();
         let loose = all.len() - points.len();
         let coarsest = spacings.iter().copied().fold(0.0, f64::max);
-        Self { spacing, spacings, coarsest, loose, points, half_thickness, source, tree }
+        Self { spacing, spacings, areas, coarsest, loose, points, half_thickness, source, tree }
     }
 
     /// The particles within `radius` of `centre`.
@@ -109,7 +112,7 @@ impl CutParticles {
             let length = distance(self.points[i], here);
             if i != particle && length > 0.0 {
                 let offset = difference(here, self.points[i]);
-                let area = (self.spacings[i] / own).powi(2);
+                let area = self.areas[i] / own.powi(2);
                 let share = area / length;
                 sum = [sum[0] + offset[0] * share, sum[1] + offset[1] * share];
                 count += area;

@@ -36,26 +36,28 @@ impl Axes {
     }
 
     /// The particles of `snapshot` that `flat` puts into the plane, from their places in these directions, in the frame of a
-    /// plane cut, without a tool; forces and areas of contact are per `width`.
+    /// plane cut, without a tool; and how much of each counts per width, in 1/m, as `flat` says. Forces and areas of contact
+    /// are per width.
     pub fn section(
         &self,
         snapshot: &Snapshot,
-        width: f64,
-        flat: impl Fn(Vector) -> Option<[f64; 2]>,
-    ) -> Snapshot {
-        let (mut chosen, mut position) = (Vec::new(), Vec::new());
+        flat: impl Fn(Vector) -> Option<([f64; 2], f64)>,
+    ) -> (Snapshot, Vec<f64>) {
+        let (mut chosen, mut position, mut counted) = (Vec::new(), Vec::new(), Vec::new());
         for (index, place) in snapshot.position.iter().enumerate() {
-            if let Some([x, y]) = flat(self.place(place)) {
+            if let Some(([x, y], per_width)) = flat(self.place(place)) {
                 chosen.push(index);
                 position.push([x, y, 0.0]);
+                counted.push(per_width);
             }
         }
         let in_plane = |vector: Vector| {
             let [x, y, _] = self.place(&vector);
             [x, y, 0.0]
         };
-        let per_width = |value: f64| value / width;
-        Snapshot {
+        let contact_force = pick(&snapshot.contact_force, &chosen);
+        let contact_area = pick(&snapshot.contact_area, &chosen);
+        let plane = Snapshot {
             time: snapshot.time,
             step: snapshot.step,
             dimension: 2,
@@ -71,21 +73,20 @@ impl Axes {
             plastic_strain: pick(&snapshot.plastic_strain, &chosen),
             plastic_strain_rate: pick(&snapshot.plastic_strain_rate, &chosen),
             temperature: pick(&snapshot.temperature, &chosen),
-            contact_force: pick(&snapshot.contact_force, &chosen)
+            contact_force: contact_force
                 .into_iter()
-                .map(|force| in_plane(force).map(per_width))
+                .zip(&counted)
+                .map(|(force, per_width)| in_plane(force).map(|f| f * per_width))
                 .collect(),
             friction_use: pick(&snapshot.friction_use, &chosen),
             shear_friction_factor: pick(&snapshot.shear_friction_factor, &chosen),
-            contact_area: pick(&snapshot.contact_area, &chosen)
-                .into_iter()
-                .map(per_width)
-                .collect(),
+            contact_area: contact_area.iter().zip(&counted).map(|(area, c)| area * c).collect(),
             relative_spacing: pick(&snapshot.relative_spacing, &chosen),
             half_thickness: pick(&snapshot.half_thickness, &chosen),
             neighbours: pick(&snapshot.neighbours, &chosen),
             ..Snapshot::default()
-        }
+        };
+        (plane, counted)
     }
 
     /// Where the plane at `across` cuts the tool of `snapshot`: a closed polygon in the plane, the longest one if there are
@@ -227,7 +228,9 @@ mod tests {
             half_thickness: vec![0.3, 0.4],
             ..Snapshot::default()
         };
-        let section = axes.section(&snapshot, 2.0, |[x, y, z]| (z < 5.0).then_some([x, y]));
+        let flat = |[x, y, z]: Vector| (z < 5.0).then_some(([x, y], 0.5));
+        let (section, counted) = axes.section(&snapshot, flat);
+        assert_eq!(counted, [0.5]);
         assert_eq!((section.id, section.position), (vec![7], vec![[3.0, 1.0, 0.0]]));
         assert_eq!(section.velocity, [[6.0, 4.0, 0.0]]);
         // zz, xx, yy, zx, xy, zy.

@@ -145,10 +145,10 @@ impl Profile {
             let distance = z - self.tip[2];
             (distance.abs() <= self.half_width).then(|| {
                 let (line, cosine) = self.line(distance);
-                [x, self.tip[1] + (y - self.tip[1] - line) * cosine]
+                ([x, self.tip[1] + (y - self.tip[1] - line) * cosine], 1.0 / spacing)
             })
         };
-        let mut slice = axes.section(snapshot, spacing, flat);
+        let (mut slice, _) = axes.section(snapshot, flat);
         slice.tool = axes.tool_section(snapshot, self.tip[2]).unwrap_or_default();
         slice
     }

@@ -147,6 +147,8 @@ pub struct Snapshot {
     pub contact_area: Vec<f64>,
     /// Spacing of the lattice where the particle is, over [`Snapshot::particle_spacing`].
     pub relative_spacing: Vec<f64>,
+    /// In a plane section of a cut in space: what each particle counts for there in m^2. Empty elsewhere.
+    pub plane_area: Vec<f64>,
     /// From the particle to the point of its material that the tool touches, in m; where the tool has not been near,
     /// half the cell of the lattice across the machined surface. Not a number where a record does not hold it.
     pub half_thickness: Vec<f64>,
@@ -167,6 +169,12 @@ impl Snapshot {
     #[must_use]
     pub fn spacing_at(&self, i: usize) -> f64 {
         self.particle_spacing * self.relative_spacing.get(i).copied().unwrap_or(1.0)
+    }
+
+    /// Area in the plane that particle `i` stands for, in m^2.
+    #[must_use]
+    pub fn plane_area_at(&self, i: usize) -> f64 {
+        self.plane_area.get(i).copied().unwrap_or_else(|| self.spacing_at(i).powi(2))
     }
 }
 
