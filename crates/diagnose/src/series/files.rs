@@ -1,6 +1,6 @@
 //! The series in `diagnosis.json`, `lines.csv` and `trends.csv`.
 
-use super::{CutLine, Named, OverTime, SeriesDiagnosis, Track};
+use super::{Comb, CombBase, CutLine, Named, OverTime, SeriesDiagnosis, Track};
 use crate::check::self_test::Rate;
 use serde_json::{Value, json};
 use sphcut_physics::csv;
@@ -25,6 +25,7 @@ pub fn series_json(found: &SeriesDiagnosis) -> Value {
         })).collect::<Vec<_>>(),
         "too_short": found.too_short.iter().map(|(name, length)| json!({ "name": name, "duration": length })).collect::<Vec<_>>(),
         "tracks": found.tracks.iter().map(|track| self::track(found, track)).collect::<Vec<_>>(),
+        "combs": found.combs.iter().map(|comb| self::comb(found, comb)).collect::<Vec<_>>(),
         "air_lines": found.air.iter().map(|(_, lines)| lines.iter().map(|line| json!({
             "frequency": line.frequency, "amplitude": line.amplitude,
         })).collect::<Vec<_>>()).collect::<Vec<_>>(),
@@ -118,6 +119,29 @@ fn track(found: &SeriesDiagnosis, track: &Track) -> Value {
     })
 }
 
+fn base(of: CombBase) -> Value {
+    let (name, frequency) = match of {
+        CombBase::Rotation => ("rotation", None),
+        CombBase::Mains(f) => ("mains", Some(f)),
+        CombBase::Natural(f) => ("natural_frequency", Some(f)),
+        CombBase::Track(track) => return json!({ "of": "track", "track": track + 1 }),
+    };
+    json!({ "of": name, "frequency": frequency })
+}
+
+fn comb(found: &SeriesDiagnosis, comb: &Comb) -> Value {
+    json!({
+        "base": base(comb.base),
+        "chance": comb.chance,
+        "not_told_apart_from": comb.rival.map(base),
+        "multiples": comb.members.iter().map(|(track, multiple)| json!({
+            "track": track + 1,
+            "multiple": multiple,
+            "cuts": found.tracks[*track].lines.len(),
+        })).collect::<Vec<_>>(),
+    })
+}
+
 fn line(found: &SeriesDiagnosis, line: &CutLine) -> Value {
     let channels = found.cuts[line.cut].channels.iter().zip(&line.channels);
     json!({
@@ -150,6 +174,12 @@ pub fn series_csv(found: &SeriesDiagnosis) -> String {
             }
             Named::Unsure => "unsure".to_owned(),
             Named::TooFewCuts => "too few cuts".to_owned(),
+        };
+        let in_comb = |comb: &&Comb| comb.members.iter().any(|(k, _)| *k == number);
+        let follows = match found.combs.iter().find(in_comb).map(|comb| comb.base) {
+            Some(CombBase::Track(base)) => format!("multiple of line {}", base + 1),
+            Some(base) => base.law().map_or(follows, |law| law.key().to_owned()),
+            None => follows,
         };
         for line in track.lines.iter().map(|&k| &found.lines[k]) {
             let cut = &found.cuts[line.cut];

@@ -7,12 +7,14 @@
 //! 2. [`lines()`]: discoveries over all bins, channels and cuts, with frequency and amplitude.
 //! 3. [`tracks()`]: lines of different cuts that belong together, and the law they follow: mains, one frequency, rotation, chip, chatter,
 //!    or none of these; laws that these cuts cannot tell apart are not told apart.
-//! 4. [`over_time`]: trend and run-in within each cut, and what they go with; [`growth`]: what changes from cut to cut.
-//! 5. [`false_alarms`]: the same steps on noise with nothing in it.
+//! 4. [`combs()`]: lines that are multiples of one frequency, as one finding; a stated frequency is recognised in a single record.
+//! 5. [`over_time`]: trend and run-in within each cut, and what they go with; [`growth`]: what changes from cut to cut.
+//! 6. [`false_alarms`]: the same steps on noise with nothing in it.
 //!
 //! Nothing here asks a model of the cut. Limits: `docs/diagnosis_method.md`.
 
 mod advice;
+mod combs;
 mod error;
 mod files;
 mod laws;
@@ -29,6 +31,7 @@ mod trend;
 mod words;
 
 pub use advice::{Advice, CutChange};
+pub use combs::{Comb, CombBase, combs};
 pub use error::SeriesError;
 pub use files::{series_csv, series_json, trends_csv, with_series};
 pub use laws::{Explanation, LineLaw, PITCH};
@@ -40,7 +43,7 @@ pub use time::{OverTime, RunInLaw, over_time};
 pub use time_words::time_words;
 pub use tracks::{CutLine, Named, Track, tracks};
 pub use trend::{RunIn, Trend, trends};
-pub use words::{hint, law_title, series_words, track_words};
+pub use words::{comb_words, hint, law_title, series_words, track_words};
 
 use crate::check::self_test::Rate;
 use sphcut_physics::Channel;
@@ -178,6 +181,8 @@ pub struct SeriesDiagnosis {
     pub lines: Vec<CutLine>,
     /// Lines that belong together, and what they follow.
     pub tracks: Vec<Track>,
+    /// Lines that are multiples of one frequency.
+    pub combs: Vec<Comb>,
     /// Least pitch of a segmented chip over h that every cut could show, and the least that any could.
     pub visible_pitch: [f64; 2],
     /// Whether the rotation of every cut is known.
@@ -190,6 +195,21 @@ pub struct SeriesDiagnosis {
     pub growth: Vec<ForceGrowth>,
     /// The share of simulated sets of noise with a trend or a run-in in them.
     pub time_false_alarms: Option<Rate>,
+}
+
+impl SeriesDiagnosis {
+    /// The tracks that belong to no comb, each with its number.
+    pub fn single_tracks(&self) -> impl Iterator<Item = (usize, &Track)> {
+        let in_comb = |number: usize| {
+            self.combs.iter().any(|comb| comb.members.iter().any(|(k, _)| *k == number))
+        };
+        self.tracks.iter().enumerate().filter(move |(number, _)| !in_comb(*number))
+    }
+
+    /// The combs of stated frequencies.
+    pub fn stated_combs(&self) -> impl Iterator<Item = &Comb> {
+        self.combs.iter().filter(|comb| !matches!(comb.base, CombBase::Track(_)))
+    }
 }
 
 /// Looks for lines in the cuts and for what they follow.
@@ -244,6 +264,10 @@ pub fn diagnose_series(
         })
         .collect();
     let tracks = tracks(&merged, &cuts, &bands, &options);
+    let band = bands.iter().flatten().filter(|f| f.is_finite());
+    let band =
+        [band.clone().copied().fold(f64::INFINITY, f64::min), band.copied().fold(0.0, f64::max)];
+    let combs = combs(&tracks, &merged, &cuts, band, &options);
     let pitch = cuts.iter().map(|c| 2.0 * c.cutting_speed / (c.uncut_chip_thickness * c.rate));
     let visible_pitch = [pitch.clone().fold(0.0, f64::max), pitch.fold(f64::INFINITY, f64::min)];
     let knows_rotation = cuts.iter().all(|cut| cut.revolution.is_some());
@@ -258,6 +282,7 @@ pub fn diagnose_series(
         tests,
         lines: merged,
         tracks,
+        combs,
         visible_pitch,
         knows_rotation,
         false_alarms: alarms.map(|[lines, _]| lines),

@@ -17,7 +17,7 @@ use crate::series::lines::SpectralLine;
 /// Probability above which a law is named.
 pub const CLAIM: f64 = 0.9;
 /// Fewest cuts over which a law may be named.
-const FEWEST_CUTS: usize = 3;
+pub(super) const FEWEST_CUTS: usize = 3;
 /// Penalty of a cut without the line.
 const MISSED: f64 = 1.6;
 /// What a track has to be worth beyond the logarithm of the number of seeds.

@@ -1,5 +1,6 @@
 //! What the series say, in words.
 
+use super::combs::{Comb, CombBase};
 use super::laws::{Explanation, LineLaw};
 use super::tracks::{Named, Track};
 use super::{CutChange, SeriesDiagnosis};
@@ -99,6 +100,70 @@ fn names(laws: &[LineLaw]) -> String {
     }
 }
 
+/// 1, 2, 3 and 5.
+fn listed(values: &[String]) -> String {
+    match values {
+        [head @ .., last] if !head.is_empty() => format!("{} and {last}", head.join(", ")),
+        _ => values.join(""),
+    }
+}
+
+fn base_words(base: CombBase) -> String {
+    match base {
+        CombBase::Rotation => "the stated rotation".to_owned(),
+        CombBase::Mains(f) => format!("the mains of {f:.0} Hz"),
+        CombBase::Natural(f) => format!("the stated natural frequency of {}", hertz(f)),
+        CombBase::Track(_) => "its frequency".to_owned(),
+    }
+}
+
+/// What lines at multiples of a stated frequency say.
+#[must_use]
+pub fn comb_words(found: &SeriesDiagnosis, comb: &Comb) -> Vec<String> {
+    let mut multiples: Vec<u32> = comb.members.iter().map(|(_, multiple)| *multiple).collect();
+    multiples.dedup();
+    let lines = || {
+        let tracks = comb.members.iter().map(|(track, _)| &found.tracks[*track]);
+        tracks.flat_map(|track| &track.lines).map(|&line| &found.lines[line])
+    };
+    let mut cuts: Vec<usize> = lines().map(|line| line.cut).collect();
+    cuts.sort_unstable();
+    cuts.dedup();
+    let places: Vec<String> = multiples.iter().map(u32::to_string).collect();
+    let base = base_words(comb.base);
+    let place = match comb.base {
+        CombBase::Natural(_) => format!("A line at {base}"),
+        _ if multiples == [1] => format!("A line at {base}"),
+        _ => format!("Lines at {} times {base}", listed(&places)),
+    };
+    let law = comb.base.law().map_or("", law_title);
+    let chance = comb.chance.filter(|chance| *chance < 0.02).map_or_else(String::new, |chance| {
+        format!(
+            " (so close by chance: {})",
+            if chance < 1e-3 { "below 0.1 %".to_owned() } else { percent(chance) }
+        )
+    });
+    let mut words =
+        vec![format!("{place} in {} of {} cuts: {law}{chance}.", cuts.len(), found.cuts.len())];
+    if let Some(rival) = comb.rival {
+        words.push(format!(
+            "They lie at multiples of {} as well: these cuts cannot tell; a cut at another rotation would.",
+            base_words(rival)
+        ));
+    }
+    if let Some(law) = comb.base.law() {
+        words.push(format!("{}.", hint(law)));
+    }
+    if !found.air.is_empty() {
+        let both = lines().filter(|line| line.in_air).count();
+        words.push(format!(
+            "The free-running machine has {both} of the {} lines, too.",
+            lines().count()
+        ));
+    }
+    words
+}
+
 /// Why a track is what it is said to be.
 #[must_use]
 pub fn track_words(found: &SeriesDiagnosis, track: &Track) -> Vec<String> {
@@ -148,6 +213,14 @@ pub fn track_words(found: &SeriesDiagnosis, track: &Track) -> Vec<String> {
         )),
         None => {}
     }
+    let same = |comb: &&Comb| matches!(comb.base, CombBase::Track(k) if std::ptr::eq(&raw const found.tracks[k], track));
+    if let Some(comb) = found.combs.iter().find(same) {
+        let places: Vec<String> = comb.members.iter().map(|(_, m)| m.to_string()).collect();
+        words.push(format!(
+            "Lines at {} times its frequency stand out, too: the wave is no sine.",
+            listed(&places)
+        ));
+    }
     if let Some(jump) = track.jump {
         let chatter =
             matches!(track.named, Named::Law(LineLaw::Constant | LineLaw::Chatter) | Named::Unsure);
@@ -194,7 +267,7 @@ pub fn series_words(found: &SeriesDiagnosis) -> Vec<String> {
             "No line stands out of the broadband force in {analysed} cuts: what is in the forces over time is noise without a period."
         ));
     } else {
-        let followed = found.tracks.iter().filter(|t| t.named != Named::TooFewCuts).count();
+        let followed = found.single_tracks().filter(|(_, t)| t.named != Named::TooFewCuts).count();
         words.push(format!(
             "{} of {analysed} cuts stand out of the broadband force; {} over three cuts or more.",
             counted(found.lines.len(), "line"),

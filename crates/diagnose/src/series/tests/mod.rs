@@ -254,6 +254,77 @@ fn what_is_too_short_too_coarse_or_beyond_is_said() {
     assert!((found.visible_pitch[0] - 2.5).abs() < 1e-9);
 }
 
+/// A single record: what is stated is recognised, a comb is one finding; without a statement nothing is.
+#[test]
+fn one_record_is_enough_for_a_stated_rotation_the_mains_and_a_natural_frequency() {
+    let waves = |c: &SeriesCut| {
+        let n = c.revolution.unwrap();
+        let mut all: Vec<[f64; 2]> =
+            [4.0, 7.0, 9.0, 12.0, 15.0].map(|m| [m * n, 6.0]).to_vec();
+        all.extend([[100.0, 4.0], [350.0, 4.0], [704.0, 5.0]]);
+        all
+    };
+    let one = || cut(4, PLAN[4], &waves);
+    let options = SeriesOptions { natural: vec![700.0], ..options() };
+    let found = diagnose_series(vec![one()], None, &options).unwrap();
+    let members = |base: CombBase| {
+        let comb = found.combs.iter().find(|comb| comb.base == base);
+        let comb = comb.unwrap_or_else(|| panic!("{base:?}: {:?}", found.combs));
+        comb.members.iter().map(|(_, multiple)| *multiple).collect::<Vec<_>>()
+    };
+    assert_eq!(members(CombBase::Rotation), [4, 7, 9, 12, 15]);
+    assert_eq!(members(CombBase::Mains(50.0)), [2, 7]);
+    assert_eq!(members(CombBase::Natural(700.0)), [1]);
+    let words = comb_words(&found, &found.combs[0]).join(" ");
+    assert!(
+        words.contains("4, 7, 9, 12 and 15 times the stated rotation in 1 of 1 cuts"),
+        "{words}"
+    );
+    // One false line in twenty may be left.
+    assert!(found.single_tracks().count() <= 1, "{:?}", found.tracks);
+    assert!(series_csv(&found).contains("multiple_of_rotation"));
+    let unknown = SeriesCut { revolution: None, ..one() };
+    let found = diagnose_series(
+        vec![unknown],
+        None,
+        &super::SeriesOptions { mains: Vec::new(), natural: Vec::new(), ..options },
+    )
+    .unwrap();
+    assert_eq!(found.combs, []);
+}
+
+/// Lines anywhere in a single record are seldom taken for multiples of what is stated.
+#[test]
+fn lines_that_have_nothing_to_do_with_it_are_no_multiples() {
+    let mut random = Random::new(23, &[]);
+    let (mut taken, mut all) = (0, 0);
+    for trial in 0..40 {
+        let at: Vec<[f64; 2]> =
+            (0..3).map(|_| [20.0 * 150.0_f64.powf(random.uniform()), 6.0]).collect();
+        let one = cut(trial, PLAN[trial % 6], &|_| at.clone());
+        let options = SeriesOptions { natural: vec![700.0], ..options() };
+        let found = diagnose_series(vec![one], None, &options).unwrap();
+        taken += usize::from(!found.combs.is_empty());
+        all += 1;
+    }
+    // 5 % over all that is stated; 40 records scatter by 3.4 %.
+    assert!(
+        f64::from(taken as u32) < (0.05 + 2.0 * 0.034) * f64::from(all as u32),
+        "{taken} of {all}"
+    );
+}
+
+/// A wave that is no sine has multiples in every cut: one finding.
+#[test]
+fn multiples_of_a_line_belong_to_it() {
+    let found = found(&PLAN, &|_| vec![[431.0, 6.0], [862.0, 4.0], [1293.0, 4.0]]);
+    let single: Vec<(usize, &Track)> =
+        found.single_tracks().filter(|(_, t)| t.named != Named::TooFewCuts).collect();
+    assert_eq!(single.len(), 1, "{:?}", found.combs);
+    let words = track_words(&found, single[0].1).join(" ");
+    assert!(words.contains("Lines at 2 and 3 times its frequency"), "{words}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 

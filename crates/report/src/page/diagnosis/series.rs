@@ -9,8 +9,8 @@ use crate::kit::table::{ColumnHead, or_dash, table};
 use crate::kit::text::with_symbols;
 use maud::{Markup, html};
 use sphcut_diagnose::series::{
-    CutLine, Explanation, LineLaw, Named, OverTime, SeriesDiagnosis, Track, law_title,
-    series_words, time_words, track_words,
+    Comb, CutLine, Explanation, LineLaw, Named, OverTime, SeriesDiagnosis, Track, comb_words,
+    law_title, series_words, time_words, track_words,
 };
 
 /// Spectra that are drawn.
@@ -35,6 +35,7 @@ pub fn render_series(page: &SeriesPage<'_>) -> String {
         html! { (page.series.cuts.len()) " recordings of the force over time; " (page.source) "." };
     let changes = |of: &OverTime| of.trending.contains(&true) || of.running_in.contains(&true);
     let alarm = page.series.tracks.iter().any(|track| track.lines.len() > 2)
+        || !page.series.combs.is_empty()
         || page.series.time.iter().any(changes);
     let body = html! {
         (verdict(alarm, &series_summary(page.series), sentence))
@@ -48,8 +49,10 @@ pub fn render_series(page: &SeriesPage<'_>) -> String {
 #[must_use]
 pub fn series_summary(found: &SeriesDiagnosis) -> Vec<String> {
     let mut words = series_words(found);
-    let tracks = found.tracks.iter().filter(|track| track.named != Named::TooFewCuts);
-    let sentences: Vec<String> = tracks.map(|track| track_words(found, track)[0].clone()).collect();
+    let combs = found.stated_combs().map(|comb| comb_words(found, comb)[0].clone());
+    let tracks = found.single_tracks().filter(|(_, track)| track.named != Named::TooFewCuts);
+    let tracks = tracks.map(|(_, track)| track_words(found, track)[0].clone());
+    let sentences: Vec<String> = combs.chain(tracks).collect();
     words.splice(1..1, sentences);
     words.extend(time_words(found));
     words
@@ -76,7 +79,8 @@ pub(super) fn sections(found: &SeriesDiagnosis) -> Markup {
             h2 { "Where in frequency" }
             p { "Lines that stand out of the broadband force, followed over the cuts. What a line follows says what makes it: the same frequency in all cuts is a structure or the mains, "
                 "a fixed ratio to the rotation is run-out or a drive, a fixed ratio to v" sub { "c" } "/h is a chip that comes in segments." }
-            @for (number, track) in found.tracks.iter().enumerate().filter(|(_, t)| t.named != Named::TooFewCuts) {
+            @for comb in found.stated_combs() { (one_comb(found, comb)) }
+            @for (number, track) in found.single_tracks().filter(|(_, t)| t.named != Named::TooFewCuts) {
                 (one_track(found, number + 1, track))
             }
             (others(found))
@@ -166,9 +170,34 @@ fn row(found: &SeriesDiagnosis, line: &CutLine, air: bool) -> Markup {
     } }
 }
 
+/// Lines at multiples of a stated frequency.
+fn one_comb(found: &SeriesDiagnosis, comb: &Comb) -> Markup {
+    let words = comb_words(found, comb);
+    let columns = [
+        ColumnHead::Number("Multiple"),
+        ColumnHead::Text("Cut"),
+        ColumnHead::Number("Frequency in Hz"),
+        ColumnHead::Number("Amplitude in N"),
+    ];
+    let rows = html! { @for (track, multiple) in &comb.members {
+        @for line in found.tracks[*track].lines.iter().map(|&k| &found.lines[k]) { tr {
+            td.n { (multiple) }
+            th scope="row" { (found.cuts[line.cut].name) }
+            td.n { (with_interval(line.frequency, 1.96 * line.error)) }
+            td.n { (three_digits(line.amplitude())) }
+        } }
+    } };
+    html! {
+        h3 { (sentence(words[0].split(" in ").next().unwrap_or_default())) }
+        ul { @for words in &words { li { (sentence(words)) } } }
+        (table("Its lines. Amplitude: of the sine with the same power, of the larger force.", columns, &rows))
+    }
+}
+
 /// Lines that belong to no track.
 fn others(found: &SeriesDiagnosis) -> Markup {
-    let few: Vec<&Track> = found.tracks.iter().filter(|t| t.named == Named::TooFewCuts).collect();
+    let few: Vec<&Track> =
+        found.single_tracks().map(|(_, t)| t).filter(|t| t.named == Named::TooFewCuts).collect();
     let columns = [
         ColumnHead::Text("Cut"),
         ColumnHead::Number("Frequency in Hz"),
