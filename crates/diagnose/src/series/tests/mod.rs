@@ -259,8 +259,7 @@ fn what_is_too_short_too_coarse_or_beyond_is_said() {
 fn one_record_is_enough_for_a_stated_rotation_the_mains_and_a_natural_frequency() {
     let waves = |c: &SeriesCut| {
         let n = c.revolution.unwrap();
-        let mut all: Vec<[f64; 2]> =
-            [4.0, 7.0, 9.0, 12.0, 15.0].map(|m| [m * n, 6.0]).to_vec();
+        let mut all: Vec<[f64; 2]> = [4.0, 7.0, 9.0, 12.0, 15.0].map(|m| [m * n, 6.0]).to_vec();
         all.extend([[100.0, 4.0], [350.0, 4.0], [704.0, 5.0]]);
         all
     };
