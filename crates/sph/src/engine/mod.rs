@@ -44,8 +44,8 @@ use sphcut_tool_heat::HeatedTool;
 /// Spread of the displacements since the last reference update, in particle spacings, that triggers the next.
 const UPDATE_SPREAD: f64 = 0.25;
 /// Nothing moves against the tool by more than this many spacings until the next reference update: the root of three times the
-/// spread, and a step.
-const WAY_OF_CONTACT: f64 = 0.5;
+/// spread (0.43), and a step, even as fast as half the speed of sound.
+const WAY_OF_CONTACT: f64 = 0.7;
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, Default)]
