@@ -9,7 +9,11 @@ fn share(value: f64) -> String {
 }
 
 fn of_cuts(hits: usize, all: usize) -> String {
-    if hits == all { format!("all {all} cuts") } else { format!("{hits} of {all} cuts") }
+    match (hits, all) {
+        (1, 1) => "the only cut".to_owned(),
+        _ if hits == all => format!("all {all} cuts"),
+        _ => format!("{hits} of {all} cuts"),
+    }
 }
 
 /// The verdict on time, in words.

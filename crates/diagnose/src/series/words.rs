@@ -138,13 +138,14 @@ pub fn comb_words(found: &SeriesDiagnosis, comb: &Comb) -> Vec<String> {
     };
     let law = comb.base.law().map_or("", law_title);
     let chance = comb.chance.filter(|chance| *chance < 0.02).map_or_else(String::new, |chance| {
-        format!(
-            " (so close by chance: {})",
-            if chance < 1e-3 { "below 0.1 %".to_owned() } else { percent(chance) }
-        )
+        let chance = if chance < 1e-3 { "less than 0.1 %".to_owned() } else { percent(chance) };
+        format!(" (by chance they would lie so close with {chance})")
     });
-    let mut words =
-        vec![format!("{place} in {} of {} cuts: {law}{chance}.", cuts.len(), found.cuts.len())];
+    let seen = match (cuts.len(), found.cuts.len()) {
+        (1, 1) => "in the only cut".to_owned(),
+        (own, all) => format!("in {own} of {all} cuts"),
+    };
+    let mut words = vec![format!("{place} {seen}: {law}{chance}.")];
     if let Some(rival) = comb.rival {
         words.push(format!(
             "They lie at multiples of {} as well: these cuts cannot tell; a cut at another rotation would.",
@@ -156,10 +157,16 @@ pub fn comb_words(found: &SeriesDiagnosis, comb: &Comb) -> Vec<String> {
     }
     if !found.air.is_empty() {
         let both = lines().filter(|line| line.in_air).count();
-        words.push(format!(
-            "The free-running machine has {both} of the {} lines, too.",
-            lines().count()
-        ));
+        words.push(match (both, lines().count()) {
+            (0, 1) => {
+                "The free-running machine does not have it: the cut makes or excites it.".to_owned()
+            }
+            (0, _) => "The free-running machine does not have them: the cut makes or excites them."
+                .to_owned(),
+            (both, all) => {
+                format!("The free-running machine has {both} of these {all} lines, too.")
+            }
+        });
     }
     words
 }
@@ -269,8 +276,9 @@ pub fn series_words(found: &SeriesDiagnosis) -> Vec<String> {
     } else {
         let followed = found.single_tracks().filter(|(_, t)| t.named != Named::TooFewCuts).count();
         words.push(format!(
-            "{} of {analysed} cuts stand out of the broadband force; {} over three cuts or more.",
+            "{} of {} stand out of the broadband force; {} over three cuts or more.",
             counted(found.lines.len(), "line"),
+            if analysed == 1 { "the only cut".to_owned() } else { format!("{analysed} cuts") },
             match followed {
                 0 => "none can be followed".to_owned(),
                 1 => "one can be followed".to_owned(),

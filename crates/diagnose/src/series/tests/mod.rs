@@ -276,7 +276,7 @@ fn one_record_is_enough_for_a_stated_rotation_the_mains_and_a_natural_frequency(
     assert_eq!(members(CombBase::Natural(700.0)), [1]);
     let words = comb_words(&found, &found.combs[0]).join(" ");
     assert!(
-        words.contains("4, 7, 9, 12 and 15 times the stated rotation in 1 of 1 cuts"),
+        words.contains("4, 7, 9, 12 and 15 times the stated rotation in the only cut"),
         "{words}"
     );
     // One false line in twenty may be left.

@@ -31,8 +31,7 @@ pub struct SeriesPage<'a> {
 /// The text of `diagnosis.html` where there are series alone; nothing is loaded.
 #[must_use]
 pub fn render_series(page: &SeriesPage<'_>) -> String {
-    let lead =
-        html! { (page.series.cuts.len()) " recordings of the force over time; " (page.source) "." };
+    let lead = html! { (page.series.cuts.len()) @if page.series.cuts.len() == 1 { " recording" } @else { " recordings" } " of the force over time; " (page.source) "." };
     let changes = |of: &OverTime| of.trending.contains(&true) || of.running_in.contains(&true);
     let alarm = page.series.tracks.iter().any(|track| track.lines.len() > 2)
         || !page.series.combs.is_empty()
