@@ -9,11 +9,14 @@
 //! ```
 //! between two sides without friction, L apart, that hold the block along x: they mirror it for ever. The
 //! constant belongs to the depth; the difference of two places of the surface does not know it. A bottom held at
-//! the depth H changes the mirrored load's longest wave by `(2 pi H/L)^2 exp(-4 pi H/L)`, less than 1 % from H = 0.7 L on, and
-//! the others less.
-//!
+//! the depth H takes from each wave of the load, of wave number k = 2 pi n/L, a share of its depth (a layer bonded to a rigid
+//! base; Johnson, section 13.2, with alpha = k H, kappa = 3 - 4 nu):
+//! ```text
+//! u_n = 2 p_n/(E' k) W,   W = (2 kappa sinh 2 alpha - 4 alpha)/(2 kappa cosh 2 alpha + 1 + kappa^2 + 4 alpha^2)
+//! ```
 //! Forces are those of the particles under load, each spread evenly over its spacing; nothing is assumed of the
-//! shape of the wall or of the contact.
+//! shape of the wall or of the contact. Heights are those of the surface: the particle and the half thickness that a tool
+//! near it finds.
 
 use super::pressed_cylinder::{Phases, Recovery, compliance, logarithm_of_cells, mean, touched};
 use crate::evidence::Evidence;
@@ -25,11 +28,15 @@ const LOADED_FROM: Argument = argument("loaded_from", None, "start of the mean u
 const LOADED_TO: Argument = argument("loaded_to", None, "its end in s");
 const RELEASED: Argument = argument("released", None, "time from which the block is free in s");
 const WIDTH: Argument = argument("width", None, "width L of the block in m");
+const DEPTH: Argument = argument("depth", None, "depth H in m from which on the block is held");
 const FAR_FROM: Argument =
     argument("far_from", None, "smallest |x| of the reference surface in m, undeformed");
 const FAR_TO: Argument = argument("far_to", None, "its largest |x| in m");
 
-const ARGUMENTS: &[Argument] = &[LOADED_FROM, LOADED_TO, RELEASED, WIDTH, FAR_FROM, FAR_TO];
+/// Waves of the load beside the held bottom: the next has 1e-15 of the first.
+const WAVES: u32 = 4;
+
+const ARGUMENTS: &[Argument] = &[LOADED_FROM, LOADED_TO, RELEASED, WIDTH, DEPTH, FAR_FROM, FAR_TO];
 
 /// Recovery of the dent less the exact one, in spacings.
 pub(crate) const DENT_RECOVERY_ERROR: Observable = Observable {
@@ -60,6 +67,7 @@ pub(crate) const DENT_RIM_ERROR: Observable = Observable {
         LOADED_TO,
         RELEASED,
         WIDTH,
+        DEPTH,
         FAR_FROM,
         FAR_TO,
         argument(
@@ -119,6 +127,8 @@ struct Surface<'a> {
     far: Vec<(usize, f64)>,
     /// L in m.
     width: f64,
+    /// H in m.
+    depth: f64,
 }
 
 impl<'a> Surface<'a> {
@@ -136,7 +146,8 @@ impl<'a> Surface<'a> {
         }
         // The sides that mirror the block are the columns that are held.
         let width = arguments.get("width") - spacing;
-        let mut surface = Self { evidence, phases, row, touched, far: Vec::new(), width };
+        let depth = arguments.get("depth");
+        let mut surface = Self { evidence, phases, row, touched, far: Vec::new(), width, depth };
         surface.far = even(&surface.between([arguments.get("far_from"), arguments.get("far_to")])?);
         Ok(surface)
     }
@@ -160,7 +171,9 @@ impl<'a> Surface<'a> {
             };
             average(particles) - average(&self.far)
         };
-        let height = |snapshot: &Snapshot| over(snapshot, &|snapshot, i| snapshot.position[i][1]);
+        let top =
+            |snapshot: &Snapshot, i: usize| snapshot.position[i][1] + snapshot.half_thickness[i];
+        let height = |snapshot: &Snapshot| over(snapshot, &top);
         let sunk = |snapshot: &Snapshot| over(snapshot, &|snapshot, i| self.depth(snapshot, i));
         let (loaded, free) = (&self.phases.loaded, &self.phases.free);
         Recovery { found: mean(free, height) - mean(loaded, height), exact: mean(loaded, sunk) }
@@ -169,16 +182,30 @@ impl<'a> Surface<'a> {
     /// u at a particle by the contact forces of a snapshot, but for the constant.
     fn depth(&self, snapshot: &Snapshot, particle: usize) -> f64 {
         let moduli = &self.evidence.setup.materials[0].moduli;
+        let (k, g) = (moduli.bulk, moduli.shear);
+        let poisson_ratio = (3.0 * k - 2.0 * g) / (2.0 * (3.0 * k + g));
         let here = snapshot.position[particle][0];
         let sum: f64 = self
             .touched
             .iter()
             .map(|&i| {
                 let force = snapshot.contact_force[i][1].abs();
-                force * self.logarithm(here - snapshot.position[i][0])
+                let apart = here - snapshot.position[i][0];
+                force * (self.logarithm(apart) + self.held_bottom(apart, poisson_ratio))
             })
             .sum();
         -2.0 / PI * compliance(moduli) * sum
+    }
+
+    /// What the held bottom adds to the logarithm: a unit force has the waves `2/L cos(k t)`, each of which sinks by
+    /// `2/(E' k) (W - 1)` more.
+    fn held_bottom(&self, apart: f64, poisson_ratio: f64) -> f64 {
+        let wave = |n: u32| {
+            let k = 2.0 * PI * f64::from(n) / self.width;
+            let share = bonded_layer(k * self.depth, poisson_ratio) - 1.0;
+            -share / f64::from(n) * (k * apart).cos()
+        };
+        (1..=WAVES).map(wave).sum()
     }
 
     /// Mean of ln |2 sin(pi (t + u - u')/L)| over two cells of a spacing: that of ln |t|, and the smooth rest.
@@ -191,11 +218,28 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// W at alpha = k H: the depth of a wave of pressure on a layer bonded to a rigid base over that on a half space.
+fn bonded_layer(alpha: f64, poisson_ratio: f64) -> f64 {
+    let kappa = 3.0 - 4.0 * poisson_ratio;
+    (2.0 * kappa * (2.0 * alpha).sinh() - 4.0 * alpha)
+        / (2.0 * kappa * (2.0 * alpha).cosh() + 1.0 + kappa * kappa + 4.0 * alpha * alpha)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::logarithm_of_cells;
+    use super::{bonded_layer, logarithm_of_cells};
     use approx::assert_relative_eq;
     use std::f64::consts::PI;
+
+    /// A thin layer is pressed as one held on all sides, `H (1 - 2 nu)(1 + nu)/((1 - nu) E)`; a deep one is a half space.
+    #[test]
+    fn a_layer_on_a_rigid_base_lies_between_a_thin_one_and_a_half_space() {
+        let (alpha, nu) = (1e-3, 0.3);
+        let thin = alpha * (1.0 - 2.0 * nu) / (1.0 - nu) / (1.0 - nu) / 2.0;
+        assert_relative_eq!(bonded_layer(alpha, nu), thin, max_relative = 1e-4);
+        assert_relative_eq!(bonded_layer(4.63, nu), 0.9942, epsilon = 1e-4);
+        assert_relative_eq!(bonded_layer(20.0, nu), 1.0, epsilon = 1e-12);
+    }
 
     /// Pressure p_1 cos(k x) on a half space sinks its crests by 2 p_1/(E' k) (Johnson, section 13.2): with the
     /// waves of one period L, `-2/(pi E') int p ln|2 sin(pi (x - s)/L)| ds = 2 p_1/(E' k) cos(k x)`.
