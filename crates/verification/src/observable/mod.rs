@@ -55,6 +55,7 @@ pub const ALL: &[&Observable] = &[
     &solid::body_extent::BODY_LENGTH,
     &solid::body_extent::LARGEST_RADIUS,
     &solid::body_extent::RADIUS_AT,
+    &solid::body_extent::FOOT_RADIUS,
     &solid::body_extent::ROUNDNESS,
     &cut::machined_surface::CUT_SPRINGBACK,
     &cut::machined_surface::CUT_SPRINGBACK_ERROR,

@@ -43,6 +43,19 @@ pub(crate) const LARGEST_RADIUS: Observable = Observable {
     },
 };
 
+/// Mean radius of the sectors about the z axis.
+pub(crate) const FOOT_RADIUS: Observable = Observable {
+    name: "foot_radius",
+    unit: "m",
+    meaning: "mean reach from the z axis of 32 sectors, over the particles within three spacings of the lowest one at \
+              the end, half a spacing added",
+    arguments: &[],
+    evaluate: |evidence, _| {
+        let reaches = reaches(evidence)?;
+        Ok(reaches.iter().sum::<f64>() / reaches.len() as f64)
+    },
+};
+
 /// Smallest over largest radius of the sectors about the z axis.
 pub(crate) const ROUNDNESS: Observable = Observable {
     name: "roundness",
@@ -50,7 +63,12 @@ pub(crate) const ROUNDNESS: Observable = Observable {
     meaning: "smallest over largest reach from the z axis of 32 sectors, over the particles within \
               three spacings of the lowest one at the end, half a spacing added",
     arguments: &[],
-    evaluate: |evidence, _| roundness(evidence),
+    evaluate: |evidence, _| {
+        let reaches = reaches(evidence)?;
+        let (least, largest) =
+            reaches.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(*r), h.max(*r)));
+        Ok(least / largest)
+    },
 };
 
 fn radius_at(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
@@ -72,10 +90,11 @@ fn lowest(positions: &[[f64; 3]]) -> f64 {
     positions.iter().map(|position| position[2]).fold(f64::INFINITY, f64::min)
 }
 
-/// Number of sectors of [`ROUNDNESS`]: 11.25 deg each.
+/// Number of sectors of [`FOOT_RADIUS`] and [`ROUNDNESS`]: 11.25 deg each.
 const SECTORS: usize = 32;
 
-fn roundness(evidence: &Evidence) -> Result<f64, String> {
+/// Reach of each sector from the z axis in m.
+fn reaches(evidence: &Evidence) -> Result<[f64; SECTORS], String> {
     let (positions, spacing) = (&evidence.last()?.position, evidence.setup.particle_spacing);
     let top = lowest(positions) + 3.0 * spacing;
     let mut radii = [0.0_f64; SECTORS];
@@ -84,10 +103,8 @@ fn roundness(evidence: &Evidence) -> Result<f64, String> {
         let sector = ((angle / TAU * SECTORS as f64) as usize).min(SECTORS - 1);
         radii[sector] = radii[sector].max(position[0].hypot(position[1]));
     }
-    let (least, largest) =
-        radii.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(*r), h.max(*r)));
-    if largest > 0.0 {
-        Ok((least + 0.5 * spacing) / (largest + 0.5 * spacing))
+    if radii.iter().any(|radius| *radius > 0.0) {
+        Ok(radii.map(|radius| radius + 0.5 * spacing))
     } else {
         Err("no particle lies off the axis".to_owned())
     }
