@@ -487,6 +487,7 @@ mod tests {
         assert_eq!(near([-0.05, 0.2, 0.2], 0.1), vec![2]);
         assert!(surface.foot(DVec3::new(-0.05, 0.2, 0.2)).nearest.distance > 0.0);
     }
+
     /// A sphere of radius 1 as an octahedron whose facets are parted `times` times.
     fn sphere(times: usize) -> IndexedSurface {
         let corner = |axis: usize, sign: f64| DVec3::AXES[axis] * sign;
