@@ -188,6 +188,7 @@ pub fn snapshot_of(state: &[f64], time: f64, step: u64) -> Snapshot {
         shear_friction_factor: column(0.125),
         contact_area: column(0.5),
         relative_spacing: column(1.0),
+        plane_area: Vec::new(),
         half_thickness: column(0.75),
         neighbours: (0..state.len() as u32).map(|i| 20 + i).collect(),
         tool: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]],
