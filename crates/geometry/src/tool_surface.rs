@@ -302,9 +302,9 @@ impl IndexedSurface {
         // Boxes of large slanted facets reach far beyond them: one that is far away must not decide on which side x lies.
         let distance = |index: u32| (x - self.facets[index as usize].closest(x)).length();
         let in_box = self.tree.locate_in_envelope_intersecting(&range).map(|f| f.index);
-        found.extend(
-            in_box.filter(|&index| self.extents[index as usize].least_square(x) <= reach * reach),
-        );
+        found.extend(in_box.filter(|&index| {
+            (x - self.facets[index as usize].closest(x)).length_squared() <= reach * reach
+        }));
         let nearest = found[first..].iter().map(|&f| distance(f)).fold(f64::INFINITY, f64::min);
         // By then the nearest of now has come no farther off than by `way`, and no other nearer than by as much.
         let limit = reach.min((1.0 + NEARLY) * (nearest + 2.0 * way) + TINY);
@@ -350,7 +350,7 @@ impl IndexedSurface {
         let limit = (1.0 + NEARLY) * guessed + TINY * TINY;
         let mut best: Option<(f64, DVec3, u32)> = None;
         for &index in facets {
-            if least(index) > limit {
+            if index != guess && least(index) > limit {
                 continue;
             }
             let facet = &self.facets[index as usize];
