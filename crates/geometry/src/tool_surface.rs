@@ -345,12 +345,12 @@ impl IndexedSurface {
         let least = |index: u32| self.extents[index as usize].least_square(x);
         let guess =
             facets.iter().map(|&f| (least(f), f)).reduce(|a, b| if b.0 < a.0 { b } else { a })?.1;
-        let guessed = (x - self.facets[guess as usize].closest(x)).length_squared();
-        // Those beyond cannot be the nearest.
-        let limit = (1.0 + NEARLY) * guessed + TINY * TINY;
+        let guessed = (x - self.facets[guess as usize].closest(x)).length();
+        // Those beyond cannot be the nearest, whatever rounding does to places.
+        let limit = ((1.0 + NEARLY) * guessed + TINY).powi(2);
         let mut best: Option<(f64, DVec3, u32)> = None;
         for &index in facets {
-            if index != guess && least(index) > limit {
+            if least(index) > limit {
                 continue;
             }
             let facet = &self.facets[index as usize];
@@ -543,5 +543,45 @@ mod tests {
             }
         }
         assert!(listed < 400 * 100, "{listed} of {}", 400 * all.len());
+    }
+
+    /// On the long triangles of an insert, from far away to less than rounding leaves of a place: facets that are passed over
+    /// change nothing.
+    #[test]
+    fn what_is_passed_over_is_never_the_nearest() {
+        let insert = crate::insert::InsertGeometry {
+            nose_radius: 0.8e-3,
+            edge_radius: 72e-6,
+            rake_angle: 0.26,
+            clearance_angle: 0.12,
+            side_cutting_edge_angle: 0.087,
+            front_cutting_edge_angle: 0.087,
+            depth_of_cut: 50e-6,
+            edge_length: 1.5e-3,
+            particle_spacing: 50e-6,
+            body: 2.5e-3,
+        };
+        let (vertices, triangles) = insert.surface();
+        let vertices = vertices.into_iter().map(|v| v.to_array()).collect();
+        let surface = IndexedSurface::new(&ToolSurface::Triangles { vertices, triangles }).unwrap();
+        let all: Vec<u32> = (0..surface.facets.len() as u32).collect();
+        let count = surface.facets.len();
+        for (k, facet) in surface.facets.iter().enumerate().step_by(count / 60) {
+            let [a, b, c] = facet.corners;
+            for height in [0.0, 1e-17, 1e-13, 1e-12, 3e-11, 1e-10, 1e-9, 1e-6, 1e-3] {
+                for place in [(a + b + c) / 3.0, a, 0.5 * (a + b)] {
+                    let x = place + height * facet.normal;
+                    let found = surface.foot_of(x, &all).expect("one is the nearest");
+                    let square = |f: &Facet| (x - f.closest(x)).length_squared();
+                    let least = surface.facets.iter().map(square).fold(f64::INFINITY, f64::min);
+                    let missed = found.nearest.distance.abs() - least.sqrt();
+                    assert!(
+                        missed.abs() <= 1e-12 * least.sqrt() + 1e-18,
+                        "{k}, {height}: {missed}"
+                    );
+                    assert_eq!(surface.foot(x).nearest.distance, found.nearest.distance);
+                }
+            }
+        }
     }
 }
