@@ -3,7 +3,7 @@
 //! Bits are those of one machine: its mathematical library and its vector instructions. `same_bits.toml` holds digests for each
 //! kind of machine, told by a digest of elementary functions; on another kind the test says so and passes.
 //! `SPHCUT_WRITE_DIGESTS=1 cargo test --release -p sphcut-cli --test end_to_end same_bits` writes those of this machine: to be done
-//! when `RESULTS_VERSION` rises, and at no other time.
+//! when `RESULTS_VERSION` rises, for the diagnosis also when its method or the schema of its file changes, and at no other time.
 
 use crate::common::Workshop;
 use sha2::{Digest, Sha256};

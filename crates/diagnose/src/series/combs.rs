@@ -11,7 +11,7 @@
 //! ```
 //!
 //! at most (union bound). Below 5 % over the number of stated frequencies, or where a track already follows the law over three cuts, the
-//! lines are said to belong to f_0; those are left out to which the next multiples are as near as five tolerances. Lines of tracks that
+//! lines are said to belong to f_0; those are left out to which the next multiples are as near as ten tolerances. Lines of tracks that
 //! follow another law are none.
 //!
 //! Multiples of a track's own frequency, cut by cut, are the same wave, which is no sine.
