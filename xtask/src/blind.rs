@@ -82,7 +82,8 @@ pub enum Blind {
         /// Folder of the cases.
         #[arg(long)]
         cases: PathBuf,
-        /// File for the claims; beside it `NAME.details.jsonl` with every probability and held-out error.
+        /// File for the claims; beside it `NAME.details.jsonl` with every probability and held-out error. Broken off, it goes on from
+        /// `NAME.kept.jsonl`.
         #[arg(long)]
         out: PathBuf,
         /// Leave the commissioning sets unread.

@@ -9,8 +9,11 @@ use sphcut_diagnose::{
     ProgressListener, closed_form_cut, diagnose_case_as,
 };
 use sphcut_scenario::LoadOptions;
-use std::fmt::Write;
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -21,6 +24,13 @@ pub struct ClaimOptions {
     pub with_reference: bool,
     /// Whether each repair is tried on cuts that it has not seen.
     pub held_out: bool,
+}
+
+impl ClaimOptions {
+    /// What tells kept claims of these options from others.
+    fn key(self) -> String {
+        format!("reference {}, held out {}", self.with_reference, self.held_out)
+    }
 }
 
 /// A line of the claims, and what lies behind it.
@@ -45,18 +55,38 @@ pub fn folders(cases: &Path) -> Result<Vec<PathBuf>, String> {
 }
 
 /// Claims and details, a line per case each, on `threads` threads; `told` is given the number of those that are done.
+/// Every claim is kept in the file `kept` as soon as it is made: what was broken off goes on from there.
 pub fn all(
     folders: &[PathBuf],
     asked: ClaimOptions,
     threads: usize,
+    kept: &Path,
     told: &(dyn Fn(usize) + Sync),
 ) -> Result<(String, String), String> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let before = claimed_before(kept, asked);
+    let keeping = |error: std::io::Error| format!("{}: {error}", kept.display());
+    let mut options = std::fs::OpenOptions::new();
+    let mut file = options.create(true).append(true).open(kept).map_err(keeping)?;
+    // What was cut short must not take the next line with it.
+    file.write_all(b"\n").map_err(keeping)?;
+    let file = Mutex::new(file);
     let done = AtomicUsize::new(0);
     let one = |folder: &PathBuf| {
-        let claimed = claim(folder, asked).map_err(|e| format!("{}: {e}", folder.display()));
+        let claimed = match before.get(folder) {
+            Some(claimed) => claimed.clone(),
+            None => {
+                let claimed =
+                    claim(folder, asked).map_err(|e| format!("{}: {e}", folder.display()))?;
+                let line = json!({ "folder": folder, "asked": asked.key(), "line": claimed.line,
+                                   "details": claimed.details });
+                let mut file = file.lock().map_err(|e| e.to_string())?;
+                writeln!(file, "{line}").map_err(keeping)?;
+                claimed
+            }
+        };
         told(done.fetch_add(1, Ordering::Relaxed) + 1);
-        claimed
+        Ok(claimed)
     };
     let found: Result<Vec<Claimed>, String> =
         pool.map_err(|e| e.to_string())?.install(|| folders.par_iter().map(one).collect());
@@ -66,6 +96,19 @@ pub fn all(
         let _ = writeln!(details, "{}", claimed.details);
     }
     Ok((claims, details))
+}
+
+/// What an earlier call kept, by folder; a last line that was cut short counts as not made.
+fn claimed_before(kept: &Path, asked: ClaimOptions) -> HashMap<PathBuf, Claimed> {
+    let text = std::fs::read_to_string(kept).unwrap_or_default();
+    let one = |line: &str| {
+        let mut value: Value = serde_json::from_str(line).ok()?;
+        let folder = value["folder"].as_str()?.into();
+        let details = value["details"].take();
+        let line = value["line"].as_str()?.to_owned();
+        (value["asked"] == asked.key()).then_some((folder, Claimed { line, details }))
+    };
+    text.lines().filter_map(one).collect()
 }
 
 /// Reads a case as `sphcut diagnose` does and diagnoses it, without self-test, control and next experiment.

@@ -91,7 +91,8 @@ pub fn claim_with_runs(
 }
 
 /// Diagnoses the first cases (all without `first`) with the closed-form model on `threads` threads, and writes what is
-/// claimed and, beside it, every probability; `told` is given the number of cases that are done and that of all.
+/// claimed and, beside it, every probability; `told` is given the number of cases that are done and that of all. What was
+/// broken off goes on from `NAME.kept.jsonl`, by the same program; delete that file to begin again.
 ///
 /// # Errors
 /// A folder without cases; a case that cannot be read or diagnosed.
@@ -105,9 +106,12 @@ pub fn claim(
     let mut folders = claims::folders(cases)?;
     folders.truncate(first.unwrap_or(usize::MAX));
     let count = folders.len();
-    let (claims, details) = claims::all(&folders, asked, threads, &|done| told(done, count))?;
+    let kept = out.with_extension("kept.jsonl");
+    let all = claims::all(&folders, asked, threads, &kept, &|done| told(done, count));
+    let (claims, details) = all?;
     write(out, &claims)?;
-    write(&out.with_extension("details.jsonl"), &details)
+    write(&out.with_extension("details.jsonl"), &details)?;
+    std::fs::remove_file(&kept).map_err(|error| format!("{}: {error}", kept.display()))
 }
 
 /// Opens the answers and scores the claims: tables in Markdown, also written beside the cases. Every opening is noted.
