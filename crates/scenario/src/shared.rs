@@ -85,7 +85,7 @@ fn refuse_idle_share(findings: &mut Findings, record: &Record<'_>, share: &str, 
 /// neighbours have to change (docs/numerics.md).
 const SUPPORT_STRETCH: f64 = 1.5;
 /// Below how many spacings crowded particles of a cut are shifted apart (docs/numerics.md, *Particles that crowd*).
-const SHIFTING_DISTANCE: f64 = 0.75;
+const SHIFTING_DISTANCE: f64 = 1.0;
 
 /// The Courant number of a preset in the plane: forces and balances are those of the half of it, and of 0.9 (docs/numerics.md, *Presets*).
 const PRESET_COURANT: f64 = 0.45;

@@ -94,7 +94,7 @@ pub const NUMERICS: &[Parameter] = &[
         "residual_density_diffusion",
         "delta_r",
         Range::closed(0.0, 10.0),
-        1.2,
+        4.0,
         "diffusion of the checkerboard that plastic flow leaves behind, in terms of h_s and the way of \
          the tool past the particle",
         "docs/numerics.md",

@@ -213,7 +213,7 @@ pub(crate) fn numerics() -> Section {
     for (key, rule) in [
         ("courant", "0.45 with `preset` in a plane cut, 0.3 otherwise"),
         ("support_stretch", "1 for a cut, 1.5 otherwise"),
-        ("shifting_distance", "0.75 for a cut, 0 otherwise"),
+        ("shifting_distance", "1 for a cut, 0 otherwise"),
     ] {
         let field = section.fields.iter_mut().find(|field| field.key == key);
         field.expect("an option of the discretisation").presence = Presence::Derived(rule);

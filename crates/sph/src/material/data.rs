@@ -24,8 +24,8 @@ pub(crate) struct MaterialData {
     pub(crate) heat_table: Option<TemperatureTable>,
     pub(crate) conductivity_table: Option<TemperatureTable>,
     pub(crate) law: Box<dyn FlowStressModel>,
-    /// beta / (rho_0 cp), 0 without plastic heating; `heat_share` takes its place.
-    pub(crate) constant_heating: f64,
+    /// beta, 0 without plastic heating; `heat_share` takes its place.
+    pub(crate) taylor_quinney: f64,
     /// beta where an effect makes it depend on strain and rate.
     pub(crate) heat_share: Option<Box<dyn HeatShare>>,
     pub(crate) memory: Memory,
@@ -53,19 +53,9 @@ impl MaterialData {
     /// beta at a state, or 0 without plastic heating.
     #[inline]
     pub(crate) fn heating_share<const D: usize>(&self, point: &MaterialPoint<D>) -> f64 {
-        self.heating(point) * self.density * self.specific_heat
-    }
-
-    /// beta / (rho_0 cp) at a state, with cp at room temperature.
-    #[inline]
-    pub(crate) fn heating<const D: usize>(&self, point: &MaterialPoint<D>) -> f64 {
-        match &self.heat_share {
-            None => self.constant_heating,
-            Some(law) => {
-                let share = law.share(point.plastic_strain, point.plastic_strain_rate);
-                share / (self.density * self.specific_heat)
-            }
-        }
+        self.heat_share.as_ref().map_or(self.taylor_quinney, |law| {
+            law.share(point.plastic_strain, point.plastic_strain_rate)
+        })
     }
 
     /// The temperature after `heat` in J on `volume` in m^3 (undeformed).
@@ -87,17 +77,6 @@ impl MaterialData {
         match &self.heat_table {
             None => self.density * volume * self.specific_heat * (to - from),
             Some(table) => self.density * volume * (table.integral(to) - table.integral(from)),
-        }
-    }
-
-    /// beta / (rho_0 cp) at the state of `point`.
-    #[inline]
-    pub(crate) fn heating_at<const D: usize>(&self, point: &MaterialPoint<D>) -> f64 {
-        match &self.heat_table {
-            None => self.heating(point),
-            Some(table) => {
-                self.heating(point) * self.specific_heat / table.value(point.temperature)
-            }
         }
     }
 
@@ -126,7 +105,8 @@ impl MaterialData {
     /// `smoothing_length`.
     pub(crate) fn all(setup: &Setup, smoothing_length: f64) -> Vec<Self> {
         let option = |key| setup.numerics.get(key);
-        let taylor_quinney = setup.heat.values.get("taylor_quinney");
+        let heats = setup.heat.plastic_heating.is_on();
+        let taylor_quinney = if heats { setup.heat.values.get("taylor_quinney") } else { 0.0 };
         let classes = RowClasses::of(setup).list;
         setup
             .materials
@@ -145,9 +125,6 @@ impl MaterialData {
                     .p_wave_speed(material.density * option("mass_scaling"));
                 let inertial_density = material.density * option("mass_scaling");
                 let impedance = inertial_density * wave_speed * smoothing_length;
-                let heats = setup.heat.plastic_heating.is_on();
-                let constant_heating =
-                    if heats { taylor_quinney / (material.density * specific_heat) } else { 0.0 };
                 Self {
                     size,
                     density: material.density,
@@ -162,7 +139,7 @@ impl MaterialData {
                         &setup.effects,
                         &setup.effect_context(),
                     ),
-                    constant_heating,
+                    taylor_quinney,
                     heat_share: heat_share(&setup.effects).filter(|_| heats),
                     memory: Memory::of(setup),
                     hourglass: option("hourglass_coefficient") * impedance,

@@ -11,7 +11,8 @@
 //!   thermal pressure, `a (T - T_S) dx`, which becomes heat: it is booked as `thermoelastic_work` and
 //!   as heat supplied. The reversible heating of compression, `dT = Gamma_0 T dx`, contains both.
 //! - The dissipation of bulk viscosity and of the hourglass damping becomes heat of the particle: a
-//!   shock has its Hugoniot only if what it dissipates stays in the material.
+//!   shock has its Hugoniot only if what it dissipates stays in the material. (Without an equation of state the share of
+//!   it that plastic work has.)
 //! - A change of modulus with temperature (`thermoelasticity.rs`) acts on the shear modulus alone: G(T)
 //!   follows the table of E; the bulk modulus is that of the equation of state.
 //! - Where density diffusion changes J, the heat content above T_S stays.
@@ -21,6 +22,7 @@
 //! the undeformed state.
 
 use crate::material::point::MaterialPoint;
+use crate::material::return_mapping::UpdateContext;
 use crate::setup::Material;
 use crate::tensor::{Matrix, inverse_nonsingular, product, transpose};
 use sphcut_physics::TemperatureTable;
@@ -189,12 +191,30 @@ impl<const D: usize> MaterialPoint<D> {
         heat - (law.isentrope_heat(now) - law.isentrope_heat(before))
     }
 
-    /// Heats by what numerical terms dissipate, in J per undeformed m^3; the heat.
+    /// Heats by what numerical terms dissipate, in J per undeformed m^3; the heat. All of it with an equation of state,
+    /// the share of plastic work without one: there it stands for plastic work that the spacing does not resolve.
     #[inline]
-    pub(crate) fn keep_dissipation(&mut self, elasticity: &Elasticity, dissipation: f64) -> f64 {
-        let Some(state) = &elasticity.equation_of_state else { return 0.0 };
-        self.temperature = state.heated(self.temperature, dissipation);
-        dissipation
+    pub(crate) fn keep_dissipation(&mut self, context: &UpdateContext, dissipation: f64) -> f64 {
+        match &context.elasticity.equation_of_state {
+            None => self.heat_by_work(context, dissipation),
+            Some(state) => {
+                self.temperature = state.heated(self.temperature, dissipation);
+                dissipation
+            }
+        }
+    }
+
+    /// Heats by plastic work in J per undeformed m^3; the heat.
+    #[inline]
+    pub(crate) fn heat_by_work(&mut self, context: &UpdateContext, work: f64) -> f64 {
+        let heat = context.heating_share * work;
+        match context.heat_table {
+            None => self.temperature += heat * context.per_heat_capacity,
+            Some((density, table)) => {
+                self.temperature = table.heated(self.temperature, heat / density);
+            }
+        }
+        heat
     }
 
     /// Another volume ratio with the same heat content above the isentrope.

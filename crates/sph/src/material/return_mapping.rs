@@ -17,9 +17,11 @@ pub(crate) struct UpdateContext<'a> {
     pub(crate) elasticity: &'a Elasticity,
     pub(crate) law: &'a dyn FlowStressModel,
     pub(crate) time_step: f64,
-    /// beta / (rho_0 cp) in K m^3/J; 0 without plastic heating.
-    pub(crate) heating: f64,
-    /// beta / rho_0 and cp(T), where it depends on temperature.
+    /// beta; 0 without plastic heating.
+    pub(crate) heating_share: f64,
+    /// 1 / (rho_0 cp) at the temperature of the point in K m^3/J.
+    pub(crate) per_heat_capacity: f64,
+    /// rho_0 and cp(T), where it depends on temperature.
     pub(crate) heat_table: Option<(f64, &'a TemperatureTable)>,
     /// Linear bulk viscosity coefficient alpha rho c h in Pa s.
     pub(crate) linear_viscosity: f64,
@@ -60,7 +62,7 @@ impl<const D: usize> MaterialPoint<D> {
             temperature: self.temperature,
             shear_modulus: self.moduli(context.elasticity).shear / self.volume_ratio,
             time_step: context.time_step,
-            heating: context.heating,
+            heating: context.heating_share * context.per_heat_capacity,
             expected_increment: self.plastic_strain_rate * context.time_step,
         }
     }

@@ -21,7 +21,7 @@ pub(crate) struct UpdateWork {
     pub(crate) viscosity: f64,
     /// Work of the thermal pressure of an equation of state.
     pub(crate) thermal: f64,
-    /// Heat beside that of plastic work.
+    /// Heat of all of them.
     pub(crate) heat: f64,
     /// Stress power minus stored, plastic, thermal and viscous energy.
     pub(crate) residue: f64,
@@ -74,19 +74,14 @@ impl<const D: usize> MaterialPoint<D> {
         let plastic_flow = sum_scaled(&trial, -1.0, &self.deviator);
         let plastic = full_contract(&mean, &plastic_flow) / (4.0 * shear);
         let plastic = if increment > 0.0 { plastic } else { 0.0 };
-        match context.heat_table {
-            None => self.temperature += context.heating * plastic,
-            Some((share, table)) => {
-                self.temperature = table.heated(self.temperature, share * plastic);
-            }
-        }
+        let plastic_heat = self.heat_by_work(context, plastic);
 
         let viscosity_before = self.viscous_pressure;
         self.viscous_pressure = self.bulk_viscosity(volumetric_rate, context);
         let volume_change = self.volume_ratio - volume_before;
         let viscosity = -0.5 * (viscosity_before + self.viscous_pressure) * volumetric_rate * dt;
 
-        let heat = thermal + self.keep_dissipation(elasticity, viscosity);
+        let heat = thermal + plastic_heat + self.keep_dissipation(context, viscosity);
         let mean_pressure = 0.5 * (pressure_before + self.pressure(elasticity));
         let stress_power =
             0.5 * full_contract(&mean, &deviatoric_rate) * dt - mean_pressure * volume_change;

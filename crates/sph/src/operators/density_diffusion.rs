@@ -262,7 +262,7 @@ mod tests {
         let left = [0.5, 8.0].map(|speed| {
             let mut engine = alternating(0.3, speed);
             for _ in 0..100 {
-                diffused(&mut engine, 0.3 * 0.05 / speed / 100.0);
+                diffused(&mut engine, 0.1 * 0.05 / speed / 100.0);
             }
             measured(&engine).1
         });

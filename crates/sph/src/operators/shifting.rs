@@ -15,7 +15,7 @@
 //! particles of a fluid down the gradient of their concentration; here pair by pair, since a sum over a support that ends at a
 //! surface has a gradient there too.
 //!
-//! A stretch of e brings neighbours together as exp(-e), so their distance settles where `beta (r_s - r)` is r: at 0.68 dx for the
+//! A stretch of e brings neighbours together as exp(-e), so their distance settles where `beta (r_s - r)` is r: at 0.91 dx for the
 //! default, instead of falling without end. What is sheared once, as in the shear zone of a chip, lies below `eps_0` and is not shifted.
 //!
 //! On the tool the surface of the material stays where it is: the half thickness of a particle takes up what its

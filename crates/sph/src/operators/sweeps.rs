@@ -111,7 +111,7 @@ fn damping_of<const D: usize>(
 
 /// Integrates the non-affine displacement `n` of a particle against its neighbours,
 /// `n_dot = sum_j w_ij d_ij / s_i`, as a Maxwell element: plastic flow makes it forget with the
-/// rate `3 kappa G eps_p_dot / (chi_p sigma_y)`. Returns the power per volume it took in W/m^3.
+/// rate `3 kappa G eps_p_dot / (chi_p sigma_y)`. Returns the work that it took per volume in J/m^3, and what of it flow forgot.
 #[inline]
 fn remember<const D: usize>(
     point: &mut MaterialPoint<D>,
@@ -120,10 +120,10 @@ fn remember<const D: usize>(
     weight: f64,
     dt: f64,
     yield_fraction: f64,
-) -> f64 {
+) -> [f64; 2] {
     let stiffness = data.hourglass_stiffness;
     if stiffness == 0.0 || weight == 0.0 || dt == 0.0 {
-        return 0.0;
+        return [0.0; 2];
     }
     let before = point.offset;
     let flowing = yield_fraction * point.flow_stress;
@@ -133,12 +133,15 @@ fn remember<const D: usize>(
     } else {
         1.0
     };
-    let mut power = 0.0;
+    let [mut work, mut forgotten] = [0.0; 2];
     for k in 0..D {
-        point.offset[k] = (before[k] + dt * drift[k] / weight) * forgetting;
-        power += 0.5 * stiffness * (before[k] + point.offset[k]) * drift[k];
+        let kept = before[k] + dt * drift[k] / weight;
+        point.offset[k] = kept * forgetting;
+        let force = 0.5 * stiffness * (before[k] + point.offset[k]);
+        work += force * drift[k] * dt;
+        forgotten += force * weight * (kept - point.offset[k]);
     }
-    power
+    [work, forgotten]
 }
 
 fn check_point<const D: usize>(
@@ -221,19 +224,24 @@ impl<const D: usize> GradientSweep<'_, D> {
         // F_dot = sum w (v_j - v_i) (x) X B
         let sums = gather_velocity(lanes, self.list, self.motion, i);
         let rate = product(&sums.moment, &frame.correction);
+        if let Some(table) = data.stiffness_table.as_ref().filter(|_| dt > 0.0) {
+            tally.thermoelastic += point.follow_modulus(&data.elasticity, table) * volume;
+        }
+        let context = context(data, point, dt);
         if dt > 0.0 {
-            self.update_stress(i, point, past, &rate, tally);
+            self.update_stress(i, point, past, &context, &rate, tally);
         }
         // Dissipation of the damping: eta (sum w |v_j - v_i|^2 - F_dot : sum w (v_j - v_i) (x) X)
         let damping = damping_of(point, data, self.yield_fraction);
         let residual = sums.square - contract(&rate, &sums.moment);
-        let mut power = damping * residual.max(0.0);
-        let dissipation = power * frame.volume_ratio * dt;
-        tally.heat += point.keep_dissipation(&data.elasticity, dissipation) * volume;
+        let viscous = damping * residual.max(0.0) * dt;
         // n_dot = (sum w (v_j - v_i) - F_dot c) / s, y = kappa G n
         let drift = minus(&sums.difference, &apply(&rate, &frame.moment));
-        power += remember(point, data, &drift, frame.weight, dt, self.yield_fraction);
-        tally.hourglass += power * volume * frame.volume_ratio * dt;
+        let [work, forgotten] =
+            remember(point, data, &drift, frame.weight, dt, self.yield_fraction);
+        let dissipation = (viscous + forgotten) * frame.volume_ratio;
+        tally.heat += point.keep_dissipation(&context, dissipation) * volume;
+        tally.hourglass += (viscous + work) * volume * frame.volume_ratio;
         let spring = point.offset.map(|n| data.hourglass_stiffness * n);
         // G = P B - eta F_dot - y (x) q
         let stress = product(&point.piola_stress(&data.elasticity), &frame.correction)
@@ -257,20 +265,17 @@ impl<const D: usize> GradientSweep<'_, D> {
         i: usize,
         point: &mut MaterialPoint<D>,
         past: Option<&mut History<D>>,
+        context: &UpdateContext,
         rate: &Matrix<D>,
         tally: &mut Tally,
     ) {
         let (volume, data) = (self.volume[i], &self.materials[self.material[i] as usize]);
-        if let Some(table) = &data.stiffness_table {
-            tally.thermoelastic += point.follow_modulus(&data.elasticity, table) * volume;
-        }
-        let share = data.heating_share(point);
-        let work = point.advance(rate, &context(data, point, self.time_step), past);
+        let work = point.advance(rate, context, past);
         tally.plastic += work.plastic * volume;
         tally.viscosity += work.viscosity * volume;
         tally.residue += work.residue * volume;
         tally.thermoelastic += work.thermal * volume;
-        tally.heat += work.plastic * volume * share + work.heat * volume;
+        tally.heat += work.heat * volume;
         let mut moved = minus(&self.position[i], self.motion[i].reference());
         let mut strain = green_strain(&point.deformation);
         if let Some(axes) = &self.tilted_axes {
@@ -472,11 +477,9 @@ fn context<'a, const D: usize>(
         elasticity: &data.elasticity,
         law: data.law.as_ref(),
         time_step: dt,
-        heating: data.heating_at(point),
-        heat_table: data
-            .heat_table
-            .as_ref()
-            .map(|table| (data.heating_share(point) / data.density, table)),
+        heating_share: data.heating_share(point),
+        per_heat_capacity: 1.0 / (data.density * data.specific_heat_at(point.temperature)),
+        heat_table: data.heat_table.as_ref().map(|table| (data.density, table)),
         linear_viscosity: data.linear_viscosity,
         quadratic_viscosity: data.quadratic_viscosity,
         memory: &data.memory,
