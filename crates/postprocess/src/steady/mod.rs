@@ -19,12 +19,13 @@
 //! 4. **Drift**: the slope of ten batch means of the window is not significant at
 //!    [`DRIFT_SIGNIFICANCE`], nor is the difference between the first half and the second,
 //!    nor that between the last quarter and the rest. A difference below [`NEGLIGIBLE_DRIFT`]
-//!    times the wanted half width does not count, however significant: a perfectly regular force
-//!    has no noise to hide it in.
+//!    times the wanted half width does not count, however significant, nor one that is below twice the
+//!    wanted half width with 95 % confidence: a regular force has no noise to hide it in, and shall not be cut for longer
+//!    than a noisy one. Half of it counts as an error of the mean.
 //! 5. **Evidence of absence**: not only is no drift seen, but with 95 % confidence the drift
 //!    over the window is below [`DRIFT_ALLOWANCE`] times the wanted half width. A noisy short
 //!    record in which a drift could hide fails here.
-//! 6. **Precision**: the half width of the 95 % interval of the mean is at most
+//! 6. **Precision**: the half width of the 95 % interval of the mean, with half of a drift that is significant, is at most
 //!    [`SteadyOptions::relative_half_width`] of the mean.
 //!
 //! The interval is the wider of two: ten batch means with nine degrees of freedom (Schmeiser,
@@ -101,7 +102,7 @@ pub struct SteadyState {
     pub first_sample: usize,
     /// Mean over the window, in the unit of the force.
     pub mean: f64,
-    /// Half width of its 95 % interval; infinite where nothing can be said.
+    /// Half width of its 95 % interval, with half of a drift that is significant; infinite where nothing can be said.
     pub ci95: f64,
     /// Correlation length in m.
     pub correlation_length: f64,
@@ -331,7 +332,9 @@ fn judge(series: Series<'_>, options: &SteadyOptions) -> SteadyState {
     // A sample is the mean over the interval before its travel.
     state.window_start = travel[first] - spacing;
     state.mean = window.mean.mean;
-    state.ci95 = window.mean.half_width;
+    let drift = window.slope_drift;
+    let seen = if drift.is_significant() { 0.5 * drift.difference.abs() } else { 0.0 };
+    state.ci95 = window.mean.half_width + seen;
     state.correlation_length = window.mean.correlation_samples * spacing;
     state.drift = window.slope_drift.difference;
     let whole_travel = state.window_end - (travel[0] - spacing);
@@ -367,8 +370,10 @@ fn first_failure(
         return Reason::Correlated { lengths };
     }
     for (test, found) in window.drift_tests() {
-        let negligible = NEGLIGIBLE_DRIFT * options.relative_half_width;
-        if found.is_significant() && share(found.difference) > negligible {
+        let negligible = share(found.difference) <= NEGLIGIBLE_DRIFT * options.relative_half_width
+            || share(found.difference) + share(found.half_width)
+                <= 2.0 * options.relative_half_width;
+        if found.is_significant() && !negligible {
             return Reason::Drift { test, share: found.difference / window.mean.mean };
         }
     }
@@ -377,7 +382,7 @@ fn first_failure(
     if possible > allowed {
         return Reason::PossibleDrift { share: possible, allowed };
     }
-    let half_width = share(window.mean.half_width);
+    let half_width = share(state.ci95);
     if half_width > options.relative_half_width {
         return Reason::Imprecise { share: half_width, wanted: options.relative_half_width };
     }
