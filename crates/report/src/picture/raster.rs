@@ -10,8 +10,8 @@ const DISC_RADIUS: f64 = 0.72;
 /// The same where a graded lattice is coarse: its cells, twice as long as high, do not move much.
 const COARSE_DISC: f64 = 0.8;
 /// Radius within which material is taken to reach from particle to particle, in spacings: flow
-/// that stretches the rows of a lattice apart to twice their spacing leaves no hole.
-const CLOSING_RADIUS: f64 = 1.3;
+/// that stretches the rows of a lattice, 1.41 apart, to twice that and scatters them by half a spacing leaves no hole.
+const CLOSING_RADIUS: f64 = 1.7;
 /// Distance of a free surface from the particles next to it in spacings.
 const SURFACE: f64 = 0.5;
 const TOOL_FILL: Rgb = [196, 200, 205];
@@ -24,7 +24,7 @@ pub enum Style {
     /// is a place without particles, be it a hole or rows that the flow has stretched apart.
     #[default]
     Particles,
-    /// The material: rows of particles up to 2.6 spacings apart belong together, surfaces lie half
+    /// The material: rows of particles up to 3.4 spacings apart belong together, surfaces lie half
     /// a spacing outside the outermost particles. Only holes wider than that stay white. Plane
     /// runs only; in three dimensions as [`Style::Particles`].
     Material,
@@ -278,7 +278,7 @@ mod tests {
     fn coarse_particles_are_material_as_fine_ones_are() {
         // Two rows of spacing 1 on two of spacing 2 with cells twice as long as high: pitch 2.8 and height 1.4.
         let mut snapshot = Snapshot { dimension: 2, particle_spacing: 1.0, ..Snapshot::default() };
-        for (y, pitch, size) in [(3.0, 2.8, 2.0), (4.4, 2.8, 2.0), (5.6, 1.0, 1.0), (6.6, 1.0, 1.0)]
+        for (y, pitch, size) in [(6.0, 2.8, 2.0), (7.4, 2.8, 2.0), (8.6, 1.0, 1.0), (9.6, 1.0, 1.0)]
         {
             for k in 0..(20.0 / pitch) as u32 {
                 snapshot.position.push([pitch * f64::from(k), y, 0.0]);
@@ -286,13 +286,13 @@ mod tests {
             }
         }
         let colours = vec![[255, 0, 0]; snapshot.position.len()];
-        let mapping = Mapping { view: View { min: [0.0; 2], max: [20.0, 10.0] }, scale: 10.0 };
-        let mut canvas = Canvas::new(200, 100);
-        let shown = shown_particles([200, 100], &mapping, &snapshot, Style::Material);
+        let mapping = Mapping { view: View { min: [0.0; 2], max: [20.0, 14.0] }, scale: 10.0 };
+        let mut canvas = Canvas::new(200, 140);
+        let shown = shown_particles([200, 140], &mapping, &snapshot, Style::Material);
         paint(&mut canvas, &shown, &colours);
-        let filled = |y: f64| canvas.pixels[(100 - (10.0 * y) as usize) * 200 + 100] != WHITE;
+        let filled = |y: f64| canvas.pixels[(140 - (10.0 * y) as usize) * 200 + 100] != WHITE;
         // Half a spacing of its own beyond the outer row of each.
-        for (y, expected) in [(1.8, false), (2.6, true), (5.0, true), (6.9, true), (7.3, false)] {
+        for (y, expected) in [(4.8, false), (5.6, true), (8.0, true), (9.9, true), (10.3, false)] {
             assert_eq!(filled(y), expected, "y = {y}");
         }
     }
