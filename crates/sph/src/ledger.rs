@@ -14,6 +14,8 @@ pub(crate) struct Ledger {
     pub(crate) residue: f64,
     pub(crate) thermoelastic: f64,
     pub(crate) heat_supplied: f64,
+    /// What of it hourglass damping and bulk viscosity gave.
+    pub(crate) numerical_heat: f64,
     pub(crate) initial_energy: f64,
     pub(crate) initial_heat: f64,
     pub(crate) interval_start: f64,
@@ -30,6 +32,7 @@ impl Ledger {
         self.thermoelastic += tally.thermoelastic;
         self.hourglass += tally.hourglass;
         self.heat_supplied += tally.heat;
+        self.numerical_heat += tally.numerical_heat;
     }
 
     /// Begins the next interval at `time`.
@@ -40,7 +43,7 @@ impl Ledger {
     }
 
     /// All numbers in the order of a checkpoint.
-    fn numbers(&mut self) -> [&mut f64; 20] {
+    fn numbers(&mut self) -> [&mut f64; 21] {
         let [tool_x, tool_y, tool_z] = &mut self.tool_impulse;
         let [reaction_x, reaction_y, reaction_z] = &mut self.reaction_impulse;
         [
@@ -64,16 +67,17 @@ impl Ledger {
             reaction_y,
             reaction_z,
             &mut self.thermoelastic,
+            &mut self.numerical_heat,
         ]
     }
 
     /// The ledger as numbers, for the checkpoint.
-    pub(crate) fn to_array(&self) -> [f64; 20] {
+    pub(crate) fn to_array(&self) -> [f64; 21] {
         self.clone().numbers().map(|number| *number)
     }
 
     /// The inverse of [`Ledger::to_array`].
-    pub(crate) fn from_array(values: &[f64; 20]) -> Self {
+    pub(crate) fn from_array(values: &[f64; 21]) -> Self {
         let mut ledger = Self::default();
         std::iter::zip(ledger.numbers(), values).for_each(|(number, value)| *number = *value);
         ledger
@@ -89,8 +93,10 @@ pub(crate) struct Tally {
     pub(crate) hourglass: f64,
     /// Stored energy released because a modulus fell with temperature.
     pub(crate) thermoelastic: f64,
-    /// Heat made from plastic work.
+    /// Heat made.
     pub(crate) heat: f64,
+    /// What of it hourglass damping and bulk viscosity gave.
+    pub(crate) numerical_heat: f64,
     /// Stored energy released by the density diffusion.
     pub(crate) diffused: f64,
     /// Largest component of the strain since the last refresh.
@@ -112,6 +118,7 @@ impl Tally {
         self.thermoelastic += next.thermoelastic;
         self.hourglass += next.hourglass;
         self.heat += next.heat;
+        self.numerical_heat += next.numerical_heat;
         self.strain = self.strain.max(next.strain);
         self.spread(&next.low);
         self.spread(&next.high);

@@ -21,8 +21,10 @@ pub(crate) struct UpdateWork {
     pub(crate) viscosity: f64,
     /// Work of the thermal pressure of an equation of state.
     pub(crate) thermal: f64,
-    /// Heat of all of them.
+    /// Heat of all of them but bulk viscosity.
     pub(crate) heat: f64,
+    /// Heat of bulk viscosity.
+    pub(crate) viscous_heat: f64,
     /// Stress power minus stored, plastic, thermal and viscous energy.
     pub(crate) residue: f64,
 }
@@ -81,13 +83,14 @@ impl<const D: usize> MaterialPoint<D> {
         let volume_change = self.volume_ratio - volume_before;
         let viscosity = -0.5 * (viscosity_before + self.viscous_pressure) * volumetric_rate * dt;
 
-        let heat = thermal + plastic_heat + self.keep_dissipation(context, viscosity);
+        let heat = thermal + plastic_heat;
+        let viscous_heat = self.keep_dissipation(context, viscosity);
         let mean_pressure = 0.5 * (pressure_before + self.pressure(elasticity));
         let stress_power =
             0.5 * full_contract(&mean, &deviatoric_rate) * dt - mean_pressure * volume_change;
         let stored = self.elastic_energy(elasticity) - energy_before;
         let residue = stress_power - stored - plastic - thermal;
-        UpdateWork { plastic, viscosity, thermal, heat, residue }
+        UpdateWork { plastic, viscosity, thermal, heat, viscous_heat, residue }
     }
 
     /// `q = -alpha rho c h tr D + beta rho h^2 (tr D)^2` in compression, linear term only in

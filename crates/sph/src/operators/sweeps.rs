@@ -240,7 +240,9 @@ impl<const D: usize> GradientSweep<'_, D> {
         let [work, forgotten] =
             remember(point, data, &drift, frame.weight, dt, self.yield_fraction);
         let dissipation = (viscous + forgotten) * frame.volume_ratio;
-        tally.heat += point.keep_dissipation(&context, dissipation) * volume;
+        let heat = point.keep_dissipation(&context, dissipation) * volume;
+        tally.heat += heat;
+        tally.numerical_heat += heat;
         tally.hourglass += (viscous + work) * volume * frame.volume_ratio;
         let spring = point.offset.map(|n| data.hourglass_stiffness * n);
         // G = P B - eta F_dot - y (x) q
@@ -275,7 +277,8 @@ impl<const D: usize> GradientSweep<'_, D> {
         tally.viscosity += work.viscosity * volume;
         tally.residue += work.residue * volume;
         tally.thermoelastic += work.thermal * volume;
-        tally.heat += work.heat * volume;
+        tally.heat += (work.heat + work.viscous_heat) * volume;
+        tally.numerical_heat += work.viscous_heat * volume;
         let mut moved = minus(&self.position[i], self.motion[i].reference());
         let mut strain = green_strain(&point.deformation);
         if let Some(axes) = &self.tilted_axes {

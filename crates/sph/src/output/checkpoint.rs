@@ -136,7 +136,7 @@ impl<const D: usize> Engine<D> {
         if !engine.particles.history.is_empty() {
             reader.fill("history", &mut engine.particles.history, History::numbers)?;
         }
-        let account = reader.reals("account", 20)?;
+        let account = reader.reals("account", 21)?;
         engine.ledger = Ledger::from_array(account.try_into().expect("length was checked"));
         engine.particles.id = reader.integers("id")?.to_vec();
         engine.particles.body = narrow(reader.integers("body")?)?;

@@ -64,7 +64,8 @@ channels! {
     RetiredEnergy "retired_energy" "J" "kinetic and stored elastic energy of what has left the moving window";
     EnergyError "energy_error" "J" "work done on the workpiece minus all terms above, initial kinetic energy included: what nobody accounts for";
     HeatContent "heat_content" "J" "thermal energy above the initial state, with that of what has left the moving window";
-    HeatSupplied "heat_supplied" "J" "heat from plastic work, friction, thermal pressure, heat sources and fixed-temperature boundaries since the start, less what passed into the tool";
+    HeatSupplied "heat_supplied" "J" "heat from plastic work, numerical terms, friction, thermal pressure, heat sources and fixed-temperature boundaries since the start, less what passed into the tool";
+    NumericalHeat "numerical_heat" "J" "what of it hourglass damping and bulk viscosity gave: they stand for plastic work that the spacing does not resolve";
     HeatIntoTool "heat_into_tool" "J" "heat that passed from the workpiece through the contact into the tool since the start; friction heat not included";
     ToolFrictionHeat "tool_friction_heat" "J" "the tool's share of the heat of friction since the start, where the tool conducts heat";
     ToolBoundaryHeat "tool_boundary_heat" "J" "heat through the outer boundary into the tool since the start, negative where it leaves";

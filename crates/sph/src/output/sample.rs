@@ -95,6 +95,7 @@ impl<const D: usize> Engine<D> {
         let heat = self.particles.heat_content() + self.retired().heat;
         set(ChannelId::HeatContent, heat - ledger.initial_heat);
         set(ChannelId::HeatSupplied, ledger.heat_supplied);
+        set(ChannelId::NumericalHeat, ledger.numerical_heat);
         if let Some(heat) = &self.tool_heat {
             set(ChannelId::HeatIntoTool, heat.ledger.contact);
             set(ChannelId::ToolFrictionHeat, heat.ledger.friction);

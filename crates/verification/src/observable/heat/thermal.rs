@@ -16,18 +16,19 @@ pub(crate) const HEAT_CLOSURE: Observable = Observable {
     },
 };
 
-/// Thermal energy over the heat that plastic work and friction should have given.
+/// Thermal energy over the heat that plastic work, numerical terms and friction should have given.
 pub(crate) const HEAT_BALANCE: Observable = Observable {
     name: "heat_balance",
     unit: "",
     meaning: "thermal energy and what passed through the contact into the tool over (Taylor-Quinney \
-              share of the plastic work + workpiece's share of the friction work), at the end",
+              share of the plastic work + workpiece's share of the friction work + heat of numerical terms), at the end",
     arguments: &[],
     evaluate: |evidence, _| {
         let sample = evidence.last_sample()?;
         let values = &evidence.setup.heat.values;
         let heat = values.get("taylor_quinney") * sample.get(ChannelId::PlasticWork)
-            + values.get("friction_heat_share") * sample.get(ChannelId::FrictionWork);
+            + values.get("friction_heat_share") * sample.get(ChannelId::FrictionWork)
+            + sample.get(ChannelId::NumericalHeat);
         let found = sample.get(ChannelId::HeatContent) + sample.get(ChannelId::HeatIntoTool);
         Ok(found / heat)
     },
@@ -37,11 +38,12 @@ pub(crate) const HEAT_BALANCE: Observable = Observable {
 pub(crate) const FRICTION_HEAT_RATIO: Observable = Observable {
     name: "friction_heat_ratio",
     unit: "",
-    meaning: "thermal energy over friction work at the end",
+    meaning: "thermal energy without that of numerical terms over friction work at the end",
     arguments: &[],
     evaluate: |evidence, _| {
         let sample = evidence.last_sample()?;
-        Ok(sample.get(ChannelId::HeatContent) / sample.get(ChannelId::FrictionWork))
+        let heat = sample.get(ChannelId::HeatContent) - sample.get(ChannelId::NumericalHeat);
+        Ok(heat / sample.get(ChannelId::FrictionWork))
     },
 };
 
