@@ -276,10 +276,11 @@ fn damage_lowers_the_force_and_makes_it_uneven() {
     damage.books_close();
     let ratio = force_ratio(&damage);
     assert!(ratio > 0.7 && ratio < 0.95, "{ratio}");
-    // The more ductile, the closer to the cut without damage: 1.001 where hardly anything reaches its failure strain.
+    // The more ductile, the closer to the cut without damage: 1.001 where hardly anything reaches its failure strain, of which
+    // 0.5 % cannot be told apart.
     let ductile = table(entry, &[("failure_strain_range", 2.0)]);
     let ductile = force_ratio_over_lattices(CUT, &ductile);
-    assert!(ductile > ratio + 0.05 && (ductile - 1.0).abs() < 0.02, "{ductile} {ratio}");
+    assert!(ductile > ratio + 0.05 && ductile < 1.005, "{ductile} {ratio}");
     // Brittle material carries until a segment fails, then less until the next one bears: 0.57 over these lattices,
     // where the whole chip keeps 0.76.
     let brittle = format!("{CUT}{}", table(entry, &[("failure_strain_range", 0.1)]));

@@ -150,7 +150,7 @@ fn no_heat_of_friction_or_damping_is_lost() {
     let chip = last.get(ChannelId::HeatSupplied) + last.get(ChannelId::HeatIntoTool) - plastic;
     let numerical = last.get(ChannelId::NumericalHeat);
     assert!((chip + tool - work - numerical).abs() < 1e-10 * work, "{chip} {tool} {work}");
-    // It stands for plastic work that the spacing does not resolve. The springs of the damping still store a little of what they took.
+    // It stands for plastic work that the spacing does not resolve. The springs of the damping still store a hundredth of what they took at most.
     let taken = last.get(ChannelId::HourglassWork) + last.get(ChannelId::ViscosityWork);
-    assert!(numerical <= 0.9 * taken && numerical > 0.85 * taken, "{numerical} {taken}");
+    assert!(numerical <= 0.9 * taken && numerical > 0.89 * taken, "{numerical} {taken}");
 }
