@@ -78,7 +78,7 @@ pub const NUMERICS: &[Parameter] = &[
         "hourglass_yield_fraction",
         "chi_p",
         Range::closed(0.0, 10.0),
-        0.3,
+        0.15,
         "upper limit of that damping in flowing material, in terms of sigma_y / (3 eps_p_dot)",
         "docs/numerics.md",
     ),

@@ -88,7 +88,7 @@ pub const ALL: &[&Observable] = &[
     &contact::hertz::HERTZ_WIDTH_RATIO,
     &contact::hertz::HERTZ_PRESSURE_RATIO,
     &contact::hertz::HERTZ_STRESS_RATIO,
-    &contact::indentation::PRANDTL_RATIO,
+    &contact::slip_line::SLIP_LINE_RATIO,
     &contact::indented_surface::DENT_RECOVERY_ERROR,
     &contact::indented_surface::DENT_RECOVERY_RATIO,
     &contact::indented_surface::DENT_RIM_ERROR,
