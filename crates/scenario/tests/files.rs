@@ -245,10 +245,10 @@ fn the_quick_start_is_what_it_says() {
     let spacing = 0.1e-3 / 14.0;
     assert_relative_eq!(setup.particle_spacing, spacing, max_relative = 1e-12);
     assert_eq!(setup.materials[0].flow_stress_values.get("initial_yield"), 331e6);
-    assert_relative_eq!(scenario.stop.travel, 6e-3, max_relative = 1e-12);
-    // 6 mm at 2.5 m/s
-    assert_relative_eq!(setup.end_time, 2.4e-3, max_relative = 1e-12);
-    assert_relative_eq!(setup.sampling_interval, 2.4e-3 / 500.0, max_relative = 1e-12);
+    assert_relative_eq!(scenario.stop.travel, 3e-3, max_relative = 1e-12);
+    // 3 mm at 2.5 m/s
+    assert_relative_eq!(setup.end_time, 1.2e-3, max_relative = 1e-12);
+    assert_relative_eq!(setup.sampling_interval, 1.2e-3 / 500.0, max_relative = 1e-12);
     let tool = setup.tool.as_ref().unwrap();
     assert_relative_eq!(tool.velocity[0], 2.5, max_relative = 1e-12);
     let ToolSurface::Polygon(points) = &tool.surface else { panic!("a polygon") };

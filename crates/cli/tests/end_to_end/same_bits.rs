@@ -108,7 +108,7 @@ fn results_have_the_bits_that_were_written_down() {
     let quickstart = shortened(
         "scenarios/quickstart.toml",
         &[
-            ("travel = \"6 mm\"", "travel = \"0.25 mm\""),
+            ("travel = \"3 mm\"", "travel = \"0.25 mm\""),
             ("steady = {", "# steady = {"),
             ("snapshots = 40", "snapshots = 2"),
         ],
