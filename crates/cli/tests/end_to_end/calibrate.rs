@@ -89,8 +89,10 @@ fn mistakes_of_single_cuts_are_told_before_anything_runs() {
 #[test]
 fn a_friction_coefficient_is_found_with_particle_runs() {
     let shop = Workshop::new("calibrate_particles");
-    shop.write("cut.toml", &windowed());
-    let truth = windowed().replace("friction_coefficient = 0.25", "friction_coefficient = 0.5");
+    // Six rows across the chip: with four, two cuts with the same friction differ by more than their intervals.
+    let cut = windowed().replace("25 um", "16 um");
+    shop.write("cut.toml", &cut);
+    let truth = cut.replace("friction_coefficient = 0.25", "friction_coefficient = 0.5");
     shop.write("truth.toml", &truth);
     // Cuts of the solver itself, with more friction than the scenario has.
     shop.write("cuts.csv", "v_c [m/min],h [mm],F_c [N],F_f [N]\n150,0.1,1,1\n");
