@@ -277,7 +277,7 @@ fn damage_lowers_the_force_and_makes_it_uneven() {
     let ratio = force_ratio(&damage);
     assert!(ratio > 0.7 && ratio < 0.95, "{ratio}");
     // The more ductile, the closer to the cut without damage: 1.001 where hardly anything reaches its failure strain, of which
-    // 0.5 % cannot be told apart.
+    // 0.5 % are not distinguishable.
     let ductile = table(entry, &[("failure_strain_range", 2.0)]);
     let ductile = force_ratio_over_lattices(CUT, &ductile);
     assert!(ductile > ratio + 0.05 && ductile < 1.005, "{ductile} {ratio}");

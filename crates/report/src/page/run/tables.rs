@@ -85,7 +85,7 @@ const INTERVALS: &str = "Intervals are 95 %.";
 /// The same for a cut, and what they leave out (`docs/numerics.md`, *What F_c owes to the damping*).
 const CUT_INTERVALS: &str = "Intervals are 95 % and take the correlation of the force along the travel into account. \
                              They hold for this spacing: a shear zone whose load is known takes 3 to 5 % too much force \
-                             with 10 to 40 particles across, so expect the cutting force that much too high, and more \
+                             with 7 to 40 particles across, so expect the cutting force that much too high, and more \
                              where the material softens in the shear zone (8 % in drafts of Ti6Al4V).";
 
 /// Forces, temperatures, extremes.

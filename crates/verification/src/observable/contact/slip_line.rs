@@ -24,6 +24,9 @@ fn slip_line_ratio(evidence: &Evidence, arguments: &ObservableArguments) -> Resu
     let window = arguments.get("from")..=arguments.get("to");
     let tool = evidence.setup.tool.as_ref().ok_or("the scenario has no wall")?;
     let speed = tool.velocity.iter().map(|component| component * component).sum::<f64>().sqrt();
+    if speed == 0.0 {
+        return Err("the wall does not move at the start".to_owned());
+    }
     let direction = tool.velocity.map(|component| component / speed);
     // The channels hold the force of the tool on the body along +x and, as the feed force does, along -y.
     let forces: Vec<f64> = evidence
