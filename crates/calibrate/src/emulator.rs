@@ -11,40 +11,50 @@ pub trait PriorModel {
 }
 
 /// Standard deviations of the logarithm by which the quick model may be wrong: at all cuts by the same, per unit of their place,
-/// at each cut by its own.
+/// smoothly over that, at each cut by its own.
 const LEVEL: f64 = 0.7;
 const SLOPE: f64 = 0.25;
+const SMOOTH: f64 = 0.08;
 const OWN: f64 = 0.08;
+/// Correlation length of what is smooth, in half spreads of the cuts.
+const LENGTH: f64 = 1.5;
 /// By which share of it, and by which amount, the change with a constant may be wrong.
 const SHARE: f64 = 0.4;
 const LEAST_CHANGE: f64 = 0.015;
-/// How much of that differs with the place of the cut, and from cut to cut.
+/// How much of that differs with the place of the cut, smoothly over it, and from cut to cut.
 const CHANGE_SLOPE: f64 = 0.5;
-const CHANGE_OWN: f64 = 0.3;
+const CHANGE_SMOOTH: f64 = 0.3;
+const CHANGE_OWN: f64 = 0.02;
 /// The curvature that the quick model lacks.
 const CURVATURE: f64 = 0.01;
 /// Scatter of the logarithm of a run that its interval does not show, by [`Channel::RECORDED`].
 const SCATTER: Channels<f64> = [0.008, 0.02, 0.05, 0.008, 0.03, 0.06, 0.2];
-/// Factors on own errors and on the scatter that are compared by their evidence.
-const FACTORS: [f64; 3] = [0.5, 1.0, 2.0];
+/// Factors on smooth errors, on own errors and on the scatter that are compared by their evidence.
+const SMOOTHS: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
+const OWNS: [f64; 5] = [0.125, 0.25, 0.5, 1.0, 2.0];
+const SCATTERS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Step of differences in coordinates.
 const STEP: f64 = 0.2;
 
 /// Places of cuts: logarithms of speed and thickness, rake, logarithm of the edge radius, each about the middle and over half the
-/// spread of the cuts; one that does not vary is left out.
+/// spread of the cuts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
     middle: [f64; 4],
     half: [f64; 4],
 }
 
-fn raw(condition: &CuttingCondition) -> [f64; 4] {
+/// A smaller half spread says nothing of what is twice as far: a factor of 2 in speed, thickness or edge radius, 11 deg of rake.
+const LEAST_HALF: [f64; 4] = [0.35, 0.35, 0.1, 0.35];
+
+/// `None`: what the scenario has.
+fn raw(condition: &CuttingCondition) -> [Option<f64>; 4] {
     let [rake, radius] = condition.tool.parts();
     [
-        condition.cutting_speed.ln(),
-        condition.uncut_chip_thickness.ln(),
-        rake.unwrap_or(0.0),
-        radius.map_or(0.0, |radius| radius.max(1e-6).ln()),
+        Some(condition.cutting_speed.ln()),
+        Some(condition.uncut_chip_thickness.ln()),
+        rake,
+        radius.map(|radius| radius.max(1e-6).ln()),
     ]
 }
 
@@ -54,6 +64,7 @@ impl Places {
         let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
         for condition in conditions {
             for (k, x) in raw(condition).into_iter().enumerate() {
+                let Some(x) = x else { continue };
                 (low[k], high[k]) = (low[k].min(x), high[k].max(x));
             }
         }
@@ -66,12 +77,12 @@ impl Places {
         self.half[k] > 1e-3
     }
 
-    /// -1 to 1 within the cuts.
+    /// -1 to 1 within the cuts; beyond them, too, where a quantity does not vary among them: nothing is known of another.
     pub fn at(&self, condition: &CuttingCondition) -> [f64; 4] {
         let own = raw(condition);
-        // A spread of less than a tenth says nothing of what is twice as far.
         std::array::from_fn(|k| {
-            if self.varies(k) { (own[k] - self.middle[k]) / self.half[k].max(0.1) } else { 0.0 }
+            let known = own[k].filter(|_| self.middle[k].is_finite());
+            known.map_or(0.0, |x| (x - self.middle[k]) / self.half[k].max(LEAST_HALF[k]))
         })
     }
 }
@@ -85,22 +96,26 @@ struct ChannelEmulator {
     runs: Vec<([f64; 4], CuttingCondition, Vec<f64>)>,
     /// Standard deviation of the error of the change with each constant.
     changes: Vec<f64>,
-    factor: f64,
+    /// Standard deviations of smooth and own errors.
+    errors: [f64; 2],
     known: Cholesky<f64, Dyn>,
     weights: DVector<f64>,
     evidence: f64,
 }
 
 fn kernel(
-    (changes, factor): (&[f64], f64),
+    (changes, [smooth, own]): (&[f64], [f64; 2]),
     (za, ca, ta): (&[f64; 4], &CuttingCondition, &[f64]),
     (zb, cb, tb): (&[f64; 4], &CuttingCondition, &[f64]),
 ) -> f64 {
     let dot: f64 = za.iter().zip(zb).map(|(a, b)| a * b).sum();
-    let own = if ca == cb { 1.0 } else { 0.0 };
-    let level = LEVEL.powi(2) + SLOPE.powi(2) * dot + (factor * OWN).powi(2) * own;
+    let same = if ca == cb { 1.0 } else { 0.0 };
+    let apart: f64 = za.iter().zip(zb).map(|(a, b)| (a - b).powi(2)).sum();
+    let near = (-0.5 * apart / LENGTH.powi(2)).exp();
+    let level = LEVEL.powi(2) + SLOPE.powi(2) * dot + smooth.powi(2) * near + own.powi(2) * same;
     let along: f64 = changes.iter().zip(ta.iter().zip(tb)).map(|(s, (a, b))| s * s * a * b).sum();
-    let shape = 1.0 + CHANGE_SLOPE.powi(2) * dot + CHANGE_OWN.powi(2) * own;
+    let shape =
+        1.0 + CHANGE_SLOPE.powi(2) * dot + CHANGE_SMOOTH.powi(2) * near + CHANGE_OWN.powi(2) * same;
     let product: f64 = ta.iter().zip(tb).map(|(a, b)| a * b).sum();
     level + along * shape + (CURVATURE * product).powi(2)
 }
@@ -109,7 +124,8 @@ fn kernel(
 ///
 /// ```text
 /// ln y(c, t) = ln y_0(c, t) + d(c, t),   d ~ GP(0, K)
-/// K = s_0^2 + s_z^2 z.z' + s_c^2 [c = c'] + sum_k s_k^2 t_k t_k' (1 + s_1^2 z.z' + s_2^2 [c = c']) + s_q^2 (t.t')^2
+/// K = s_0^2 + s_z^2 z.z' + s_s^2 q + s_c^2 [c = c'] + sum_k s_k^2 t_k t_k' (1 + s_1^2 z.z' + s_2^2 q + s_3^2 [c = c']) + s_q^2 (t.t')^2
+/// q = exp(-(z - z')^2 / (2 l^2))
 /// ```
 ///
 /// y_0 is the quick model, t the constants in standard deviations of their priors, z the place of the cut. The change with a constant may be
@@ -200,11 +216,11 @@ impl<'m> Emulator<'m> {
             known.len(),
             known.iter().map(|(p, log, _)| log - self.quick(channel, &p.condition, &p.t)),
         );
-        let of = |factor: f64, scatter: f64| {
+        let of = |own_errors: [f64; 2], scatter: f64| {
             let covariance = DMatrix::from_fn(known.len(), known.len(), |i, j| {
                 let (a, b) = (&places[i], &places[j]);
                 let noise = known[i].2 + (scatter * SCATTER[channel]).powi(2);
-                kernel((&changes, factor), (&a.0, &a.1, &a.2), (&b.0, &b.1, &b.2))
+                kernel((&changes, own_errors), (&a.0, &a.1, &a.2), (&b.0, &b.1, &b.2))
                     + if i == j { noise } else { 0.0 }
             });
             let known = covariance.cholesky()?;
@@ -212,10 +228,11 @@ impl<'m> Emulator<'m> {
             let spread: f64 = known.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
             let evidence = -0.5 * (errors.dot(&weights) + spread);
             let (runs, changes) = (places.clone(), changes.clone());
-            Some(ChannelEmulator { runs, changes, factor, known, weights, evidence })
+            Some(ChannelEmulator { runs, changes, errors: own_errors, known, weights, evidence })
         };
-        let pairs = FACTORS.iter().flat_map(|&a| FACTORS.iter().map(move |&b| (a, b)));
-        pairs.filter_map(|(a, b)| of(a, b)).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+        let pairs = SMOOTHS.iter().flat_map(|&a| OWNS.iter().map(move |&b| [a * SMOOTH, b * OWN]));
+        let all = pairs.flat_map(|errors| SCATTERS.iter().map(move |&s| (errors, s)));
+        all.filter_map(|(e, s)| of(e, s)).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
     }
 
     fn toward(
@@ -228,7 +245,7 @@ impl<'m> Emulator<'m> {
         let all = own
             .runs
             .iter()
-            .map(|(z, c, s)| kernel((&own.changes, own.factor), (z, c, s), (&place, condition, t)));
+            .map(|(z, c, s)| kernel((&own.changes, own.errors), (z, c, s), (&place, condition, t)));
         DVector::from_iterator(own.runs.len(), all)
     }
 
@@ -257,7 +274,7 @@ impl<'m> Emulator<'m> {
         let places: Vec<[f64; 4]> = cuts.iter().map(|cut| self.places.at(cut)).collect();
         DMatrix::from_fn(cuts.len(), cuts.len(), |i, j| {
             let (a, b) = ((&places[i], cuts[i], t), (&places[j], cuts[j], t));
-            kernel((&own.changes, own.factor), a, b) - told[(i, j)]
+            kernel((&own.changes, own.errors), a, b) - told[(i, j)]
         })
     }
 

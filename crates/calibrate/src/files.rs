@@ -4,7 +4,7 @@ use crate::NORMAL_95;
 use crate::constants::PublishedSet;
 use crate::cuts::short;
 use crate::next::NextCuts;
-use crate::posterior::AMPLITUDES;
+use crate::posterior::DISCREPANCIES;
 use crate::session::{ComparedValue, CutCalibration};
 use crate::words::standings;
 use serde_json::{Value, json};
@@ -158,8 +158,9 @@ pub fn cut_calibration_json(
         })).collect::<Vec<_>>(),
         "constants": constants.collect::<Vec<_>>(),
         "covariance_over_priors": rows.collect::<Vec<_>>(),
-        "discrepancy": AMPLITUDES.iter().zip(&posterior.weights)
-            .map(|(amplitude, probability)| json!({ "amplitude": amplitude, "probability": probability })).collect::<Vec<_>>(),
+        "discrepancy": DISCREPANCIES.iter().zip(&posterior.weights).map(|(one, probability)| json!({
+            "amplitude": one.amplitude, "thrust": one.thrust, "own": one.own, "probability": probability,
+        })).collect::<Vec<_>>(),
         "cuts": found.values.iter().map(|v| value_json(found, v)).collect::<Vec<_>>(),
         "effects": found.effects.iter().map(|(k, evidence)| json!({
             "effect": found.constants[*k].effect.map(|(key, _)| key), "log_evidence": evidence,

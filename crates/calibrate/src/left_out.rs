@@ -2,7 +2,7 @@
 
 use crate::cuts::MeasuredCut;
 use crate::emulator::{Emulator, Places};
-use crate::posterior::{AMPLITUDES, LinearLaw, MeasuredValue, Posterior};
+use crate::posterior::{DISCREPANCIES, LinearLaw, MeasuredValue, Posterior};
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::Channel;
 
@@ -37,8 +37,8 @@ impl Foreseen {
 /// y_g - predicted = (P_gg)^-1 (P e)_g,   variance (P_gg)^-1,   P = (S + J J')^-1,   e = y - m
 /// ```
 ///
-/// S is the covariance of noise, emulator and discrepancy, J J' that of the prior of the constants. Means over the amplitude of
-/// the discrepancy. `None` if a covariance cannot be inverted.
+/// S is the covariance of noise, emulator and discrepancy, J J' that of the prior of the constants. Means over the
+/// discrepancies. `None` if a covariance cannot be inverted.
 #[must_use]
 pub fn left_out(
     law: &LinearLaw,
@@ -48,8 +48,8 @@ pub fn left_out(
 ) -> Option<Vec<Foreseen>> {
     let measured = DVector::from_iterator(values.len(), values.iter().map(|v| v.log));
     let mut found = vec![[0.0; 2]; values.len()];
-    for (&weight, amplitude) in posterior.weights.iter().zip(AMPLITUDES) {
-        let (mean, covariance) = law.marginal(amplitude);
+    for (&weight, discrepancy) in posterior.weights.iter().zip(DISCREPANCIES) {
+        let (mean, covariance) = law.marginal(discrepancy);
         let precision = covariance.cholesky()?.inverse();
         let pull = &precision * (&measured - mean);
         for group in groups {

@@ -36,7 +36,7 @@ pub use files::{CalibrationSource, cut_calibration_json, material_file, next_csv
 pub use left_out::Foreseen;
 pub use material_tests::MaterialTests;
 pub use next::{NextCut, NextCuts, NextRequest, grid, next_cuts};
-pub use posterior::{AMPLITUDES, MeasuredValue, Posterior};
+pub use posterior::{DISCREPANCIES, Discrepancy, MeasuredValue, Posterior};
 pub use session::{
     CalibrationRequest, ComparedValue, ContradictingTool, CutCalibration, LeftOutErrors, calibrate,
     expected,

@@ -3,7 +3,7 @@
 use crate::constants::FreeConstant;
 use crate::cuts::{MeasuredCut, noise_of, same};
 use crate::emulator::{Emulator, Places, PriorModel};
-use crate::posterior::{AMPLITUDES, LinearLaw, MeasuredValue, PRIOR};
+use crate::posterior::{DISCREPANCIES, LinearLaw, MeasuredValue};
 use crate::session::CutCalibration;
 use nalgebra::{DMatrix, DVector};
 use sphcut_physics::{Channel, CuttingCondition};
@@ -95,8 +95,8 @@ fn three_digits(value: f64) -> f64 {
 /// wanted: least   sum_a p_a sum_channels ln tr K_a,channel
 /// ```
 ///
-/// J: changes with the constants, which have the unit law of their prior; S: what the runs so far leave open; D: the discrepancy of the model,
-/// a its amplitude with the probability p_a; N: noise. So a cut tells by the constants, and by what it says of the
+/// J: changes with the constants, which have the unit law of their prior; S: what the runs so far leave open; D_a: a discrepancy of the model
+/// with the probability p_a; N: noise. So a cut tells by the constants, and by what it says of the
 /// discrepancy in its neighbourhood. Candidates like a measured cut are left out. `None` if a covariance cannot be inverted.
 ///
 /// Source: greedy minimisation of the mean prediction variance (V-optimality: Atkinson, Donev, Tobias, Optimum Experimental Designs (2007), chapter 10).
@@ -143,11 +143,14 @@ pub fn next_cuts(request: &NextRequest<'_>) -> Option<NextCuts> {
     let runs = known.map_or(&[][..], |found| &found.runs);
     let emulator = Emulator::new(model, &places, runs);
     let law = LinearLaw::about((&t, &around), &cuts, &values, &emulator);
-    let weights: Vec<f64> = known.map_or(PRIOR.to_vec(), |found| found.posterior.weights.clone());
+    let weights: Vec<f64> = known.map_or_else(
+        || DISCREPANCIES.iter().map(|d| d.prior).collect(),
+        |found| found.posterior.weights.clone(),
+    );
     let first = values.iter().filter(|v| v.cut < measured.len()).count();
     let mut left = Vec::new();
-    for amplitude in AMPLITUDES {
-        let mut covariance = law.marginal(amplitude).1;
+    for discrepancy in DISCREPANCIES {
+        let mut covariance = law.marginal(discrepancy).1;
         for (k, value) in values.iter().enumerate() {
             covariance[(k, k)] -= value.variance;
         }

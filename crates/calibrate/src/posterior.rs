@@ -1,22 +1,61 @@
 //! The constants given the measured cuts and what the runs say of them.
 
-use crate::Channels;
 use crate::cuts::MeasuredCut;
 use crate::emulator::Emulator;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use sphcut_physics::Channel;
 
-/// Amplitudes of the model discrepancy that are weighed against each other, as a share of F_c.
-pub const AMPLITUDES: [f64; 7] = [0.0, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
-/// How probable each is before a cut was made: half of all laws follow to 1 %, one in ten misses by 16 % or more.
-pub(crate) const PRIOR: [f64; 7] = [0.3, 0.2, 0.15, 0.15, 0.1, 0.06, 0.04];
-/// The discrepancy of each channel over that of F_c, by [`Channel::RECORDED`]: what models of cutting miss of them.
-const TIMES: Channels<f64> = [1.0, 2.0, 2.0, 1.0, 1.5, 3.0, 3.0];
-/// Shares of its variance at the middle and the ends of the cuts: the same at all, straight over their places, smooth, of each cut its own.
-const CONSTANT: f64 = 0.25;
-const STRAIGHT: f64 = 0.25;
-const SMOOTH: f64 = 0.25;
-const OWN: f64 = 0.25;
+/// A discrepancy of the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Discrepancy {
+    /// Standard deviation of ln F_c at the middle of the cuts.
+    pub amplitude: f64,
+    /// That of ln F_f and ln F_p over it.
+    pub thrust: f64,
+    /// Share of its variance that is each cut's own; the rest is common to neighbours.
+    pub own: f64,
+    /// How probable it is before a cut was made.
+    pub prior: f64,
+}
+
+/// Amplitudes, and how probable each is: half of all laws follow to 1 %, one in ten misses by 16 % or more.
+const AMPLITUDES: [(f64, f64); 7] =
+    [(0.0, 0.3), (0.01, 0.2), (0.02, 0.15), (0.04, 0.15), (0.08, 0.1), (0.16, 0.06), (0.32, 0.04)];
+/// Of F_f over F_c, and shares of the variance that are a cut's own: each as probable.
+const THRUSTS: [f64; 2] = [1.0, 4.0];
+const OWN: [f64; 2] = [0.25, 0.01];
+
+/// Discrepancies that are weighed against each other.
+pub const DISCREPANCIES: [Discrepancy; 25] = {
+    let none = Discrepancy { amplitude: 0.0, thrust: 1.0, own: 0.0, prior: AMPLITUDES[0].1 };
+    let mut all = [none; 25];
+    let mut k = 1;
+    while k < all.len() {
+        let (amplitude, prior) = AMPLITUDES[k.div_ceil(4)];
+        let (thrust, own) = (THRUSTS[(k / 2) % 2], OWN[k % 2]);
+        all[k] = Discrepancy { amplitude, thrust, own, prior: 0.25 * prior };
+        k += 1;
+    }
+    all
+};
+
+impl Discrepancy {
+    /// Standard deviation of the logarithm of a channel: what models of cutting miss of them.
+    const fn deviation(&self, channel: Channel) -> f64 {
+        let times = match channel {
+            Channel::FeedForce | Channel::PassiveForce => self.thrust,
+            Channel::ChipThickness => 1.5,
+            Channel::ContactLength | Channel::Springback => 3.0,
+            _ => 1.0,
+        };
+        self.amplitude * times
+    }
+}
+
+/// Shares of what is common to neighbours: the same at all cuts, straight over their places, smooth.
+const CONSTANT: f64 = 1.0 / 3.0;
+const STRAIGHT: f64 = 1.0 / 3.0;
+const SMOOTH: f64 = 1.0 / 3.0;
 /// Correlation length in half spreads of the cuts.
 const LENGTH: f64 = 1.0;
 /// Steps of the search, and the change of all coordinates that ends it.
@@ -66,8 +105,10 @@ pub struct LinearLaw {
     pub slopes: DMatrix<f64>,
     /// Covariance of measured ln y given t, without discrepancy: noise and emulator.
     pub known: DMatrix<f64>,
-    /// Covariance of a discrepancy of amplitude 1.
-    pub unit: DMatrix<f64>,
+    /// Channel of each value.
+    pub channels: Vec<Channel>,
+    /// Covariance of a discrepancy of deviation 1 in every channel that is common to neighbours.
+    pub common: DMatrix<f64>,
 }
 
 impl LinearLaw {
@@ -86,7 +127,7 @@ impl LinearLaw {
         let mut known = DMatrix::from_fn(values.len(), values.len(), |i, j| {
             if i == j { values[i].variance } else { 0.0 }
         });
-        let mut unit = DMatrix::zeros(values.len(), values.len());
+        let mut common = DMatrix::zeros(values.len(), values.len());
         for channel in Channel::RECORDED {
             let own: Vec<usize> =
                 (0..values.len()).filter(|&k| values[k].channel == channel).collect();
@@ -106,10 +147,8 @@ impl LinearLaw {
                     known[(i, j)] += open[(a, b)];
                     let apart: f64 = (0..4).map(|k| (places[a][k] - places[b][k]).powi(2)).sum();
                     let along: f64 = (0..4).map(|k| places[a][k] * places[b][k]).sum();
-                    let same = if values[i].cut == values[j].cut { 1.0 } else { 0.0 };
                     let smooth = (-0.5 * apart / (LENGTH * LENGTH)).exp();
-                    unit[(i, j)] = TIMES[channel.index()].powi(2)
-                        * (CONSTANT + STRAIGHT * along + SMOOTH * smooth + OWN * same);
+                    common[(i, j)] = CONSTANT + STRAIGHT * along + SMOOTH * smooth;
                 }
             }
         }
@@ -118,28 +157,35 @@ impl LinearLaw {
             logs: DVector::from_iterator(values.len(), logs),
             slopes: DMatrix::from_fn(values.len(), t.len(), |i, k| slopes[i][k]),
             known,
-            unit,
+            channels: values.iter().map(|v| v.channel).collect(),
+            common,
         }
     }
 
-    /// Covariance given t with a discrepancy of `amplitude`.
+    /// Covariance given t with a discrepancy.
     #[must_use]
-    pub fn covariance(&self, amplitude: f64) -> DMatrix<f64> {
-        &self.known + &self.unit * amplitude.powi(2)
+    pub fn covariance(&self, discrepancy: Discrepancy) -> DMatrix<f64> {
+        let deviations: Vec<f64> =
+            self.channels.iter().map(|channel| discrepancy.deviation(*channel)).collect();
+        let shared = 1.0 - discrepancy.own;
+        DMatrix::from_fn(deviations.len(), deviations.len(), |i, j| {
+            let own = if i == j { discrepancy.own } else { 0.0 };
+            let share = shared * self.common[(i, j)] + own;
+            self.known[(i, j)] + deviations[i] * deviations[j] * share
+        })
     }
 
     /// The law of the values before anything was measured: mean and covariance over t ~ N(0, 1) and all errors.
     #[must_use]
-    pub fn marginal(&self, amplitude: f64) -> (DVector<f64>, DMatrix<f64>) {
+    pub fn marginal(&self, discrepancy: Discrepancy) -> (DVector<f64>, DMatrix<f64>) {
         let mean = &self.logs - &self.slopes * &self.at;
-        (mean, self.covariance(amplitude) + &self.slopes * self.slopes.transpose())
+        (mean, self.covariance(discrepancy) + &self.slopes * self.slopes.transpose())
     }
 }
 
 /// A normal law of the constants with its weight.
 #[derive(Debug, Clone)]
 struct Component {
-    amplitude: f64,
     evidence: f64,
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -160,9 +206,9 @@ pub struct Posterior {
     pub mean: DVector<f64>,
     /// Covariance; that of the prior is the identity.
     pub covariance: DMatrix<f64>,
-    /// Probability of each of [`AMPLITUDES`].
+    /// Probability of each of [`DISCREPANCIES`].
     pub weights: Vec<f64>,
-    /// ln of the evidence, the mean over the amplitudes (Laplace); only differences on the same values say something.
+    /// ln of the evidence, the mean over the discrepancies (Laplace); only differences on the same values say something.
     pub evidence: f64,
 }
 
@@ -170,14 +216,15 @@ impl Posterior {
     /// Root mean square of the amplitude of the model discrepancy.
     #[must_use]
     pub fn amplitude(&self) -> f64 {
-        self.weights.iter().zip(AMPLITUDES).map(|(w, a)| w * a * a).sum::<f64>().sqrt()
+        let all = self.weights.iter().zip(DISCREPANCIES);
+        all.map(|(w, d)| w * d.amplitude * d.amplitude).sum::<f64>().sqrt()
     }
 
     /// Probability that the model misses F_c by so much or more beside all other errors.
     #[must_use]
     pub fn misses(&self, amplitude: f64) -> f64 {
-        let all = self.weights.iter().zip(AMPLITUDES);
-        all.filter(|(_, a)| *a >= amplitude).map(|(w, _)| w).sum()
+        let all = self.weights.iter().zip(DISCREPANCIES);
+        all.filter(|(_, d)| d.amplitude >= amplitude).map(|(w, _)| w).sum()
     }
 
     /// Places with its mean and covariance.
@@ -194,7 +241,7 @@ impl Posterior {
 }
 
 /// The constants: prior N(0, 1) in each coordinate, values normal about the emulator with the covariance of noise, emulator and
-/// discrepancy; the amplitude of the discrepancy is weighed by its evidence (Laplace), so that a law that cannot follow the cuts has wide
+/// discrepancy; each of [`DISCREPANCIES`] is weighed by its evidence (Laplace), so that a law that cannot follow the cuts has wide
 /// intervals. `None` if a covariance cannot be inverted.
 #[must_use]
 pub fn infer(
@@ -229,14 +276,14 @@ fn infer_with(
     emulator: &Emulator<'_>,
 ) -> Option<Posterior> {
     let measured = DVector::from_iterator(values.len(), values.iter().map(|v| v.log));
-    let components: Option<Vec<Component>> = AMPLITUDES
+    let components: Option<Vec<Component>> = DISCREPANCIES
         .into_iter()
-        .map(|amplitude| component(amplitude, (start, held), cuts, (values, &measured), emulator))
+        .map(|one| component(one, (start, held), cuts, (values, &measured), emulator))
         .collect();
     let components = components?;
     let best = components.iter().map(|c| c.evidence).fold(f64::NEG_INFINITY, f64::max);
-    let raw: Vec<f64> =
-        components.iter().zip(PRIOR).map(|(c, prior)| prior * (c.evidence - best).exp()).collect();
+    let all = components.iter().zip(DISCREPANCIES);
+    let raw: Vec<f64> = all.map(|(c, d)| d.prior * (c.evidence - best).exp()).collect();
     let sum: f64 = raw.iter().sum();
     let evidence = best + sum.ln();
     let weights: Vec<f64> = raw.iter().map(|w| w / sum).collect();
@@ -249,14 +296,12 @@ fn infer_with(
         let apart = &own.mean - &mean;
         covariance += *weight * (&own.covariance + &apart * apart.transpose());
     }
-    debug_assert_eq!(components.len(), AMPLITUDES.len());
-    debug_assert!(components.iter().zip(AMPLITUDES).all(|(c, a)| c.amplitude == a));
     Some(Posterior { mean, covariance, weights, evidence })
 }
 
 /// Gauss and Newton with halved steps; the covariance is that of the last place. A constant that is held does not move.
 fn component(
-    amplitude: f64,
+    discrepancy: Discrepancy,
     (start, held): (&[f64], Option<usize>),
     cuts: &[MeasuredCut],
     (values, measured): (&[MeasuredValue], &DVector<f64>),
@@ -273,7 +318,7 @@ fn component(
         law
     };
     let mut law = about(&t, &places);
-    let mut known: Cholesky<f64, Dyn> = law.covariance(amplitude).cholesky()?;
+    let mut known: Cholesky<f64, Dyn> = law.covariance(discrepancy).cholesky()?;
     let cost = |t: &DVector<f64>, known: &Cholesky<f64, Dyn>| {
         let of = |v: &MeasuredValue| emulator.log(v.channel, &cuts[v.cut].condition, t.as_slice());
         let rest = measured - DVector::from_iterator(values.len(), values.iter().map(of));
@@ -305,16 +350,16 @@ fn component(
             places.iter_mut().for_each(|place| place[k] = t[k]);
         }
         law = about(&t, &places);
-        known = law.covariance(amplitude).cholesky()?;
+        known = law.covariance(discrepancy).cholesky()?;
         if moved < MOVED {
             break;
         }
     }
     let normal = law.slopes.transpose() * known.solve(&law.slopes) + &prior;
-    let (mean, covariance) = law.marginal(amplitude);
+    let (mean, covariance) = law.marginal(discrepancy);
     let marginal = covariance.cholesky()?;
     let rest = measured - mean;
     let spread: f64 = marginal.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
     let evidence = -0.5 * (rest.dot(&marginal.solve(&rest)) + spread);
-    Some(Component { amplitude, evidence, mean: t, covariance: normal.try_inverse()? })
+    Some(Component { evidence, mean: t, covariance: normal.try_inverse()? })
 }

@@ -6,7 +6,7 @@ use crate::emulator::{Emulator, Places, PriorModel};
 use crate::evaluator::{CutEvaluator, QuickEvaluator};
 use crate::left_out::{Foreseen, foresee, grouped, left_out, mean_error, regression};
 use crate::posterior::{
-    AMPLITUDES, LinearLaw, MeasuredValue, PRIOR, Posterior, infer, infer_without, values,
+    DISCREPANCIES, Discrepancy, LinearLaw, MeasuredValue, Posterior, infer, infer_without, values,
 };
 use crate::{CutValues, NORMAL_95, RunPoint};
 use nalgebra::DVector;
@@ -282,11 +282,11 @@ fn fitted(
     }
 }
 
-/// ln of the mean over the amplitudes of the evidence of all values, those that are `doubted` with one error of their own in common.
+/// ln of the mean over the discrepancies of the evidence of all values, those that are `doubted` with one error of their own in common.
 fn evidence(law: &LinearLaw, values: &[MeasuredValue], doubted: &[usize]) -> Option<f64> {
     let measured = DVector::from_iterator(values.len(), values.iter().map(|v| v.log));
-    let of = |amplitude: f64| {
-        let (mean, mut covariance) = law.marginal(amplitude);
+    let of = |discrepancy: Discrepancy| {
+        let (mean, mut covariance) = law.marginal(discrepancy);
         for &i in doubted {
             for &j in doubted {
                 covariance[(i, j)] += WRONG * WRONG;
@@ -297,10 +297,11 @@ fn evidence(law: &LinearLaw, values: &[MeasuredValue], doubted: &[usize]) -> Opt
         let spread: f64 = known.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
         Some(-0.5 * (rest.dot(&known.solve(&rest)) + spread))
     };
-    let logs: Option<Vec<f64>> = AMPLITUDES.into_iter().map(of).collect();
+    let logs: Option<Vec<f64>> = DISCREPANCIES.into_iter().map(of).collect();
     let logs = logs?;
     let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Some(best + logs.iter().zip(PRIOR).map(|(l, p)| p * (l - best).exp()).sum::<f64>().ln())
+    let all = logs.iter().zip(DISCREPANCIES);
+    Some(best + all.map(|(log, d)| d.prior * (log - best).exp()).sum::<f64>().ln())
 }
 
 /// Tools whose values of a channel all miss those of the other tools by the same: as a value that is wrong is found.
@@ -333,7 +334,7 @@ fn contradictions(
             }
             let gain = evidence(law, values, &own)? - plain;
             if gain > CONVINCING {
-                let (mean, covariance) = law.marginal(AMPLITUDES[0]);
+                let (mean, covariance) = law.marginal(DISCREPANCIES[0]);
                 let pull = covariance.cholesky()?;
                 let shift =
                     DVector::from_fn(values.len(), |k, _| if own.contains(&k) { 1.0 } else { 0.0 });
