@@ -148,7 +148,7 @@ pub fn cut_calibration_json(
     let rows = (0..found.constants.len())
         .map(|i| posterior.covariance.row(i).iter().copied().collect::<Vec<f64>>());
     let page = json!({
-        "schema_version": "1.0",
+        "schema_version": "1.1",
         "scenario": source.title,
         "version": source.version,
         "measured": source.measured,
