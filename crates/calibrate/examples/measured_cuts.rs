@@ -1,4 +1,4 @@
-//! Ten measured cuts of docs/calibration.md chosen by chance, the others predicted: beside a power law, the scenario with its errors regressed, and a quadratic
+//! Ten measured cuts of docs/calibration.md drawn at random, the others predicted: beside a power law, the scenario with its errors regressed, and a quadratic
 //! of logarithms.
 //!
 //! `cargo run --release -p sphcut-calibrate --example measured_cuts [draws] [cuts]`
