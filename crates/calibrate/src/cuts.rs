@@ -2,6 +2,7 @@
 
 use crate::Channels;
 use crate::emulator::PriorModel;
+use sphcut_diagnose::wrong_unit_of_thickness;
 use sphcut_input::CutTableRow;
 use sphcut_physics::{Channel, CuttingCondition, ToolGeometry};
 
@@ -153,6 +154,11 @@ pub fn mistakes(cuts: &[MeasuredCut], model: &dyn PriorModel, start: &[f64]) -> 
         None => found.push((what, vec![cut])),
     };
     for cut in cuts {
+        if let Some([meant, written]) = wrong_unit_of_thickness(cut.condition.uncut_chip_thickness)
+        {
+            tell(cut, format!("nobody cuts such h, probably {meant} under a head in {written}"));
+            continue;
+        }
         let predicted = model.logs(&cut.condition, start);
         let ratio = |channel: Channel, of: Channel| {
             let measured = cut.values[channel.index()]?.0;

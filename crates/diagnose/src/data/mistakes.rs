@@ -61,19 +61,25 @@ pub(crate) fn refuse_mistakes(
     found.map_or(Ok(()), |what| Err(DiagnoseError::Mistake { what }))
 }
 
+/// The unit that an uncut chip thickness in m, which nobody cuts, is probably in, and that of its head; `None` for one that is cut.
+#[must_use]
+pub fn wrong_unit_of_thickness(h: f64) -> Option<[&'static str; 2]> {
+    let [low, high] = THICKNESSES;
+    match h {
+        _ if h < low => Some(["mm", "um"]),
+        _ if h > high => Some(["um", "mm"]),
+        _ => None,
+    }
+}
+
 fn thickness(recordings: &Recordings) -> Option<String> {
     let all = recordings.all().iter().map(|r| r.condition.uncut_chip_thickness);
     let h = median(&all.collect::<Vec<f64>>());
-    let [low, high] = THICKNESSES;
-    let (meant, written) = match h {
-        _ if h < low => ("mm", "um"),
-        _ if h > high => ("um", "mm"),
-        _ => return None,
-    };
+    let [meant, written] = wrong_unit_of_thickness(h)?;
     Some(format!(
         "half of the uncut chip thicknesses are {} {:.3} mm, which nobody cuts: the column probably holds {meant} and is headed \
          `h [{written}]`",
-        if h < low { "below" } else { "above" },
+        if written == "um" { "below" } else { "above" },
         h * 1e3
     ))
 }
