@@ -213,18 +213,18 @@ pub struct Posterior {
 }
 
 impl Posterior {
-    /// Root mean square of the amplitude of the model discrepancy.
+    /// Root mean square of the standard deviation by which the model misses ln y of a channel.
     #[must_use]
-    pub fn amplitude(&self) -> f64 {
+    pub fn discrepancy(&self, channel: Channel) -> f64 {
         let all = self.weights.iter().zip(DISCREPANCIES);
-        all.map(|(w, d)| w * d.amplitude * d.amplitude).sum::<f64>().sqrt()
+        all.map(|(w, d)| w * d.deviation(channel).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Probability that the model misses F_c by so much or more beside all other errors.
+    /// Probability that the model misses a channel by so much or more beside all other errors.
     #[must_use]
-    pub fn misses(&self, amplitude: f64) -> f64 {
+    pub fn misses(&self, channel: Channel, share: f64) -> f64 {
         let all = self.weights.iter().zip(DISCREPANCIES);
-        all.filter(|(_, d)| d.amplitude >= amplitude).map(|(w, _)| w).sum()
+        all.filter(|(_, d)| d.deviation(channel) >= share).map(|(w, _)| w).sum()
     }
 
     /// Places with its mean and covariance.
@@ -276,11 +276,13 @@ fn infer_with(
     emulator: &Emulator<'_>,
 ) -> Option<Posterior> {
     let measured = DVector::from_iterator(values.len(), values.iter().map(|v| v.log));
-    let components: Option<Vec<Component>> = DISCREPANCIES
-        .into_iter()
-        .map(|one| component(one, (start, held), cuts, (values, &measured), emulator))
-        .collect();
-    let components = components?;
+    let mut components: Vec<Component> = Vec::new();
+    for one in DISCREPANCIES {
+        // The last optimum is near this one.
+        let near = components.last().map_or(start, |last| last.mean.as_slice());
+        let found = component(one, (near, held), cuts, (values, &measured), emulator)?;
+        components.push(found);
+    }
     let best = components.iter().map(|c| c.evidence).fold(f64::NEG_INFINITY, f64::max);
     let all = components.iter().zip(DISCREPANCIES);
     let raw: Vec<f64> = all.map(|(c, d)| d.prior * (c.evidence - best).exp()).collect();

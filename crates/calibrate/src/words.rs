@@ -15,7 +15,7 @@ const NAMED: f64 = 0.35;
 const TOGETHER: f64 = 0.7;
 /// A probability that is said.
 const PROBABLE: f64 = 0.9;
-/// Discrepancies that are asked for.
+/// Discrepancies of F_c that are asked for; of F_f twice as much.
 const MISSES: [f64; 3] = [0.16, 0.08, 0.04];
 /// ln of the evidence from which on it tells (20 to 1: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795), and the largest that is said.
 const TELLING: f64 = 3.0;
@@ -281,7 +281,7 @@ fn constant_words(found: &CutCalibration) -> Vec<String> {
     let determined = named(ConstantStanding::Determined);
     if determined.is_empty() {
         words.push("No constant is determined alone: its interval is more than half of what it was before.".to_owned());
-    } else if missed(found).is_some() {
+    } else if !missed(found).is_empty() {
         words.push(format!(
             "{determined}: narrowed to half of the prior or less, but these cuts follow no constants: what the model lacks is in them."
         ));
@@ -342,23 +342,40 @@ fn together_words(found: &CutCalibration) -> Vec<String> {
     words
 }
 
-/// The share of F_c by which the model probably misses the cuts, whatever the constants.
-fn missed(found: &CutCalibration) -> Option<f64> {
-    MISSES.into_iter().find(|a| found.posterior.misses(*a) > PROBABLE)
+/// The forces that the model probably misses, whatever the constants, with the probability.
+fn missed(found: &CutCalibration) -> Vec<(Channel, f64)> {
+    let of = |(channel, times): (Channel, f64)| {
+        let probability = |share: f64| found.posterior.misses(channel, times * share);
+        let is_fitted = found.values.iter().any(|v| v.value.channel == channel);
+        let most = MISSES.into_iter().map(probability).find(|p| *p > PROBABLE);
+        most.filter(|_| is_fitted).map(|p| (channel, p))
+    };
+    [(Channel::CuttingForce, 1.0), (Channel::FeedForce, 2.0)].into_iter().filter_map(of).collect()
 }
 
 fn discrepancy_words(found: &CutCalibration) -> Vec<String> {
-    let posterior = &found.posterior;
-    if let Some(amplitude) = missed(found) {
+    let by = |channel: Channel| {
+        let share = percent(found.posterior.discrepancy(channel));
+        format!("{share} of {}", channel.symbol())
+    };
+    let missed = missed(found);
+    if let Some(probability) = missed.iter().map(|(_, p)| *p).reduce(f64::max) {
+        let all: Vec<String> = missed.iter().map(|(channel, _)| by(*channel)).collect();
         return vec![format!(
-            "No constants follow these cuts: the model misses F_c by about {:.0} % beside all noise (probability {:.0} %). The intervals hold that; \
+            "No constants follow these cuts: the model misses about {} beside all noise (probability {:.0} %). The intervals hold that; \
              `sphcut diagnose` looks for the missing physics.",
-            100.0 * posterior.amplitude().max(amplitude),
-            100.0 * posterior.misses(amplitude)
+            all.join(" and "),
+            100.0 * probability
         )];
     }
+    let has = |channel: Channel| found.values.iter().any(|v| v.value.channel == channel);
+    let forces = [Channel::CuttingForce, Channel::FeedForce].into_iter().filter(|c| has(*c));
+    let all: Vec<String> = forces.map(by).collect();
+    if all.is_empty() {
+        return Vec::new();
+    }
     vec![format!(
-        "A discrepancy of the model of {} of F_c is in the intervals (root mean square over its probabilities).",
-        percent(posterior.amplitude())
+        "A discrepancy of the model of {} is in the intervals (root mean square over its probabilities).",
+        all.join(" and ")
     )]
 }
