@@ -153,7 +153,7 @@ fn main() {
                 random: Random::new(draw, &[2]),
             };
             let Ok(found) = calibrate(&request, &mut solver);
-            let Some(found) = found else { continue };
+            let found = found.expect("forces were measured");
             for (sum, channel) in sums.iter_mut().zip(CHANNELS) {
                 let own = found.errors.iter().find(|e| e.by == "held out" && e.channel == channel);
                 let own = own.expect("cuts were held out");

@@ -12,7 +12,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probability of a set.
 const SET: f64 = 0.95;
-/// Above this probability of "none of these" no effect is claimed. It is more often right than it says: of blind cases with 0.3 to 0.5, 8 of 10 had an effect
+/// Above this probability of an unmodelled effect no other is claimed. It is more often right than it says: of blind cases with 0.3 to 0.5, 8 of 10 had an effect
 /// that no library has (docs/diagnosis_scores.md).
 const UNMODELLED: f64 = 0.3;
 /// Effects are named only if as the model has them they explain more than this share of what they and a smooth residual explain.
@@ -103,7 +103,7 @@ impl Conclusion {
     }
 }
 
-/// What may be claimed: an alarm if P(nothing missing) < 0.05; "none of these" above P = 0.3; a name above P = 0.9; otherwise the smallest set of
+/// What may be claimed: an alarm if P(no missing effect) < 0.05; an unmodelled effect above P = 0.3; a name above P = 0.9; otherwise the smallest set of
 /// effects of which at least one is missing with P = 0.95. Effects that explain less than 70 % of what they and a smooth residual explain together are not
 /// named either, however probable: they stand in for something else. If `best`, the fit of the best explanation, does not follow a channel
 /// (chi^2 given the other channels beyond its 99 % quantile over all channels), the claim is "none of these".

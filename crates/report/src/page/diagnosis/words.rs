@@ -284,6 +284,18 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
                 .filter(|gate| !gate.passed)
                 .map(|gate| gate.channel.title().to_owned())
                 .collect();
+            let best = (0..finding.inclusion.len())
+                .max_by(|&a, &b| finding.inclusion[a].total_cmp(&finding.inclusion[b]));
+            if let (true, Some(best)) = (failed.is_empty() && finding.none_of_these <= 0.5, best) {
+                return format!(
+                    "Probably an unmodelled effect: a smooth difference without a candidate has a posterior probability of {}, the most probable candidate, \
+                     \u{201c}{}\u{201d}, {}; of blind cases with such a probability eight of ten had an effect that is no candidate. No patch is \
+                     written; the maps show where it acts.",
+                    percent(finding.none_of_these),
+                    page.predictor.effects()[best].title,
+                    percent(finding.inclusion[best])
+                );
+            }
             let why = if failed.is_empty() {
                 format!(
                     "a smooth difference without a candidate explains the data better (posterior probability {})",
