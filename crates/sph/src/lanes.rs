@@ -20,6 +20,9 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     /// Number k of the result is number `(ORDER >> 2 k) & 3` of `a`; [`order`] makes it.
     fn pick<const ORDER: i32>(self, a: Self::Four) -> Self::Four;
 
+    /// Bit k tells whether number k is below `limit`.
+    fn below(self, a: Self::Four, limit: f64) -> u32;
+
     /// Four times the same.
     #[inline(always)]
     fn all(self, value: f64) -> Self::Four {
@@ -99,6 +102,11 @@ impl Lanes for Plain {
     fn pick<const ORDER: i32>(self, a: [f64; 4]) -> [f64; 4] {
         std::array::from_fn(|k| a[((ORDER >> (2 * k)) & 3) as usize])
     }
+
+    #[inline(always)]
+    fn below(self, a: [f64; 4], limit: f64) -> u32 {
+        a.iter().rev().fold(0, |bits, number| bits << 1 | u32::from(*number < limit))
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -145,6 +153,14 @@ impl Lanes for pulp::x86::V3 {
     fn pick<const ORDER: i32>(self, a: pulp::f64x4) -> pulp::f64x4 {
         pulp::cast(self.avx2._mm256_permute4x64_pd::<ORDER>(pulp::cast(a)))
     }
+
+    #[inline(always)]
+    fn below(self, a: pulp::f64x4, limit: f64) -> u32 {
+        let all = pulp::cast(pulp::f64x4(limit, limit, limit, limit));
+        let is_below =
+            self.avx._mm256_cmp_pd::<{ std::arch::x86_64::_CMP_LT_OQ }>(pulp::cast(a), all);
+        self.avx._mm256_movemask_pd(is_below).cast_unsigned()
+    }
 }
 
 /// A closure as pulp wants it.
@@ -175,6 +191,7 @@ mod tests {
             let turned = lanes.pick::<{ order([3, 0, 0, 2]) }>(a);
             sum = lanes.add(lanes.mul(sum, turned), lanes.sub(a, sum));
             seen.push(lanes.values(sum).map(f64::to_bits));
+            seen.push([u64::from(lanes.below(sum, lanes.values(a)[0])), 0, 0, 0]);
         }
         seen
     }

@@ -1,6 +1,6 @@
 //! The numerical options of a run, read once.
 
-use crate::operators::neighbours::Smoothing;
+use crate::kernel::Smoothing;
 use crate::setup::Setup;
 
 /// Values of the numerical options and what follows from them alone.

@@ -1,6 +1,7 @@
 //! Linear springs between particles that come too close.
 
-use crate::operators::neighbours::pair_mean;
+use crate::operators::kinship::pair_mean;
+use crate::operators::neighbours::Watched;
 use crate::tensor::{Vector, dot, minus, plus_scaled};
 
 /// Particles that repel along the line of centres where they are closer than a distance, as linear springs.
@@ -15,6 +16,11 @@ pub(crate) struct RepellingPairs {
 }
 
 impl RepellingPairs {
+    /// The pairs to be found anew, up to a distance of `reach` in m.
+    pub(crate) fn watched(&mut self, reach: f64) -> Watched<'_> {
+        Watched { pairs: &mut self.pairs, reach }
+    }
+
     /// Adds the repulsion to the forces; `sizes` as of [`pair_mean`].
     pub(crate) fn push_apart<const D: usize>(
         &self,

@@ -28,14 +28,19 @@ use sphcut_physics::friction::{ContactState, FrictionLaw};
 const OVERLAP_TOLERANCE: f64 = 1e-6;
 /// A particle that may touch the tool before the next reference update.
 #[derive(Debug, Clone, Copy)]
-struct Candidate {
+struct Candidate<const D: usize> {
     particle: u32,
     first: u32,
     last: u32,
+    /// M^-1 in the present reference, once it was needed.
+    moment: Option<Matrix<D>>,
 }
 
-/// How a particle lies on the tool, and its M^-1 where that was needed.
-type Near<const D: usize> = (Footing, Option<Matrix<D>>);
+impl<const D: usize> Candidate<D> {
+    fn inverse_moment(&mut self, around: &Neighbourhood<'_, D>) -> Matrix<D> {
+        *self.moment.get_or_insert_with(|| around.inverse_moment(self.particle as usize))
+    }
+}
 
 /// The tool in contact with particles.
 #[derive(Debug)]
@@ -49,17 +54,17 @@ pub(crate) struct ToolContact<const D: usize> {
     pub(crate) velocity: DVec3,
     radius: f64,
     stiffness: f64,
-    candidates: Vec<Candidate>,
+    candidates: Vec<Candidate<D>>,
     candidate_facets: Vec<u32>,
     /// Contacts of the last force evaluation, ordered by particle.
     pub(crate) touches: Vec<Touch<D>>,
     /// What became of each candidate in the present evaluation.
-    found: Vec<Option<Near<D>>>,
+    found: Vec<Option<Footing>>,
     /// Who is near the tool in it.
     near: Vec<u32>,
+    /// Place of each among the candidates.
+    places: Vec<u32>,
     footings: Vec<Footing>,
-    /// What the surface points of these particles are found from; computed where it was needed.
-    moments: Vec<Option<Matrix<D>>>,
     /// Where the touches act.
     pub(crate) points: SurfacePoints<D>,
     contact_surface: ContactSurface,
@@ -95,7 +100,7 @@ impl<const D: usize> ToolContact<D> {
             found: Vec::new(),
             near: Vec::new(),
             footings: Vec::new(),
-            moments: Vec::new(),
+            places: Vec::new(),
             points: SurfacePoints::default(),
             contact_surface: ContactSurface::new(spacing, D),
             limits: Vec::new(),
@@ -231,14 +236,15 @@ impl<const D: usize> ToolContact<D> {
             self.surface.facets_near(x, reach, way, &mut self.candidate_facets);
             let last = self.candidate_facets.len() as u32;
             if last > first {
-                self.candidates.push(Candidate { particle: particle as u32, first, last });
+                let particle = particle as u32;
+                self.candidates.push(Candidate { particle, first, last, moment: None });
             }
         }
         // Room for all of them to touch: a step then asks for none.
         let most = self.candidates.len();
         make_room(&mut self.found, most);
         make_room(&mut self.footings, most);
-        make_room(&mut self.moments, most);
+        make_room(&mut self.places, most);
         make_room(&mut self.near, most);
         make_room(&mut self.touches, most);
         make_room(&mut self.limits, most);
@@ -253,35 +259,36 @@ impl<const D: usize> ToolContact<D> {
     fn find_near(&mut self, time: f64, time_step: f64, around: &Neighbourhood<'_, D>) {
         let displacement = self.displacement(time);
         let mut found = std::mem::take(&mut self.found);
+        let mut candidates = std::mem::take(&mut self.candidates);
         found.clear();
-        found.resize(self.candidates.len(), None);
+        found.resize(candidates.len(), None);
         let all =
-            found.par_iter_mut().zip(&self.candidates).with_min_len(self.contact_surface.task());
+            found.par_iter_mut().zip(&mut candidates).with_min_len(self.contact_surface.task());
         all.for_each(|(found, candidate)| {
             *found = self.footing(candidate, displacement, time_step, around);
         });
         self.footings.clear();
-        self.moments.clear();
+        self.places.clear();
         self.near.clear();
-        for (found, candidate) in found.iter().zip(&self.candidates) {
-            if let Some((footing, moment)) = found {
+        for (place, (found, candidate)) in found.iter().zip(&candidates).enumerate() {
+            if let Some(footing) = found {
                 self.footings.push(*footing);
-                self.moments.push(*moment);
+                self.places.push(place as u32);
                 self.near.push(candidate.particle);
             }
         }
         self.found = found;
+        self.candidates = candidates;
     }
 
-    /// How `candidate` lies on the tool, unless it is too far from it; and what its surface point is found from where that was
-    /// needed.
+    /// How `candidate` lies on the tool, unless it is too far from it.
     fn footing(
         &self,
-        candidate: &Candidate,
+        candidate: &mut Candidate<D>,
         displacement: DVec3,
         time_step: f64,
         around: &Neighbourhood<'_, D>,
-    ) -> Option<Near<D>> {
+    ) -> Option<Footing> {
         let particles = around.particles;
         let i = candidate.particle as usize;
         let centre = in_space(&particles.position[i]) - displacement;
@@ -292,18 +299,18 @@ impl<const D: usize> ToolContact<D> {
         if distance >= self.contact_surface.depth() * size {
             return None;
         }
-        let moment = (distance < 2.0 * self.radius * size).then(|| around.inverse_moment(i));
-        let half_thickness = match &moment {
-            Some(moment) => around.followed_half_thickness(
+        let half_thickness = if distance < 2.0 * self.radius * size {
+            around.followed_half_thickness(
                 i,
                 &reduced(normal.as_ref()),
                 (time_step, 2.0 * self.radius),
-                moment,
-            ),
-            None => particles.point[i].half_thickness,
+                &candidate.inverse_moment(around),
+            )
+        } else {
+            particles.point[i].half_thickness
         };
         let (station, turn) = self.surface.station(centre, &foot);
-        let footing = Footing {
+        Some(Footing {
             centre,
             foot: foot.place,
             normal,
@@ -313,8 +320,7 @@ impl<const D: usize> ToolContact<D> {
             half_thickness,
             pressing: self.stiffness * (half_thickness - distance).max(0.0),
             volume: particles.volume[i] * particles.point[i].volume_ratio,
-        };
-        Some((footing, moment))
+        })
     }
 
     /// Computes the contact forces at `time` on the particles for the coming step.
@@ -328,12 +334,12 @@ impl<const D: usize> ToolContact<D> {
         self.limits.clear();
         self.points.clear();
         let shares = self.contact_surface.shares();
-        let near = self.near.iter().zip(&self.moments);
-        for (((&particle, moment), footing), share) in near.zip(&self.footings).zip(shares) {
+        let near = self.near.iter().zip(&self.places);
+        for (((&particle, &place), footing), share) in near.zip(&self.footings).zip(shares) {
             // Outside the contact nothing has an area.
             if share.area > 0.0 || footing.pressing > 0.0 {
                 let touch = Touch::without_friction(particle, footing, share);
-                let moment = moment.unwrap_or_else(|| around.inverse_moment(particle as usize));
+                let moment = self.candidates[place as usize].inverse_moment(around);
                 self.points.push(&touch, &moment, around);
                 let moving = self.points.velocity(touches.len(), &particles.motion);
                 let limit = self.shear_limit(&touch, &minus(&moving, &velocity), particles);
@@ -396,8 +402,8 @@ impl<const D: usize> ToolContact<D> {
     pub(crate) fn resting(&self, particles: &Particles<D>, time: f64) -> Vec<u32> {
         let displacement = self.displacement(time);
         let reach = (1.0 + OVERLAP_TOLERANCE) * self.radius;
-        let facets = |c: &Candidate| &self.candidate_facets[c.first as usize..c.last as usize];
-        let lies = |c: &&Candidate| {
+        let facets = |c: &Candidate<D>| &self.candidate_facets[c.first as usize..c.last as usize];
+        let lies = |c: &&Candidate<D>| {
             let i = c.particle as usize;
             let x = in_space(&particles.position[i]) - displacement;
             let reach = reach * particles.size(i);

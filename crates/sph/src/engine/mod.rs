@@ -321,9 +321,10 @@ impl<const D: usize> Engine<D> {
     /// Rebuilds everything that follows from positions and volumes in the reference, at which the particles are.
     pub(crate) fn rebuild(&mut self, bonding: Bonding) {
         let Self { particles, reference, numerics, self_contact, pairing, .. } = self;
-        let watched = (&mut self_contact.pairs, self_contact::watched_reach(numerics));
+        let near = self_contact::watched_reach(numerics);
+        let close = pairing::watched_reach(pairing, numerics.spacing);
+        let watched = [self_contact.watched(near), pairing.watched(close)];
         reference.rebuild(particles, numerics, watched, bonding);
-        pairing::find_pairs(pairing, reference, &particles.motion, numerics.spacing);
         self.set_time_step();
         let Self { particles, reference, numerics, tool, .. } = self;
         if let Some(tool) = tool {

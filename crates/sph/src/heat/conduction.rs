@@ -14,7 +14,6 @@
 
 use crate::operators::laplacian;
 use crate::operators::reference::ReferenceConfiguration;
-use crate::operators::sweeps::exchange_width;
 use crate::parallel::{CHUNK, TURN};
 use crate::particles::Particles;
 use crate::tensor::{Matrix, minus};
@@ -59,12 +58,21 @@ impl<const D: usize> HeatConduction<D> {
         }
         let Particles { materials, material, motion, point, .. } = particles;
         let (materials, material, motion) = (&*materials, &*material, &*motion);
-        let width = exchange_width::<D>();
-        for ((place, point), material) in room.chunks_exact_mut(width).zip(&*point).zip(material) {
-            place[0] = point.temperature;
-            place[1] = materials[*material as usize].conductivity_at(point.temperature);
-        }
-        let before = |i: usize| (room[i * width], room[i * width + 1]);
+        let room = &mut room[..2 * point.len()];
+        room.par_chunks_mut(2 * CHUNK)
+            .zip(point.par_chunks(CHUNK))
+            .zip(material.par_chunks(CHUNK))
+            .with_max_len(TURN)
+            .for_each(|((places, points), material)| {
+                for ((place, point), material) in
+                    places.chunks_exact_mut(2).zip(points).zip(material)
+                {
+                    place[0] = point.temperature;
+                    place[1] = materials[*material as usize].conductivity_at(point.temperature);
+                }
+            });
+        let room = &*room;
+        let before = |i: usize| (room[2 * i], room[2 * i + 1]);
         let ReferenceConfiguration { list, frame, .. } = reference;
         let tensor = &self.tensor;
         point.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(|(chunk, points)| {
@@ -76,6 +84,9 @@ impl<const D: usize> HeatConduction<D> {
                 for (&j, &w) in index.iter().zip(weight) {
                     let j = j as usize;
                     let (temperature, conductivity) = before(j);
+                    if temperature == own_temperature {
+                        continue;
+                    }
                     let both = own_conductivity + conductivity;
                     let mean =
                         if both > 0.0 { 2.0 * own_conductivity * conductivity / both } else { 0.0 };

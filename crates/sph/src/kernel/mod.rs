@@ -41,6 +41,16 @@ impl KernelChoice {
         }
     }
 
+    /// Puts the weights of pairs, [`KernelChoice::weight`], in the place of their squared distances in m^2; `lengths`: the
+    /// smoothing length of each in m.
+    #[inline(always)]
+    pub(crate) fn weigh(self, squares: &mut [f64], lengths: &[f64], dimension: usize) {
+        match self {
+            Self::CubicSpline => weigh::<CubicSpline>(squares, lengths, dimension),
+            Self::WendlandC2 => weigh::<WendlandC2>(squares, lengths, dimension),
+        }
+    }
+
     /// -W'(r, h) / r in 1/m^(D+2): the weight of a pair; finite at r = 0.
     #[must_use]
     pub fn weight(self, distance: f64, smoothing_length: f64, dimension: usize) -> f64 {
@@ -51,11 +61,33 @@ impl KernelChoice {
     }
 }
 
+/// A kernel with its smoothing length.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Smoothing {
+    pub(crate) kernel: KernelChoice,
+    pub(crate) length: f64,
+}
+
+impl Smoothing {
+    /// Radius of a round support in m.
+    pub(crate) fn support(&self) -> f64 {
+        2.0 * self.length
+    }
+}
+
 fn value<K: Kernel>(distance: f64, smoothing_length: f64, dimension: usize) -> f64 {
     let volume = smoothing_length.powi(i32::try_from(dimension).expect("2 or 3"));
     K::normalisation(dimension) / volume * K::shape(distance / smoothing_length)
 }
 
+#[inline(always)]
+fn weigh<K: Kernel>(squares: &mut [f64], lengths: &[f64], dimension: usize) {
+    for (square, length) in squares.iter_mut().zip(lengths) {
+        *square = weight::<K>(square.sqrt(), *length, dimension);
+    }
+}
+
+#[inline(always)]
 fn weight<K: Kernel>(distance: f64, smoothing_length: f64, dimension: usize) -> f64 {
     let volume = smoothing_length.powi(i32::try_from(dimension).expect("2 or 3"));
     K::normalisation(dimension) / (volume * smoothing_length * smoothing_length)

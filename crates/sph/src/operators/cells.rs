@@ -136,15 +136,20 @@ impl<const D: usize> Cells<D> {
         self.cell_of = cell_of;
     }
 
-    /// Calls `visit` with each range of particles in the cells around `position` that may lie within its support, where a
-    /// particle of `size` is; the support of two is that of their mean size.
+    /// The cell of a position inside the bounding box.
+    pub(crate) fn cell_at(&self, position: &Vector<D>) -> usize {
+        self.flat(self.coordinates(position))
+    }
+
+    /// Calls `visit` with each range of particles in the cells around that of `position` that may lie within the support of one in
+    /// it, where the support of two is that of their mean size. Returns how far apart in m they may be at most.
     pub(crate) fn around(
         &self,
         position: &Vector<D>,
-        size: f64,
         mut visit: impl FnMut(std::ops::Range<usize>),
-    ) {
+    ) -> f64 {
         let cell = self.coordinates(position);
+        let size = self.largest.get(self.flat(cell)).copied().unwrap_or(1.0);
         let reach = |largest: f64| 0.5 * (size + largest) * self.support;
         let cells = if self.largest.is_empty() { 1 } else { reach(self.coarsest).ceil() as usize };
         let low = |k: usize| cell[k].saturating_sub(cells);
@@ -168,5 +173,6 @@ impl<const D: usize> Cells<D> {
                 }
             }
         }
+        reach(self.coarsest) / self.inverse_size
     }
 }

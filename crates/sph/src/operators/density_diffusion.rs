@@ -28,7 +28,7 @@
 use crate::material::point::MaterialPoint;
 use crate::numerics::Numerics;
 use crate::operators::reference::ReferenceConfiguration;
-use crate::operators::sweeps::{Sweeps, exchange_width};
+use crate::operators::sweeps::Sweeps;
 use crate::parallel::{CHUNK, TURN};
 use crate::particles::Particles;
 use crate::tensor::{Vector, apply, dot, minus, plus_scaled};
@@ -41,17 +41,22 @@ const SAFETY: f64 = 0.25;
 /// Plastic strain from which on the second term acts in full. (At 1 it leaves 300 MPa behind the
 /// tool where 0.1 leaves 55: docs/numerics.md.)
 const FLOWED: f64 = 0.1;
+/// What is known of each particle before the gradients: J, and nu times the pending time in m^2.
+const KNOWN: usize = 2;
 
-/// What a pair needs to know of a particle; it lies in the exchange of the force sweep, which is over.
+/// What a pair needs to know of a particle; it lies in the exchange of the force sweep.
 #[derive(Debug, Clone, Copy)]
 struct Smooth<const D: usize> {
-    volume_ratio: f64,
     gradient: Vector<D>,
+    volume_ratio: f64,
     /// nu times the pending time in m^2.
     reach: f64,
 }
 
 impl<const D: usize> Smooth<D> {
+    /// Numbers of each.
+    const WIDTH: usize = D + 2;
+
     #[inline]
     fn write(&self, place: &mut [f64]) {
         place[..D].copy_from_slice(&self.gradient);
@@ -60,12 +65,11 @@ impl<const D: usize> Smooth<D> {
     }
 
     #[inline]
-    fn read(exchange: &[f64], i: usize) -> Self {
-        let width = exchange_width::<D>();
-        let place = &exchange[i * width..(i + 1) * width];
+    fn read(all: &[f64], i: usize) -> Self {
+        let place = &all[i * Self::WIDTH..(i + 1) * Self::WIDTH];
         Self {
-            volume_ratio: place[D],
             gradient: std::array::from_fn(|k| place[k]),
+            volume_ratio: place[D],
             reach: place[D + 1],
         }
     }
@@ -109,35 +113,48 @@ fn diffuse<const D: usize>(
             dot(&slip, &slip).sqrt()
         })
     };
-    let smooth = |point: &[MaterialPoint<D>], i: usize| {
-        let (index, weight) = list.row(i);
-        let mut sum = [0.0; D];
-        for (&j, &w) in index.iter().zip(weight) {
-            let j = j as usize;
-            let change = point[j].volume_ratio - point[i].volume_ratio;
-            let separation = minus(motion[j].reference(), motion[i].reference());
-            sum = plus_scaled(&sum, w * change, &separation);
-        }
+    let reach_of = |point: &MaterialPoint<D>, i: usize| {
         let size = materials[material[i] as usize].size;
         let (flowing, left) = (flowing * size * size, left * size);
-        let flowed = (point[i].plastic_strain / FLOWED).min(1.0);
-        Smooth {
-            volume_ratio: point[i].volume_ratio,
-            gradient: apply(&frame[i].correction, &sum),
-            reach: (flowing * point[i].plastic_strain_rate + left * passing(i) * flowed)
-                .min(largest),
-        }
+        let flowed = (point.plastic_strain / FLOWED).min(1.0);
+        (flowing * point.plastic_strain_rate + left * passing(i) * flowed).min(largest)
     };
-    let width = exchange_width::<D>();
+    // The exchange of the force sweep, which is over, has room for what pairs need to know.
     let before = &*point;
-    sweeps.exchange.par_chunks_mut(CHUNK * width).enumerate().with_max_len(TURN).for_each(
-        |(chunk, places)| {
-            for (offset, place) in places.chunks_exact_mut(width).enumerate() {
-                smooth(before, chunk * CHUNK + offset).write(place);
+    let count = before.len();
+    let (known, rest) = sweeps.exchange.split_at_mut(KNOWN * count);
+    let known_chunks = known.par_chunks_mut(KNOWN * CHUNK).enumerate().with_max_len(TURN);
+    known_chunks.for_each(|(chunk, known)| {
+        for (offset, known) in known.chunks_exact_mut(KNOWN).enumerate() {
+            let i = chunk * CHUNK + offset;
+            known[0] = before[i].volume_ratio;
+            known[1] = reach_of(&before[i], i);
+        }
+    });
+    let known = &*known;
+    let reach = |i: usize| known[KNOWN * i + 1];
+    let width = Smooth::<D>::WIDTH;
+    let all = &mut rest[..width * count];
+    let places = all.par_chunks_mut(width * CHUNK).enumerate().with_max_len(TURN);
+    places.for_each(|(chunk, places)| {
+        for (offset, place) in places.chunks_exact_mut(width).enumerate() {
+            let i = chunk * CHUNK + offset;
+            let (index, weight) = list.row(i);
+            let mut sum = [0.0; D];
+            // Where nothing flows or has flowed no pair asks for the gradient.
+            if reach(i) > 0.0 || index.iter().any(|&j| reach(j as usize) > 0.0) {
+                let own = known[KNOWN * i];
+                for (&j, &w) in index.iter().zip(weight) {
+                    let j = j as usize;
+                    let separation = minus(motion[j].reference(), motion[i].reference());
+                    sum = plus_scaled(&sum, w * (known[KNOWN * j] - own), &separation);
+                }
             }
-        },
-    );
-    let exchange = &sweeps.exchange;
+            let gradient = apply(&frame[i].correction, &sum);
+            Smooth { gradient, volume_ratio: known[KNOWN * i], reach: reach(i) }.write(place);
+        }
+    });
+    let all = &*all;
     point
         .par_chunks_mut(CHUNK)
         .zip(sweeps.tallies.par_iter_mut())
@@ -147,18 +164,25 @@ fn diffuse<const D: usize>(
             let mut released = 0.0;
             for (offset, point) in points.iter_mut().enumerate() {
                 let i = chunk * CHUNK + offset;
-                let own = Smooth::<D>::read(exchange, i);
                 let (index, weight) = list.row(i);
+                let own = Smooth::<D>::read(all, i);
                 let mut change = 0.0;
                 for (&j, &w) in index.iter().zip(weight) {
-                    let other = Smooth::<D>::read(exchange, j as usize);
+                    let other = Smooth::<D>::read(all, j as usize);
+                    let both = own.reach + other.reach;
+                    if both == 0.0 {
+                        continue;
+                    }
                     let separation = minus(motion[j as usize].reference(), motion[i].reference());
                     let slope: Vector<D> =
                         std::array::from_fn(|k| 0.5 * (own.gradient[k] + other.gradient[k]));
                     let jump = other.volume_ratio - own.volume_ratio - dot(&slope, &separation);
-                    change += w * 0.5 * (own.reach + other.reach) * jump;
+                    change += w * 0.5 * both * jump;
                 }
                 let elasticity = &materials[material[i] as usize].elasticity;
+                if change == 0.0 && elasticity.equation_of_state.is_none() {
+                    continue;
+                }
                 let before = point.volumetric_energy(elasticity);
                 // V_ref/V_0 makes the exchange symmetric in V_0 J.
                 let smoothed = point.volume_ratio + change * frame[i].volume_ratio;

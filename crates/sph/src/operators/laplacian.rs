@@ -23,6 +23,7 @@
 //! keeps the trace of the sum. theta < 1 is needed where the neighbourhood has an edge in 3D or a
 //! corner: lines and points, so that the order stays two.
 
+use crate::lanes::{Lanes, with_lanes};
 use crate::operators::neighbours::NeighbourList;
 use crate::parallel::{CHUNK, TURN};
 use crate::particles::motion::Motion;
@@ -44,10 +45,24 @@ pub(crate) fn find_tensors<const D: usize>(
     motion: &[Motion<D>],
 ) {
     tensors.resize(motion.len(), zero());
+    with_lanes!(lanes => find_tensors_with(lanes, tensors, list, motion));
+}
+
+fn find_tensors_with<const D: usize, L: Lanes>(
+    lanes: L,
+    tensors: &mut [Matrix<D>],
+    list: &NeighbourList,
+    motion: &[Motion<D>],
+) {
     tensors.par_chunks_mut(CHUNK).enumerate().with_max_len(TURN).for_each(|(chunk, tensors)| {
-        for (offset, place) in tensors.iter_mut().enumerate() {
-            *place = tensor(list, motion, chunk * CHUNK + offset);
-        }
+        lanes.run(
+            #[inline(always)]
+            || {
+                for (offset, place) in tensors.iter_mut().enumerate() {
+                    *place = tensor(lanes, list, motion, chunk * CHUNK + offset);
+                }
+            },
+        );
     });
 }
 
@@ -67,19 +82,39 @@ pub(crate) fn pair<const D: usize>(
     form / dot(separation, separation)
 }
 
-fn tensor<const D: usize>(list: &NeighbourList, motion: &[Motion<D>], i: usize) -> Matrix<D> {
+#[inline(always)]
+fn tensor<const D: usize, L: Lanes>(
+    lanes: L,
+    list: &NeighbourList,
+    motion: &[Motion<D>],
+    i: usize,
+) -> Matrix<D> {
     let (index, weight) = list.row(i);
-    let mut gram = [[0.0; MOST]; MOST];
+    let count = D * (D + 1) / 2;
+    // Of the rows of the Gram matrix the first four columns and the rest, which only the last two rows of its lower triangle have.
+    let (mut first, mut rest) = ([lanes.all(0.0); MOST], [lanes.all(0.0); 2]);
     let mut second = 0.0;
     for (&j, &w) in index.iter().zip(weight) {
         let separation = minus(motion[j as usize].reference(), motion[i].reference());
         let square = dot(&separation, &separation);
         second += w * square;
         let products = products(&separation);
-        for (row, left) in gram.iter_mut().zip(products) {
-            for (element, right) in row.iter_mut().zip(products) {
-                *element += w / square * left * right;
+        let four = lanes.four([products[0], products[1], products[2], products[3]]);
+        let two = lanes.four([products[4], products[5], 0.0, 0.0]);
+        let ratio = w / square;
+        for row in 0..count {
+            let left = lanes.all(ratio * products[row]);
+            first[row] = lanes.add(first[row], lanes.mul(left, four));
+            if row >= 4 {
+                rest[row - 4] = lanes.add(rest[row - 4], lanes.mul(left, two));
             }
+        }
+    }
+    let mut gram = [[0.0; MOST]; MOST];
+    for (row, line) in gram.iter_mut().enumerate() {
+        line[..4].copy_from_slice(&lanes.values(first[row]));
+        if row >= 4 {
+            line[4..].copy_from_slice(&lanes.values(rest[row - 4])[..2]);
         }
     }
     if second <= 0.0 {
@@ -110,7 +145,7 @@ fn products<const D: usize>(x: &Vector<D>) -> [f64; MOST] {
     products
 }
 
-/// S from `gram y = (1, .., 1, 0, ..)` with `y_aa = S_aa` and `y_ab = 2 S_ab`, by Cholesky's
+/// S from `gram y = (1, .., 1, 0, ..)`, of which the lower triangle is read, with `y_aa = S_aa` and `y_ab = 2 S_ab`, by Cholesky's
 /// decomposition; `None` if the matrix is singular.
 fn solution<const D: usize>(gram: &[[f64; MOST]; MOST]) -> Option<Matrix<D>> {
     let count = D * (D + 1) / 2;
@@ -151,9 +186,10 @@ fn solution<const D: usize>(gram: &[[f64; MOST]; MOST]) -> Option<Matrix<D>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::KernelChoice;
+    use crate::kernel::{KernelChoice, Smoothing};
     use crate::operators::cells::Cells;
-    use crate::operators::neighbours::{Cloud, Kinship, Smoothing, build_list};
+    use crate::operators::kinship::Kinship;
+    use crate::operators::neighbours::{Cloud, Watched, build_list};
     use approx::assert_relative_eq;
     use nalgebra::DMatrix;
 
@@ -180,7 +216,9 @@ mod tests {
         let factors = DMatrix::from_element(1, 1, 1.0);
         let rows = ([].as_slice(), &factors);
         let cloud = Cloud { positions: &points, volumes: &volume, kinship, metrics: &[], rows };
-        build_list(&mut list, &cells, &cloud, smoothing, (&mut Vec::new(), 0.0));
+        let [mut near, mut close] = [Vec::new(), Vec::new()];
+        let [near, close] = [&mut near, &mut close].map(|pairs| Watched { pairs, reach: 0.0 });
+        build_list(&mut list, &cells, &cloud, smoothing, near, close);
         (list, points)
     }
 

@@ -3,8 +3,11 @@
 //! Every particle lists all its neighbours (no half lists): each gathers over
 //! its own ordered list, so that results do not depend on the thread count.
 
-use crate::kernel::KernelChoice;
+use crate::kernel::Smoothing;
+use crate::lanes::{Lanes, with_lanes};
+use crate::operators::candidates::Candidates;
 use crate::operators::cells::Cells;
+use crate::operators::kinship::Kinship;
 use crate::parallel::{CHUNK, TURN};
 use crate::tensor::{Matrix, Vector, apply, dot, minus, sum_scaled};
 use nalgebra::DMatrix;
@@ -49,83 +52,6 @@ impl NeighbourList {
     }
 }
 
-/// A kernel with its smoothing length.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Smoothing {
-    pub(crate) kernel: KernelChoice,
-    pub(crate) length: f64,
-}
-
-impl Smoothing {
-    /// Radius of a round support in m.
-    pub(crate) fn support(&self) -> f64 {
-        2.0 * self.length
-    }
-}
-
-/// Who belongs together: those that were near each other in the undeformed state, and those between which flow has left no
-/// gap since.
-///
-/// Particles far apart in the undeformed state belong together once they are neighbours with at least D + 1 neighbours in
-/// common that belong to both, as many as tell a linear motion: where layers slide past each other (a layer that sticks to the
-/// tool, material that stagnates in front of its edge) the next neighbour along always has them. Two surfaces that meet, as a chip
-/// that curls onto the workpiece, have none, and stay two. Such a pair is kept while it is in the support.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Kinship<'a, const D: usize> {
-    pub(crate) id: &'a [u64],
-    /// Pairs that belong together though they were far apart, by id, the lower first; sorted.
-    pub(crate) bonds: &'a [(u64, u64)],
-    /// Whether there may be new ones.
-    pub(crate) grows: bool,
-    pub(crate) body: &'a [u32],
-    pub(crate) origin: &'a [Vector<D>],
-    /// Whether different bodies are one continuum.
-    pub(crate) bonded: bool,
-    /// Undeformed distance in m up to which particles of size 1 belong together without more ado.
-    pub(crate) reach: f64,
-    /// Spacing of each particle over the particle spacing; empty where all are the same.
-    pub(crate) sizes: &'a [f64],
-}
-
-impl<const D: usize> Kinship<'_, D> {
-    /// Whether `i` and `j` were near each other in the undeformed state, in one piece of material.
-    #[inline]
-    fn joins(&self, i: usize, j: usize) -> bool {
-        let apart = minus(&self.origin[j], &self.origin[i]);
-        let reach = self.reach * self.size(i, j);
-        dot(&apart, &apart) < reach * reach && self.may_join(i, j)
-    }
-
-    /// Whether `i` and `j` can belong together at all.
-    #[inline]
-    fn may_join(&self, i: usize, j: usize) -> bool {
-        self.bonded || self.body[i] == self.body[j]
-    }
-
-    /// Whether `i` and `j` have come to belong together before.
-    fn is_bond(&self, i: usize, j: usize) -> bool {
-        self.bonds.binary_search(&self.bond(i, j)).is_ok()
-    }
-
-    /// `i` and `j` as a bond.
-    fn bond(&self, i: usize, j: usize) -> (u64, u64) {
-        let (a, b) = (self.id[i], self.id[j]);
-        (a.min(b), a.max(b))
-    }
-
-    /// The size of a pair.
-    #[inline]
-    fn size(&self, i: usize, j: usize) -> f64 {
-        pair_mean(self.sizes, i, j)
-    }
-}
-
-/// The mean of two particles' values, which are 1 where there are none.
-#[inline]
-pub(crate) fn pair_mean(values: &[f64], i: usize, j: usize) -> f64 {
-    if values.is_empty() { 1.0 } else { 0.5 * (values[i] + values[j]) }
-}
-
 /// Where the particles are, what they weigh and who belongs together.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cloud<'a, const D: usize> {
@@ -152,36 +78,42 @@ impl<const D: usize> Cloud<'_, D> {
         (distance_square, 0.5 * dot(&separation, &apply(&both, &separation)))
     }
 
-    /// The weight of `j` for `i` at a squared distance in terms of the shapes of their supports.
+    /// psi of the rows of `i` and `j`.
     #[inline]
-    fn weight(&self, i: usize, j: usize, square: f64, smoothing: Smoothing) -> f64 {
-        let length = smoothing.length * self.kinship.size(i, j);
-        let weight = smoothing.kernel.weight(square.sqrt(), length, D);
+    fn factor(&self, i: usize, j: usize) -> f64 {
         let (classes, factors) = self.rows;
-        let factor = if classes.is_empty() {
-            1.0
-        } else {
-            factors[(classes[i] as usize, classes[j] as usize)]
-        };
-        self.volumes[j] * weight * factor
+        if classes.is_empty() { 1.0 } else { factors[(classes[i] as usize, classes[j] as usize)] }
     }
 }
 
 /// Tasks per thread whose rows wait to be joined to the list.
-const BATCH: usize = 8;
-
+const BATCH: usize = 16;
 /// The rows of one chunk of particles.
 #[derive(Debug, Default)]
 struct Rows {
     counts: Vec<u32>,
     index: Vec<u32>,
+    /// Squared distances in terms of the shapes of the supports, which become the weights.
     weight: Vec<f64>,
+    /// Smoothing length of each pair in m.
+    length: Vec<f64>,
     /// Pairs that are near without belonging together.
     self_contact: Vec<(u32, u32)>,
+    /// Neighbours at risk of the pairing instability.
+    pairing: Vec<(u32, u32)>,
     /// Pairs that belong together though they were far apart, from the side of the lower id.
     bonds: Vec<(u64, u64)>,
     /// Particles near the present one that were far from it.
     far: Vec<Far>,
+    candidates: Candidates,
+}
+
+/// Pairs to be watched until the next update of the reference, each from both sides, in the order of the first.
+#[derive(Debug)]
+pub(crate) struct Watched<'a> {
+    pub(crate) pairs: &'a mut Vec<(u32, u32)>,
+    /// How close they are, in m for particles of size 1.
+    pub(crate) reach: f64,
 }
 
 /// A particle near another that was far from it in the undeformed state.
@@ -200,103 +132,173 @@ impl Rows {
         self.index.clear();
         self.weight.clear();
         self.self_contact.clear();
+        self.pairing.clear();
         self.bonds.clear();
+        self.candidates.forget();
+    }
+
+    /// Notes a pair of neighbours if it is closer than `reach`.
+    #[inline(always)]
+    fn watch(&mut self, (i, j): (usize, usize), distance_square: f64, reach: f64) {
+        if distance_square < reach * reach {
+            self.pairing.push((i as u32, j as u32));
+        }
     }
 
     fn memory(&self) -> usize {
-        4 * (self.counts.capacity() + self.index.capacity() + 2 * self.self_contact.capacity())
-            + 8 * (self.weight.capacity() + 2 * self.bonds.capacity())
+        let pairs = self.self_contact.capacity() + self.pairing.capacity() + self.bonds.capacity();
+        4 * (self.counts.capacity() + self.index.capacity())
+            + 8 * (self.weight.capacity() + self.length.capacity() + 2 * pairs)
             + size_of::<Far>() * self.far.capacity()
+            + self.candidates.memory()
     }
 }
 
-/// Builds the list, and finds the pairs of self-contact: closer than `reach` without belonging together, each from both sides, in the order of the first. `reach` and every support must not exceed the cells.
+/// Builds the list, and finds the pairs of self-contact, which do not belong together, and the neighbours at risk of the pairing
+/// instability. What is watched and every support must not exceed the cells.
 /// Returns the pairs that belong together though they were far apart, as in [`Kinship::bonds`].
 pub(crate) fn build_list<const D: usize>(
     list: &mut NeighbourList,
     cells: &Cells<D>,
     cloud: &Cloud<D>,
     smoothing: Smoothing,
-    (self_contact, reach): (&mut Vec<(u32, u32)>, f64),
+    self_contact: Watched,
+    pairing: Watched,
 ) -> Vec<(u64, u64)> {
+    let watched = [self_contact, pairing];
+    with_lanes!(lanes => build_list_with(lanes, list, cells, cloud, smoothing, watched))
+}
+
+fn build_list_with<const D: usize, L: Lanes>(
+    lanes: L,
+    list: &mut NeighbourList,
+    cells: &Cells<D>,
+    cloud: &Cloud<D>,
+    smoothing: Smoothing,
+    [self_contact, pairing]: [Watched; 2],
+) -> Vec<(u64, u64)> {
+    let reach = [self_contact.reach, pairing.reach];
     let mut bonds = Vec::new();
     let count = cloud.positions.len();
     let batch = BATCH * rayon::current_num_threads();
-    self_contact.clear();
+    self_contact.pairs.clear();
+    pairing.pairs.clear();
     list.rows.resize_with(batch.min(count.div_ceil(CHUNK)), Rows::default);
     list.start.clear();
     make_room(&mut list.start, count + 1, count + 1);
     list.start.push(0);
-    list.index.clear();
-    list.weight.clear();
+    let mut pairs = 0;
     for first in (0..count).step_by(batch * CHUNK) {
         let last = (first + batch * CHUNK).min(count);
         let rows = &mut list.rows[..(last - first).div_ceil(CHUNK)];
         rows.par_iter_mut().enumerate().with_max_len(TURN).for_each(|(chunk, rows)| {
             let own = first + chunk * CHUNK;
-            find_rows(rows, own..(own + CHUNK).min(last), cells, cloud, smoothing, reach);
+            let own = own..(own + CHUNK).min(last);
+            lanes.run(
+                #[inline(always)]
+                || find_rows(lanes, rows, own, cells, cloud, smoothing, reach),
+            );
         });
-        let pairs = list.index.len() + rows.iter().map(|rows| rows.index.len()).sum::<usize>();
-        let all = (pairs as f64 * count as f64 / last as f64) as usize;
-        make_room(&mut list.index, pairs, all);
-        make_room(&mut list.weight, pairs, all);
-        for rows in rows {
-            let mut end = list.index.len() as u32;
+        let before = pairs;
+        for rows in &*rows {
             list.start.extend(rows.counts.iter().map(|count| {
-                end += count;
-                end
+                pairs += *count as usize;
+                pairs as u32
             }));
-            list.index.extend_from_slice(&rows.index);
-            list.weight.extend_from_slice(&rows.weight);
-            self_contact.extend_from_slice(&rows.self_contact);
+            self_contact.pairs.extend_from_slice(&rows.self_contact);
+            pairing.pairs.extend_from_slice(&rows.pairing);
             bonds.extend_from_slice(&rows.bonds);
         }
+        let all = (pairs as f64 * count as f64 / last as f64) as usize;
+        // What the last update left there is written over.
+        if list.index.len() < pairs {
+            make_room(&mut list.index, pairs, all);
+            make_room(&mut list.weight, pairs, all);
+            list.index.resize(pairs, 0);
+            list.weight.resize(pairs, 0.0);
+        }
+        join(rows, &mut list.index[before..pairs], &mut list.weight[before..pairs]);
     }
+    list.index.truncate(pairs);
+    list.weight.truncate(pairs);
     bonds.sort_unstable();
     bonds
 }
 
-fn find_rows<const D: usize>(
+/// Copies the rows one after the other to their places, in halves that threads share.
+fn join(rows: &[Rows], index: &mut [u32], weight: &mut [f64]) {
+    if let [rows] = rows {
+        index.copy_from_slice(&rows.index);
+        weight.copy_from_slice(&rows.weight);
+        return;
+    }
+    let (left, right) = rows.split_at(rows.len() / 2);
+    let pairs = left.iter().map(|rows| rows.index.len()).sum();
+    let (left_index, right_index) = index.split_at_mut(pairs);
+    let (left_weight, right_weight) = weight.split_at_mut(pairs);
+    rayon::join(|| join(left, left_index, left_weight), || join(right, right_index, right_weight));
+}
+
+#[inline(always)]
+fn find_rows<const D: usize, L: Lanes>(
+    lanes: L,
     rows: &mut Rows,
     own: std::ops::Range<usize>,
     cells: &Cells<D>,
     cloud: &Cloud<D>,
     smoothing: Smoothing,
-    reach: f64,
+    reach: [f64; 2],
 ) {
     rows.clear();
+    let mut candidates = std::mem::take(&mut rows.candidates);
     let Cloud { positions, kinship, .. } = *cloud;
     let support = smoothing.support();
     for i in own {
         let before = rows.index.len();
         rows.far.clear();
-        cells.around(&positions[i], kinship.size(i, i), |range| {
-            for j in range {
+        candidates.gather(cells, &positions[i], positions);
+        candidates.within(
+            lanes,
+            &positions[i],
+            #[inline(always)]
+            |j, distance_square| {
                 if j == i {
-                    continue;
+                    return;
                 }
-                let (distance_square, square) = cloud.squares(i, j);
+                let round = cloud.metrics.is_empty();
+                let square = if round { distance_square } else { cloud.squares(i, j).1 };
                 let size = kinship.size(i, j);
-                let (support, reach) = (support * size, reach * size);
+                let (support, near) = (support * size, reach[0] * size);
                 let (in_support, near) =
-                    (square < support * support, distance_square < reach * reach);
+                    (square < support * support, distance_square < near * near);
                 if !(in_support || near) {
-                    continue;
+                    return;
                 }
                 if !kinship.joins(i, j) {
                     let in_support = in_support.then_some(square);
                     rows.far.push(Far { particle: j as u32, in_support, near });
                 } else if in_support {
                     rows.index.push(j as u32);
-                    rows.weight.push(cloud.weight(i, j, square, smoothing));
+                    rows.weight.push(square);
+                    rows.watch((i, j), distance_square, reach[1] * size);
                 }
-            }
-        });
+            },
+        );
         if !rows.far.is_empty() {
-            join_far(rows, i, before, cloud, smoothing);
+            join_far(rows, i, before, cloud, smoothing, reach[1]);
         }
         rows.counts.push((rows.index.len() - before) as u32);
+        rows.length.clear();
+        rows.length.extend(
+            rows.index[before..].iter().map(|&j| smoothing.length * kinship.size(i, j as usize)),
+        );
+        let weights = &mut rows.weight[before..];
+        smoothing.kernel.weigh(weights, &rows.length, D);
+        for (weight, &j) in weights.iter_mut().zip(&rows.index[before..]) {
+            *weight = cloud.volumes[j as usize] * *weight * cloud.factor(i, j as usize);
+        }
     }
+    rows.candidates = candidates;
 }
 
 /// Parts the particles near `i` that were far from it into those that belong to it, which join its row from `first` on, and
@@ -307,6 +309,7 @@ fn join_far<const D: usize>(
     first: usize,
     cloud: &Cloud<D>,
     smoothing: Smoothing,
+    pairing: f64,
 ) {
     let kinship = cloud.kinship;
     let far = std::mem::take(&mut rows.far);
@@ -336,7 +339,9 @@ fn join_far<const D: usize>(
         match joins {
             Some(square) => {
                 rows.index.push(far.particle);
-                rows.weight.push(cloud.weight(i, j, square, smoothing));
+                rows.weight.push(square);
+                let distance_square = cloud.squares(i, j).0;
+                rows.watch((i, j), distance_square, pairing * kinship.size(i, j));
                 if kinship.id[i] < kinship.id[j] {
                     rows.bonds.push(kinship.bond(i, j));
                 }
@@ -360,6 +365,9 @@ fn make_room<T>(values: &mut Vec<T>, needed: usize, expected: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::KernelChoice;
+    use crate::operators::kinship::pair_mean;
+    use crate::tensor::identity;
 
     /// Two blocks of rows of particles at distances of 1, the upper displaced.
     struct Blocks {
@@ -419,7 +427,9 @@ mod tests {
                 Cloud { positions: &positions, volumes: &volumes, kinship, metrics: &[], rows };
             let smoothing = Smoothing { kernel: KernelChoice::WendlandC2, length: 1.5 };
             let (mut list, mut contact) = (NeighbourList::default(), Vec::new());
-            let bonds = build_list(&mut list, &cells, &cloud, smoothing, (&mut contact, 1.8));
+            let near = Watched { pairs: &mut contact, reach: 1.8 };
+            let none = Watched { pairs: &mut Vec::new(), reach: 0.0 };
+            let bonds = build_list(&mut list, &cells, &cloud, smoothing, near, none);
             self.bonds = bonds;
             let mut neighbours = vec![Vec::new(); id.len()];
             for (i, own) in id.iter().enumerate() {
@@ -438,6 +448,91 @@ mod tests {
             }
             let pair = |&(i, j): &(u32, u32)| (id[i as usize], id[j as usize]);
             (neighbours, contact.iter().map(pair).collect())
+        }
+    }
+
+    /// Of a cloud of particles of two sizes, some with stretched supports, each row is what a search of all pairs finds, in
+    /// their order, and so are the pairs to be watched.
+    fn rows_are_those_of_all_pairs<const D: usize>(stretch: f64) {
+        const SIDE: usize = 9;
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as f64 / 2.0_f64.powi(31)
+        };
+        let count = SIDE.pow(D as u32);
+        let positions: Vec<Vector<D>> = (0..count)
+            .map(|k| {
+                std::array::from_fn(|d| (k / SIDE.pow(d as u32) % SIDE) as f64 + 0.8 * random())
+            })
+            .collect();
+        let smoothing = Smoothing { kernel: KernelChoice::WendlandC2, length: 0.8 };
+        let mut cells = Cells::default();
+        cells.lay(&positions, smoothing.support() * stretch);
+        let positions: Vec<_> = cells.order.iter().map(|&i| positions[i as usize]).collect();
+        let size_of = |x: &Vector<D>| if x[0] > 4.0 { 2.0 } else { 1.0 };
+        let sizes: Vec<f64> = positions.iter().map(size_of).collect();
+        cells.note_sizes(&sizes);
+        let mut metrics = vec![identity::<D>(); count];
+        for metric in metrics.iter_mut().step_by(3) {
+            metric[0][0] = 1.0 / (stretch * stretch);
+        }
+        let id: Vec<u64> = (0..count as u64).collect();
+        let (body, volumes) = (vec![0; count], vec![1.0; count]);
+        let kinship = Kinship {
+            id: &id,
+            bonds: &[],
+            grows: false,
+            body: &body,
+            origin: &positions,
+            bonded: false,
+            // Some of the neighbours belong together, some only touch.
+            reach: 1.3,
+            sizes: &sizes,
+        };
+        let factors = DMatrix::from_element(1, 1, 1.0);
+        let rows = ([].as_slice(), &factors);
+        let cloud =
+            Cloud { positions: &positions, volumes: &volumes, kinship, metrics: &metrics, rows };
+        let (mut list, mut contact, mut close) = (NeighbourList::default(), Vec::new(), Vec::new());
+        // The second time over what the first has left.
+        for _ in 0..2 {
+            let contact = Watched { pairs: &mut contact, reach: 1.5 };
+            let close = Watched { pairs: &mut close, reach: 0.7 };
+            build_list(&mut list, &cells, &cloud, smoothing, contact, close);
+        }
+        let (mut touching, mut crowded) = (Vec::new(), Vec::new());
+        for i in 0..count {
+            let mut row = Vec::new();
+            for j in (0..count).filter(|j| *j != i) {
+                let (distance_square, square) = cloud.squares(i, j);
+                let size = pair_mean(&sizes, i, j);
+                let near = |reach: f64| distance_square < (reach * size).powi(2);
+                let in_support = square < (smoothing.support() * size).powi(2);
+                if !near(1.3) {
+                    touching.extend(near(1.5).then_some((i as u32, j as u32)));
+                } else if in_support {
+                    row.push((j as u32, square));
+                    crowded.extend(near(0.7).then_some((i as u32, j as u32)));
+                }
+            }
+            let (index, weight) = list.row(i);
+            assert_eq!(index, row.iter().map(|pair| pair.0).collect::<Vec<_>>(), "{D}D, {i}");
+            for ((j, square), weight) in row.into_iter().zip(weight) {
+                let length = smoothing.length * pair_mean(&sizes, i, j as usize);
+                let expected = smoothing.kernel.weight(square.sqrt(), length, D);
+                assert_eq!(weight.to_bits(), expected.to_bits());
+            }
+        }
+        assert!(contact == touching && close == crowded);
+        assert!(touching.len() > count && crowded.len() > count / 4, "{}", crowded.len());
+    }
+
+    #[test]
+    fn every_row_is_that_of_all_pairs() {
+        for stretch in [1.0, 1.4] {
+            rows_are_those_of_all_pairs::<2>(stretch);
+            rows_are_those_of_all_pairs::<3>(stretch);
         }
     }
 

@@ -18,11 +18,7 @@
 
 use crate::contact::repulsion::RepellingPairs;
 use crate::numerics::Numerics;
-use crate::operators::neighbours::pair_mean;
-use crate::operators::reference::ReferenceConfiguration;
-use crate::particles::motion::Motion;
 use crate::setup::Setup;
-use crate::tensor::{dot, minus};
 
 /// Stiffness of the repulsion over the p-wave modulus.
 const STIFFNESS: f64 = 0.1;
@@ -42,35 +38,17 @@ pub(crate) fn between_neighbours<const D: usize>(
     }
 }
 
-/// Lists the neighbours that may come too close before the next reference update, in the order of the first.
-pub(crate) fn find_pairs<const D: usize>(
-    repulsion: &mut RepellingPairs,
-    reference: &ReferenceConfiguration<D>,
-    motion: &[Motion<D>],
-    spacing: f64,
-) {
-    repulsion.pairs.clear();
-    if repulsion.distance == 0.0 {
-        return;
-    }
-    let reach = repulsion.distance + MARGIN * spacing;
-    for (i, own) in motion.iter().enumerate() {
-        let (index, _) = reference.list.row(i);
-        for &j in index {
-            let reach = reach * pair_mean(&reference.sizes, i, j as usize);
-            let apart = minus(motion[j as usize].reference(), own.reference());
-            if dot(&apart, &apart) < reach * reach {
-                repulsion.pairs.push((i as u32, j));
-            }
-        }
-    }
+/// Distance in m up to which neighbours are watched.
+pub(crate) fn watched_reach(repulsion: &RepellingPairs, spacing: f64) -> f64 {
+    let acts = repulsion.distance > 0.0;
+    if acts { repulsion.distance + MARGIN * spacing } else { 0.0 }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::engine::Engine;
     use crate::setup::Setup;
+    use crate::tensor::{dot, minus};
 
     const SPACING: f64 = 0.05;
 

@@ -1,10 +1,12 @@
 //! The reference configuration: where particles were when the operators were last corrected, their neighbours and the
 //! corrections.
 
+use crate::lanes::{Lanes, order, with_lanes};
 use crate::ledger::Tally;
 use crate::numerics::Numerics;
 use crate::operators::cells::Cells;
-use crate::operators::neighbours::{Cloud, Kinship, NeighbourList, build_list, pair_mean};
+use crate::operators::kinship::{Kinship, pair_mean};
+use crate::operators::neighbours::{Cloud, NeighbourList, Watched, build_list};
 use crate::parallel::{CHUNK, TURN};
 use crate::particles::Particles;
 use crate::particles::lattice::RowClasses;
@@ -12,7 +14,7 @@ use crate::particles::motion::Motion;
 use crate::setup::{CuttingFrame, Setup};
 use crate::tensor::{
     Matrix, Vector, apply, clamped_spectrum, determinant, dot, identity, inverse_nonsingular,
-    minus, plus_scaled, reduced, trace, zero,
+    minus, reduced, trace, zero,
 };
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -157,12 +159,12 @@ impl<const D: usize> ReferenceConfiguration<D> {
     }
 
     /// Finds neighbours and corrections of the particles, which are at their places in the reference and in the order of the
-    /// cells; and the pairs of `self_contact` up to a distance.
+    /// cells; and the pairs to be watched.
     pub(crate) fn rebuild(
         &mut self,
         particles: &Particles<D>,
         numerics: &Numerics,
-        self_contact: (&mut Vec<(u32, u32)>, f64),
+        [self_contact, pairing]: [Watched; 2],
         bonding: Bonding,
     ) {
         (self.sizes, self.row_classes) = particles.sizes_and_classes();
@@ -188,8 +190,9 @@ impl<const D: usize> ReferenceConfiguration<D> {
             metrics: &metrics,
             rows: (&self.row_classes, &self.factors),
         };
+        let smoothing = numerics.smoothing;
         self.bonds =
-            build_list(&mut self.list, &self.cells, &cloud, numerics.smoothing, self_contact);
+            build_list(&mut self.list, &self.cells, &cloud, smoothing, self_contact, pairing);
         self.limits = self.correct_operators(&particles.motion);
         if self.lattice_gradient == 0.0 {
             self.lattice_gradient = self.limits.gradient;
@@ -199,17 +202,31 @@ impl<const D: usize> ReferenceConfiguration<D> {
 
     /// Corrections B and moments; returns what limits the time step.
     fn correct_operators(&mut self, motion: &[Motion<D>]) -> OperatorLimits {
+        with_lanes!(lanes => self.correct_operators_with(lanes, motion))
+    }
+
+    fn correct_operators_with<L: Lanes>(
+        &mut self,
+        lanes: L,
+        motion: &[Motion<D>],
+    ) -> OperatorLimits {
         let (list, sizes) = (&self.list, self.sizes.as_slice());
         self.frame
             .par_chunks_mut(CHUNK)
             .enumerate()
             .with_max_len(TURN)
             .map(|(chunk, frames)| {
-                let mut limits = OperatorLimits::default();
-                for (offset, frame) in frames.iter_mut().enumerate() {
-                    correct(frame, (list, sizes), motion, chunk * CHUNK + offset, &mut limits);
-                }
-                limits
+                lanes.run(
+                    #[inline(always)]
+                    || {
+                        let mut limits = OperatorLimits::default();
+                        for (offset, frame) in frames.iter_mut().enumerate() {
+                            let i = chunk * CHUNK + offset;
+                            correct(lanes, frame, (list, sizes), motion, i, &mut limits);
+                        }
+                        limits
+                    },
+                )
             })
             // The largest is the largest in any order.
             .reduce(OperatorLimits::default, |a, b| OperatorLimits {
@@ -257,7 +274,12 @@ fn filled<const D: usize>(moment: Matrix<D>, mean: f64) -> Matrix<D> {
     clamped_spectrum(&moment, THINNEST_MOMENT * mean, f64::INFINITY).0
 }
 
-fn correct<const D: usize>(
+/// Neighbours whose terms of the gradient's limit are found at a time.
+const BLOCK: usize = 32;
+
+#[inline(always)]
+fn correct<const D: usize, L: Lanes>(
+    lanes: L,
     frame: &mut Frame<D>,
     (list, sizes): (&NeighbourList, &[f64]),
     motion: &[Motion<D>],
@@ -265,36 +287,58 @@ fn correct<const D: usize>(
     limits: &mut OperatorLimits,
 ) {
     let (index, weight) = list.row(i);
-    let mut second = zero();
-    let mut first = [0.0; D];
+    let here = lanes.load(motion[i].numbers(), 0);
+    // In the plane all four components of sum w X (x) X in the first; in space one row in each.
+    let (mut second, mut first) = ([lanes.all(0.0); 3], lanes.all(0.0));
     let (mut total, mut damped) = (0.0, 0.0);
     for (&j, &w) in index.iter().zip(weight) {
-        let separation = minus(motion[j as usize].reference(), motion[i].reference());
+        let there = lanes.load(motion[j as usize].numbers(), 0);
         total += w;
         damped += w * pair_mean(sizes, i, j as usize);
-        first = plus_scaled(&first, w, &separation);
-        for row in 0..D {
-            for column in 0..D {
-                second[row][column] += w * separation[row] * separation[column];
+        let separation = lanes.sub(there, here);
+        let weighted = lanes.mul(lanes.all(w), separation);
+        first = lanes.add(first, weighted);
+        if D == 2 {
+            let row = lanes.pick::<{ order([0, 0, 1, 1]) }>(weighted);
+            let column = lanes.pick::<{ order([0, 1, 0, 1]) }>(separation);
+            second[0] = lanes.add(second[0], lanes.mul(row, column));
+        } else {
+            let rows = [
+                lanes.pick::<{ order([0, 0, 0, 0]) }>(weighted),
+                lanes.pick::<{ order([1, 1, 1, 1]) }>(weighted),
+                lanes.pick::<{ order([2, 2, 2, 2]) }>(weighted),
+            ];
+            for (sum, row) in second.iter_mut().zip(rows) {
+                *sum = lanes.add(*sum, lanes.mul(row, separation));
             }
         }
     }
+    let (rows, first) = (second.map(|row| lanes.values(row)), lanes.values(first));
+    let second: Matrix<D> = std::array::from_fn(|row| {
+        std::array::from_fn(
+            |column| if D == 2 { rows[0][2 * row + column] } else { rows[row][column] },
+        )
+    });
     let mean = trace(&second) / D as f64;
     let power = i32::try_from(D).expect("2 or 3");
     let usable = mean > 0.0 && determinant(&second) > FLATTEST_MOMENT * mean.powi(power);
     frame.correction = if usable { inverse_nonsingular(&filled(second, mean)) } else { zero() };
-    frame.moment = first;
-    frame.lean = apply(&frame.correction, &first);
+    frame.moment = std::array::from_fn(|k| first[k]);
+    frame.lean = apply(&frame.correction, &frame.moment);
     frame.weight = total;
-    let gradient: f64 = index
-        .iter()
-        .zip(weight)
-        .map(|(&j, &w)| {
+    let mut gradient = 0.0;
+    for (index, weight) in index.chunks(BLOCK).zip(weight.chunks(BLOCK)) {
+        let mut terms = [0.0; BLOCK];
+        for (term, &j) in terms.iter_mut().zip(index) {
             let separation = minus(motion[j as usize].reference(), motion[i].reference());
             let vector = apply(&frame.correction, &separation);
-            w * dot(&vector, &vector).sqrt()
-        })
-        .sum();
+            *term = dot(&vector, &vector);
+        }
+        terms.iter_mut().for_each(|term| *term = term.sqrt());
+        for (term, w) in terms.iter().zip(weight) {
+            gradient += w * term;
+        }
+    }
     limits.gradient = limits.gradient.max(gradient);
     limits.weight = limits.weight.max(total);
     limits.damping = limits.damping.max(damped);

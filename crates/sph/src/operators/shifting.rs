@@ -27,7 +27,7 @@
 
 use crate::contact::tool_contact::ToolContact;
 use crate::numerics::Numerics;
-use crate::operators::neighbours::pair_mean;
+use crate::operators::kinship::pair_mean;
 use crate::operators::reference::ReferenceConfiguration;
 use crate::operators::sweeps::{Sweeps, exchange_width};
 use crate::parallel::{CHUNK, TURN};
