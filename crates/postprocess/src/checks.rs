@@ -3,6 +3,7 @@
 use crate::result::ProcessResult;
 use crate::warnings::{ENERGY_CLOSURE, FEWEST_PARTICLES, MOMENTUM_CLOSURE, Warning};
 use sphcut_record::{Outcome, Run};
+use sphcut_sph::setup::MovingWindow;
 
 /// Gross numerical share allowed in a draft.
 const NUMERICAL_SHARE_DRAFT: f64 = 0.15;
@@ -14,6 +15,8 @@ const NUMERICAL_SHARE_STANDARD: f64 = 0.10;
 const KINETIC_SHARE: f64 = 0.05;
 /// What the place where the tool is cut off may have to do with its heat.
 const TOOL_CUT_OFF: f64 = 0.02;
+/// Share of the chip followed by a moving window that may be in contact (docs/numerics.md, *The moving window*).
+const CHIP_IN_CONTACT: f64 = 0.75;
 /// Jump of the machined surface in spacings that means another parting line.
 const SURFACE_JUMP: f64 = 0.75;
 /// Depth error of the machined surface in spacings.
@@ -25,6 +28,7 @@ pub(crate) fn warnings(run: &Run, result: &ProcessResult) -> Vec<Warning> {
     outcome(run, &mut warnings);
     if ProcessResult::is_cut(run) {
         steadiness(run, result, &mut warnings);
+        warnings.extend(chip_cut_off(run, result));
     }
     books(run, result, &mut warnings);
     particles(run, result, &mut warnings);
@@ -65,6 +69,20 @@ fn steadiness(run: &Run, result: &ProcessResult, warnings: &mut Vec<Warning>) {
         let reason = result.feed_steady.reason.to_string();
         warnings.push(Warning::FeedNotSteady { reason, advice });
     }
+}
+
+/// Whether the moving window takes the chip where it may still press on the tool.
+fn chip_cut_off(run: &Run, result: &ProcessResult) -> Option<Warning> {
+    let behind = run.provenance.number("window", "behind");
+    let behind = behind.filter(|behind| *behind < result.window.end)?;
+    let chip = result.geometry.chip.as_ref().ok()?;
+    let contact = result.geometry.interface.as_ref().ok()?.contact_length;
+    let followed = MovingWindow { ahead: 0.0, behind }.chip_length(chip.compression_ratio);
+    (contact > CHIP_IN_CONTACT * followed).then_some(Warning::ChipCutOff {
+        contact,
+        followed,
+        behind,
+    })
 }
 
 fn books(run: &Run, result: &ProcessResult, warnings: &mut Vec<Warning>) {

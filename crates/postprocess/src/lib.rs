@@ -28,8 +28,8 @@ mod surface;
 mod temperature;
 mod warnings;
 
-/// Test support, which no build of the program has: see the feature in the manifest.
-#[cfg(any(test, feature = "synthetic"))]
+/// Test support of this crate and of others, which the linker leaves out of the program. Behind a feature it would have whatever
+/// rests on this crate compiled once with and once without it.
 #[path = "../tests/synthetic/mod.rs"]
 pub mod synthetic;
 

@@ -76,7 +76,7 @@ fn evaluate_by(
         energy: balances::energy(samples, &run.facts),
         momentum: balances::momentum(samples, window.first_sample),
         heat: balances::heat(samples, &run.facts).map(|heat| HeatBalance {
-            friction_share: setting(run, "heat", "friction_heat_share"),
+            friction_share: run.provenance.number("heat", "friction_heat_share"),
             ..heat
         }),
         resolution: resolution(&run.facts),
@@ -121,16 +121,7 @@ fn criterion_of(run: &Run) -> SteadyOptions {
 
 /// What the scenario states under `key` of its section `stop.steady`.
 fn stated(run: &Run, key: &str) -> Option<f64> {
-    setting(run, "stop.steady", key)
-}
-
-/// A number of the resolved scenario.
-fn setting(run: &Run, section: &str, key: &str) -> Option<f64> {
-    run.provenance
-        .settings
-        .iter()
-        .find(|setting| setting.section == section && setting.key == key)
-        .and_then(|setting| setting.value.parse::<f64>().ok())
+    run.provenance.number("stop.steady", key)
 }
 
 /// The samples of each pass that the run has come to, where there are several: those whose interval

@@ -40,6 +40,20 @@ pub enum Warning {
         /// What to do.
         advice: &'static str,
     },
+    /// The moving window takes the chip where it may still press on the tool.
+    #[error(
+        "The moving window follows {} of the chip, {} of it in contact with the rake face: what has left may have \
+         pressed on the tool and held the chip back, so that both forces may be too low; a `behind` of {} in [window] tells.",
+        millimetres(.followed), millimetres(.contact), millimetres(&(2.0 * .behind))
+    )]
+    ChipCutOff {
+        /// Contact length on the rake face in m.
+        contact: f64,
+        /// Length of the chip that is followed in m.
+        followed: f64,
+        /// `behind` of the window in m.
+        behind: f64,
+    },
     /// The energy balance does not close.
     #[error(
         "The energy balance misses {} of the work; at most {} is allowed.",
@@ -142,6 +156,7 @@ impl Warning {
             Self::Interrupted { .. } => "interrupted",
             Self::NotSteady { .. } => "not_steady",
             Self::FeedNotSteady { .. } => "feed_not_steady",
+            Self::ChipCutOff { .. } => "chip_cut_off",
             Self::EnergyClosure { .. } => "energy_closure",
             Self::NumericalShare { .. } => "numerical_share",
             Self::MomentumClosure { .. } => "momentum_closure",
@@ -159,6 +174,10 @@ impl Warning {
 
 fn percent(share: &f64) -> String {
     format!("{:.1} %", share * 100.0)
+}
+
+fn millimetres(length: &f64) -> String {
+    format!("{:.2} mm", length * 1e3)
 }
 
 fn micrometres(length: &f64) -> String {

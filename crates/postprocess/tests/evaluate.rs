@@ -184,6 +184,21 @@ fn each_warning_has_its_cause() {
     // The hottest place rises by 999 K over 1000 samples.
     assert!(code(heated(0.019 * 999.0)).is_empty());
     assert_eq!(code(heated(0.021 * 999.0)), ["tool_cut_off"]);
+    // A chip of 0.22 instead of 0.1 mm, 0.118 mm of it in contact, of which 0.182 and 0.136 mm are followed.
+    let windowed = |behind: &str| {
+        let (section, key) = ("window".to_owned(), "behind".to_owned());
+        let mut run = run();
+        let behind = behind.to_owned();
+        run.provenance.settings.push(Setting { section, key, value: behind, ..Setting::default() });
+        run
+    };
+    assert!(code(windowed("0.0004")).is_empty());
+    assert_eq!(code(windowed("0.0003")), ["chip_cut_off"]);
+    let text = said(windowed("0.0003"));
+    assert!(text.contains("0.14 mm of the chip, 0.12 mm of it in contact"), "{text}");
+    assert!(text.ends_with("a `behind` of 0.60 mm in [window] tells."), "{text}");
+    // Longer than the travel: nothing of the chip has left.
+    assert!(code(windowed("0.003")).is_empty());
     let mut interrupted = run();
     interrupted.outcome = Outcome::Interrupted;
     interrupted.facts.end_time *= 2.0;

@@ -78,6 +78,18 @@ impl TemperatureUnit {
 }
 
 impl Provenance {
+    /// What the resolved scenario has under `key` of `section`.
+    #[must_use]
+    pub fn setting(&self, section: &str, key: &str) -> Option<&Setting> {
+        self.settings.iter().find(|setting| setting.section == section && setting.key == key)
+    }
+
+    /// The same as a number in SI units, where it is one.
+    #[must_use]
+    pub fn number(&self, section: &str, key: &str) -> Option<f64> {
+        self.setting(section, key)?.value.parse().ok()
+    }
+
     /// The unit in which the author of the scenario writes temperatures.
     #[must_use]
     pub fn temperature_unit(&self) -> TemperatureUnit {

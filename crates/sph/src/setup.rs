@@ -436,6 +436,17 @@ pub struct MovingWindow {
     pub behind: f64,
 }
 
+impl MovingWindow {
+    /// Share of `behind` that material which leaves is away from the edge at least: a chip is shorter than what was cut.
+    pub const AWAY: f64 = 1.0 / 3.0;
+
+    /// Length in m of the chip that is followed, where it is `compression` times as thick as what was cut.
+    #[must_use]
+    pub fn chip_length(&self, compression: f64) -> f64 {
+        self.behind * compression.recip().max(Self::AWAY)
+    }
+}
+
 /// Whether an optional mechanism acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Switch {

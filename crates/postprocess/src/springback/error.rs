@@ -29,13 +29,8 @@ impl ErrorBar {
         mean: Option<MeanInterval>,
         spacing: f64,
     ) -> Self {
-        let settings = &run.provenance.settings;
-        let stiffness = settings
-            .iter()
-            .find(|setting| setting.section == "contact" && setting.key == "stiffness")
-            .and_then(|setting| setting.value.parse::<f64>().ok())
-            .filter(|stiffness| *stiffness > 0.0)
-            .unwrap_or(1.0);
+        let stiffness = run.provenance.number("contact", "stiffness");
+        let stiffness = stiffness.filter(|stiffness| *stiffness > 0.0).unwrap_or(1.0);
         let modulus = run
             .facts
             .materials

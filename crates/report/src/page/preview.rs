@@ -33,7 +33,7 @@ pub fn render_preview(page: &PreviewPage<'_>) -> String {
         html! { div { dt { (indexed(name)) } dd { (value) " " small { (unit) } } } }
     };
     let um = |name: &str, length: f64| figure(name, three_digits(length * UM), "\u{b5}m");
-    let drawn = drawings(facts, &provenance.settings, page.first);
+    let drawn = drawings(facts, provenance, page.first);
     let pictures = match drawn.0.is_empty() {
         true => draw_setup(facts, page.first, provenance.temperature_unit()),
         false => Vec::new(),

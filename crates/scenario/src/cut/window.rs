@@ -14,7 +14,8 @@ use sphcut_sph::setup::MovingWindow;
 /// (docs/numerics.md).
 const AHEAD: f64 = 1.0;
 const BEHIND: f64 = 1.5;
-/// Least lengths in uncut chip thicknesses: the shear zone and the contact of a thick chip lie within.
+/// Least lengths in uncut chip thicknesses: the shear zone lies within, and the contact unless a chip without heat sticks far up,
+/// which `chip_cut_off` tells.
 const LEAST_AHEAD: f64 = 3.0;
 const LEAST_BEHIND: f64 = 6.0;
 

@@ -200,7 +200,7 @@ pub(crate) fn window() -> Section {
         vec![
             Field::derived("ahead", positive(Quantity::Length, LONGEST), "the height of the workpiece, three uncut chip thicknesses at least; as much more as held ends of a graded workpiece are deeper", "how far in front of the edge material is followed; the end of the window is fixed like a back")
             .example("\"1 mm\""),
-            Field::derived("behind", positive(Quantity::Length, LONGEST), "1.5 times the height of the workpiece, six uncut chip thicknesses at least", "material that passed the edge this far back, and is a third as far from it now, leaves")
+            Field::derived("behind", positive(Quantity::Length, LONGEST), "1.5 times the height of the workpiece, six uncut chip thicknesses at least", "material that passed the edge this far back, and is a third as far from it now, leaves; a contact as long as the chip that stays is cut off with it, and warned of")
             .example("\"1 mm\""),
         ],
     )

@@ -22,13 +22,9 @@
 use crate::error::SetupError;
 use crate::particles::supports::{FREE, Hold};
 use crate::particles::{Particles, Rest};
-use crate::setup::Setup;
+use crate::setup::{MovingWindow, Setup};
 use crate::tensor::{Vector, dot, reduced};
 use glam::DVec3;
-
-/// Share of `behind` that retired material is away from the edge at least: a chip is shorter than what was
-/// cut.
-const AWAY: f64 = 1.0 / 3.0;
 
 /// What has left the window, cumulative.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -52,6 +48,8 @@ pub(crate) struct Window<const D: usize> {
     parting: f64,
     ahead: f64,
     behind: f64,
+    /// How far from the edge what leaves is at least.
+    away: f64,
     /// Depth of the columns that hold the end.
     layer: f64,
     /// Farthest first: the next to come is the last.
@@ -80,6 +78,7 @@ impl<const D: usize> Window<D> {
             parting: surface + setup.uncut_chip_thickness.unwrap_or(0.0),
             ahead: window.ahead,
             behind: window.behind,
+            away: MovingWindow::AWAY * window.behind,
             layer,
             reserve: all,
             retired: Retired::default(),
@@ -109,7 +108,7 @@ impl<const D: usize> Window<D> {
         let edge = self.edge(travel);
         let along = dot(position, &self.cutting) - edge;
         let across = dot(position, &self.down) - self.parting;
-        dot(origin, &self.cutting) < edge - self.behind && along.hypot(across) > AWAY * self.behind
+        dot(origin, &self.cutting) < edge - self.behind && along.hypot(across) > self.away
     }
 
     /// Way of the tool along the cut at its `displacement`.

@@ -4,7 +4,7 @@ use crate::kit::colours::{BLUE, BLUE_LIGHT, GREEN, GREY, RED, SLATE};
 use crate::kit::drawing::Drawing;
 use crate::kit::numbers::{UM, plain, three_digits};
 use maud::{Markup, PreEscaped, html};
-use sphcut_record::{Facts, Setting};
+use sphcut_record::{Facts, Provenance};
 use sphcut_sph::Snapshot;
 use std::fmt::Write;
 
@@ -28,8 +28,8 @@ struct CutScene<'a> {
 }
 
 /// The drawings with their captions; nothing of a cut in space or one that is turned in the plane.
-pub(crate) fn drawings(facts: &Facts, settings: &[Setting], first: &Snapshot) -> Markup {
-    let Some(scene) = CutScene::new(facts, settings, first) else { return html! {} };
+pub(crate) fn drawings(facts: &Facts, provenance: &Provenance, first: &Snapshot) -> Markup {
+    let Some(scene) = CutScene::new(facts, provenance, first) else { return html! {} };
     html! {
         div.pair {
             figure { (PreEscaped(scene.whole())) figcaption { (scene.caption()) } }
@@ -39,17 +39,16 @@ pub(crate) fn drawings(facts: &Facts, settings: &[Setting], first: &Snapshot) ->
 }
 
 impl<'a> CutScene<'a> {
-    fn new(facts: &'a Facts, settings: &[Setting], first: &Snapshot) -> Option<Self> {
-        let find = |section: &str, key: &str| {
-            settings.iter().find(|setting| setting.section == section && setting.key == key)
-        };
-        let number = |section: &str, key: &str| find(section, key)?.value.parse().ok();
+    fn new(facts: &'a Facts, provenance: &Provenance, first: &Snapshot) -> Option<Self> {
         let is_plain = facts.dimension == 2
             && facts.frame.cutting == [1.0, 0.0, 0.0]
             && facts.frame.feed[1] < 0.0
             && first.time == 0.0;
-        let held = |side: &str| find("boundaries", side).is_some_and(|set| set.text != "free");
-        let layers: f64 = number("boundaries", "layers").unwrap_or(0.0);
+        let held = |side: &str| {
+            provenance.setting("boundaries", side).is_some_and(|set| set.text != "free")
+        };
+        let number = |section: &str, key: &str| provenance.number(section, key);
+        let layers = number("boundaries", "layers").unwrap_or(0.0);
         let flat = |points: &[[f64; 3]]| points.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>();
         is_plain.then_some(())?;
         let depth = facts.uncut_chip_thickness?;

@@ -316,7 +316,7 @@ fn momentum_row(name: &str, balance: &MomentumBalance) -> Markup {
 /// Resolution, resolved scenario, effects, cost.
 pub(super) fn setup(run: &Run, result: &ProcessResult, first: Option<&Snapshot>) -> Markup {
     html! {
-        @if let Some(first) = first { (drawings(&run.facts, &run.provenance.settings, first)) }
+        @if let Some(first) = first { (drawings(&run.facts, &run.provenance, first)) }
         (results_table("Resolution and cost.", &cost_rows(result)))
         @if !run.provenance.effects.is_empty() {
             h3 { "Laws and effects" }
