@@ -50,19 +50,14 @@ pub(crate) fn with_interval(mean: f64, half_width: f64) -> String {
     minus(&format!("{mean:.decimals$} \u{b1} {half_width:.decimals$}"))
 }
 
-/// A share in per cent to the second decimal.
+/// A share in per cent: to the first decimal, below 1 % to the second.
 pub(crate) fn percent(share: f64) -> String {
-    let value = share * 100.0;
-    if value != 0.0 && value.abs() < 0.01 {
-        return "< 0.01 %".to_owned();
+    match 100.0 * share {
+        0.0 => "0 %".to_owned(),
+        value if value.abs() < 0.01 => "< 0.01 %".to_owned(),
+        value if value.abs() < 0.995 => minus(&format!("{value:.2} %")),
+        value => minus(&format!("{value:.1} %")),
     }
-    // A sum over nothing is -0.
-    minus(&format!("{:.2} %", value + 0.0))
-}
-
-/// A share in per cent to the first decimal.
-pub(crate) fn percent_tenths(share: f64) -> String {
-    minus(&format!("{:.1} %", 100.0 * share))
 }
 
 /// A probability in whole per cent.
@@ -154,9 +149,10 @@ mod tests {
             [0.337, 0.0, 0.004, 0.999].map(percent_whole),
             ["34 %", "0 %", "< 1 %", "> 99 %"]
         );
-        assert_eq!(percent(0.0691), "6.91 %");
-        assert_eq!(percent(-3e-7), "< 0.01 %");
-        assert_eq!(percent(-0.0), "0.00 %");
+        assert_eq!(
+            [0.0691, -0.3272, 0.00418, 0.00997, -3e-7, -0.0].map(percent),
+            ["6.9 %", "\u{2212}32.7 %", "0.42 %", "1.0 %", "< 0.01 %", "0 %"]
+        );
         assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(grouped(12), "12");
     }

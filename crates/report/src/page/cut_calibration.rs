@@ -1,6 +1,6 @@
 //! `calibration.html` of `sphcut calibrate`: constants of flow stress and friction from measured cuts.
 
-use crate::kit::numbers::{percent_tenths, signed_percent, three_digits, with_ends};
+use crate::kit::numbers::{percent, signed_percent, three_digits, with_ends};
 use crate::kit::parity::{ComparedPoint, channel_unit, parity};
 use crate::kit::shell::{Shell, note, plotted, tab};
 use crate::kit::table::{ColumnHead, or_dash, table};
@@ -68,7 +68,7 @@ fn constants(page: &CutCalibrationPage<'_>) -> Markup {
             td.n { (three_digits(constant.stated * scale)) }
             td.n { (ends(0.0, NORMAL_95)) }
             td.n { (ends(found.posterior.mean[k], NORMAL_95 * deviation)) }
-            td.n { (percent_tenths(deviation)) }
+            td.n { (percent(deviation)) }
             td { (standing[k].word()) }
         }
     } };
@@ -165,8 +165,8 @@ fn left_out(found: &CutCalibration) -> Markup {
     ];
     let rows = html! { @for e in &found.errors { tr {
         th scope="row" { (e.by) } td { (indexed(e.channel.short_name())) }
-        td.n { (percent_tenths(e.calibrated)) } td.n { (or_dash(e.regression, percent_tenths)) }
-        td.n { (or_dash(e.corrected, percent_tenths)) } td.n { (percent_tenths(e.covered)) }
+        td.n { (percent(e.calibrated)) } td.n { (or_dash(e.regression, percent)) }
+        td.n { (or_dash(e.corrected, percent)) } td.n { (percent(e.covered)) }
     } } };
     html! {
         section {
@@ -219,7 +219,7 @@ fn further(next: &NextCuts) -> Markup {
     let row = |name: &str, open: &[f64]| {
         html! { tr {
             th scope="row" { (name) }
-            @for s in open { td.n { "± " (percent_tenths(NORMAL_95 * s)) } }
+            @for s in open { td.n { "± " (percent(NORMAL_95 * s)) } }
         } }
     };
     let rows = html! {

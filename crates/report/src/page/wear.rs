@@ -1,7 +1,7 @@
 //! `wear.html`: what grows while tools cut.
 
 use crate::kit::colours::{BLUE, BLUE_LIGHT, INK, RED};
-use crate::kit::numbers::{minus, percent, three_digits};
+use crate::kit::numbers::{percent, percent_whole, three_digits};
 use crate::kit::plot::{Axis, Plot};
 use crate::kit::shell::{Shell, plotted, tab, verdict};
 use crate::kit::table::{ColumnHead, table};
@@ -44,7 +44,7 @@ pub fn render_wear(page: &WearPage<'_>) -> String {
 
 fn causes(found: &WearGrowth) -> Markup {
     let causes = html! { @for (cause, probability) in &found.causes { tr {
-        th scope="row" { (cause.title()) } td.n { (percent(*probability)) }
+        th scope="row" { (cause.title()) } td.n { (percent_whole(*probability)) }
     } } };
     let columns = [
         ColumnHead::Text("Tool left out"),
@@ -211,7 +211,7 @@ fn limits(found: &WearGrowth, lands: Option<&Lands>) -> Markup {
                     material softer, and an insert that was ground again or swapped within a series takes the land back. Both courses are given for that reason, and where the force falls \
                     by more than its noise the table marks it." }
                 li { "The intervals follow from the noise (" (cutting) ", " (feed) " and " (passive) " N of a segment's F" sub { "c" } ", F" sub { "f" } " and F" sub { "p" } ") and from how far changes point \
-                    beside the direction (" (minus(&percent(found.direction.beside))) "), not from what the direction itself is uncertain by. The isotonic fit has no interval." }
+                    beside the direction (" (percent(found.direction.beside)) "), not from what the direction itself is uncertain by. The isotonic fit has no interval." }
                 li { "Whether it is wear that is irreversible is only seen from tool to tool: all tools must have been cut in the order of the table, under the same conditions." }
             }
             p { "docs/diagnosis_method.md has sources; wear.json and wear.csv have every number." }

@@ -3,7 +3,9 @@
 use super::time;
 use crate::kit::chart::{Chart, ChartLine, Mark};
 use crate::kit::colours::{BLUE, GREEN, RED, SLATE};
-use crate::kit::numbers::{M_PER_MIN, MM, percent, plain, three_digits, with_ends, with_interval};
+use crate::kit::numbers::{
+    M_PER_MIN, MM, percent_whole, plain, three_digits, with_ends, with_interval,
+};
 use crate::kit::shell::{Shell, figure, tab, verdict};
 use crate::kit::table::{ColumnHead, or_dash, table};
 use crate::kit::text::with_symbols;
@@ -98,7 +100,7 @@ fn one_track(found: &SeriesDiagnosis, number: usize, track: &Track) -> Markup {
     ];
     let laws = html! { @for explanation in &track.explanations { tr {
         th scope="row" { (law_title(explanation.law)) }
-        td.n { @if explanation.log_evidence.is_some() { (percent(explanation.probability)) } @else { "impossible here" } }
+        td.n { @if explanation.log_evidence.is_some() { (percent_whole(explanation.probability)) } @else { "impossible here" } }
         td { (constant(explanation)) }
     } } };
     html! {

@@ -2,7 +2,7 @@
 
 use crate::kit::chart::{Chart, ChartLine};
 use crate::kit::colours::DISTINCT;
-use crate::kit::numbers::{percent, signed, signed_percent, three_digits, with_interval};
+use crate::kit::numbers::{percent_whole, signed, signed_percent, three_digits, with_interval};
 use crate::kit::shell::figure;
 use crate::kit::table::{ColumnHead, table};
 use crate::kit::text::indexed;
@@ -40,7 +40,7 @@ fn one_force(found: &SeriesDiagnosis, of: &OverTime) -> Markup {
     ];
     let rows = html! { @for k in 0..of.trends.len() { (row(found, of, k)) } };
     let laws = html! { @for (law, probability) in &of.laws { tr {
-        th scope="row" { (title(*law)) } td.n { (percent(*probability)) }
+        th scope="row" { (title(*law)) } td.n { (percent_whole(*probability)) }
     } } };
     html! {
         h3 { (indexed(name)) " over the cuts" }

@@ -369,7 +369,7 @@ mod tests {
 
     #[test]
     fn a_large_error_of_the_logarithm_is_a_factor() {
-        assert_eq!(error(0.0416), "4.16 %");
+        assert_eq!(error(0.0416), "4.2 %");
         assert_eq!(error(1.66), "a factor of 5.26");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::words::estimate;
 use crate::kit::colours::{BLUE, GREY};
-use crate::kit::numbers::percent_tenths;
+use crate::kit::numbers::percent;
 use crate::kit::plot::{Axis, Plot, extremes};
 use crate::kit::shell::{Shell, note, plotted, tab};
 use crate::kit::table::or_dash;
@@ -39,7 +39,7 @@ fn words(comparison: &TableComparison) -> Vec<String> {
     for force in &comparison.forces {
         let (before, after) = (&force.white_box.mae, &force.grey_box.mae);
         let verdict = if after.high < before.low {
-            format!("the correction removes {}", percent_tenths(1.0 - after.value / before.value))
+            format!("the correction removes {}", percent(1.0 - after.value / before.value))
         } else if after.value < before.value {
             "the correction helps, but not by more than the scatter of so few measurements"
                 .to_owned()
@@ -70,7 +70,7 @@ fn coverage(force: &ForceComparison, measured: usize) -> String {
     let found = format!(
         "{}: {} of the measurements lie inside the 95 % intervals that were predicted",
         force.force.symbol(),
-        percent_tenths(force.coverage)
+        percent(force.coverage)
     );
     // Two standard deviations of a share of 95 % of so many.
     let least = 0.95 - 2.0 * (0.95 * 0.05 / measured as f64).sqrt();
@@ -106,7 +106,7 @@ fn bias(force: &ForceComparison, found: &BootstrapEstimate) -> Option<String> {
 fn section(comparison: &TableComparison, force: &ForceComparison) -> Markup {
     let row = |name: &str, scores: &Scores| {
         html! { tr { th { (name) } td.n { (estimate(&scores.mae)) } td.n { (estimate(&scores.mse)) }
-        td.n { (or_dash(scores.mape_of_force, |mape| percent_tenths(mape.value))) } } }
+        td.n { (or_dash(scores.mape_of_force, |mape| percent(mape.value))) } } }
     };
     html! {
         section {
@@ -130,7 +130,7 @@ fn section(comparison: &TableComparison, force: &ForceComparison) -> Markup {
                             @if let Some(found) = &force.bias_inside {
                                 tr { th scope="row" { "The same inside the hull" } td.n { (estimate(found)) } }
                             }
-                            tr { th scope="row" { "Inside the predicted 95 % intervals" } td.n { (percent_tenths(force.coverage)) } }
+                            tr { th scope="row" { "Inside the predicted 95 % intervals" } td.n { (percent(force.coverage)) } }
                         }
                     } }
                 }

@@ -9,7 +9,7 @@ pub use comparison::render_comparison;
 pub use words::greybox_words;
 
 use crate::kit::map::{ColourScale, Map, ValueAt};
-use crate::kit::numbers::{percent_tenths, three_digits};
+use crate::kit::numbers::{percent, three_digits};
 use crate::kit::shell::{Shell, note, plotted, tab};
 use crate::kit::table::or_dash;
 use crate::kit::text::indexed;
@@ -71,14 +71,13 @@ fn capital(text: &str) -> String {
 
 fn key_figures(force: &ForceFit) -> Markup {
     let (before, after) = (force.white_box.mae.value, force.procedure.mae.value);
-    let relative = |scores: &sphcut_greybox::Scores| {
-        or_dash(scores.mape_of_force, |mape| percent_tenths(mape.value))
-    };
+    let relative =
+        |scores: &sphcut_greybox::Scores| or_dash(scores.mape_of_force, |mape| percent(mape.value));
     html! {
         dl.figures {
             div { dt { "MAE of the simulation" } dd { (three_digits(before)) " N " small { (relative(&force.white_box)) } } }
             div { dt { "MAE corrected, held out" } dd { (three_digits(after)) " N " small { (relative(&force.procedure)) } } }
-            div { dt { "Reduction of MAE" } dd { (percent_tenths(1.0 - after / before.max(f64::MIN_POSITIVE))) } }
+            div { dt { "Reduction of MAE" } dd { (percent(1.0 - after / before.max(f64::MIN_POSITIVE))) } }
             @if let Some(floor) = force.floor {
                 div { dt { "Noise floor" } dd { (three_digits(floor.mae)) " N" } }
             }

@@ -1,6 +1,6 @@
 //! Tables of the grey box: errors, importance, and where they come from.
 
-use crate::kit::numbers::{minus, percent_tenths, three_digits};
+use crate::kit::numbers::{minus, percent, three_digits};
 use crate::kit::table::ColumnHead::{Number, Text};
 use crate::kit::table::{NONE, or_dash, table};
 use crate::kit::text::indexed;
@@ -28,8 +28,8 @@ fn cells(scores: &Scores) -> Markup {
         (cell(Some(&scores.mae), three_digits))
         (cell(Some(&scores.mse), three_digits))
         (cell(scores.r_squared.as_ref(), thousandths))
-        (cell(scores.mape_of_error.as_ref(), percent_tenths))
-        (cell(scores.mape_of_force.as_ref(), percent_tenths))
+        (cell(scores.mape_of_error.as_ref(), percent))
+        (cell(scores.mape_of_force.as_ref(), percent))
     }
 }
 
@@ -39,8 +39,8 @@ fn white_cells(scores: &Scores) -> Markup {
         (cell(Some(&scores.mae), three_digits))
         (cell(Some(&scores.mse), three_digits))
         (cell(None, thousandths))
-        (cell(None, percent_tenths))
-        (cell(scores.mape_of_force.as_ref(), percent_tenths))
+        (cell(None, percent))
+        (cell(scores.mape_of_force.as_ref(), percent))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the figures of a grey box say, in sentences.
 
-use crate::kit::numbers::{percent_tenths, three_digits, with_ends};
+use crate::kit::numbers::{percent, three_digits, with_ends};
 use sphcut_greybox::regressor::Method;
 use sphcut_greybox::{BootstrapEstimate, FloorSource, ForceFit, GreyBoxFit};
 
@@ -48,10 +48,10 @@ fn force_words(force: &ForceFit) -> Vec<String> {
         estimate(after),
     );
     if force.pays() {
-        headline += &format!(", {} less", percent_tenths(reduction(before.value, after.value)));
+        headline += &format!(", {} less", percent(reduction(before.value, after.value)));
     }
     if let Some(mape) = force.procedure.mape_of_force {
-        headline += &format!("; that is {} of the force", percent_tenths(mape.value));
+        headline += &format!("; that is {} of the force", percent(mape.value));
     }
     headline += ".";
     if let Some(floor) = force.floor {
