@@ -167,7 +167,8 @@ fn distance_to_segment(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     } else {
         0.0
     };
-    (offset[0] - share * along[0]).hypot(offset[1] - share * along[1])
+    let [x, y] = [0, 1].map(|k| offset[k] - share * along[k]);
+    (x * x + y * y).sqrt()
 }
 
 #[cfg(test)]

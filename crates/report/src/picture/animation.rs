@@ -75,7 +75,8 @@ pub(crate) fn animate(
         let scene = Scene::new(&snapshot, &options);
         for (palette, range, pictures) in &mut fields {
             let canvas = scene.coloured_by(pictures.field, *range);
-            pictures.frames.push(canvas.indexed_png(&palette.colours, &palette.indices(&canvas)));
+            let indices = palette.indices(&canvas);
+            pictures.frames.push(canvas.indexed_png(&palette.colours, &indices));
         }
     }
     let fields = fields.into_iter().map(|(_, _, pictures)| pictures).collect();
@@ -112,8 +113,8 @@ impl Animation {
 /// The colours of the map, greys, and a table from any colour to the nearest of them.
 struct Palette {
     colours: Vec<Rgb>,
-    /// Index of the nearest colour for each colour with five bits per channel.
-    nearest: Vec<u8>,
+    /// Index of the nearest colour for each colour with five bits per channel, once a picture has had it.
+    nearest: Vec<Option<u8>>,
 }
 
 impl Palette {
@@ -123,18 +124,22 @@ impl Palette {
         let greys = 256 - FIELD_COLOURS;
         let grey = (0..greys).map(|k| [(255.0 * share(k, greys)).round() as u8; 3]);
         let colours: Vec<Rgb> = map.chain(grey).collect();
-        let nearest = (0..1_usize << 15).map(|code| nearest(&colours, decode(code))).collect();
-        Self { colours, nearest }
+        Self { colours, nearest: vec![None; 1 << 15] }
     }
 
-    fn indices(&self, canvas: &Canvas) -> Vec<u8> {
-        canvas.pixels.iter().map(|&pixel| self.nearest[encode(pixel)]).collect()
+    fn indices(&mut self, canvas: &Canvas) -> Vec<u8> {
+        let Self { colours, nearest } = self;
+        let index = |&pixel: &Rgb| {
+            let code = encode(pixel);
+            *nearest[code].get_or_insert_with(|| closest(colours, decode(code)))
+        };
+        canvas.pixels.iter().map(index).collect()
     }
 }
 
-fn encode(colour: Rgb) -> usize {
-    let [red, green, blue] = colour.map(|channel| usize::from(channel >> 3));
-    red << 10 | green << 5 | blue
+fn encode([red, green, blue]: Rgb) -> usize {
+    let upper = |channel: u8| usize::from(channel >> 3);
+    upper(red) << 10 | upper(green) << 5 | upper(blue)
 }
 
 /// White stays white: the upper five bits are repeated below.
@@ -145,7 +150,7 @@ fn decode(code: usize) -> Rgb {
     })
 }
 
-fn nearest(colours: &[Rgb], wanted: Rgb) -> u8 {
+fn closest(colours: &[Rgb], wanted: Rgb) -> u8 {
     let distance = |colour: &Rgb| -> i32 {
         colour.iter().zip(wanted).map(|(a, b)| (i32::from(*a) - i32::from(b)).pow(2)).sum()
     };

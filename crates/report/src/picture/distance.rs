@@ -3,58 +3,62 @@
 /// Squared distances in pixels of the pixels of an image to the nearest for which `empty` holds;
 /// infinite where there is none. Beyond the edge of the image nothing is empty.
 ///
-/// Two passes of the lower envelope of parabolas (Felzenszwalb, Huttenlocher, Theory of Computing
-/// 8 (2012) 415).
-pub(super) fn squared_distances(empty: &[bool], width: usize) -> Vec<f64> {
-    let height = empty.len() / width.max(1);
-    let mut field: Vec<f64> =
-        empty.iter().map(|&empty| if empty { 0.0 } else { f64::INFINITY }).collect();
-    let mut column = vec![0.0; height];
-    for x in 0..width {
-        (0..height).for_each(|y| column[y] = field[y * width + x]);
-        let transformed = envelope(&column);
-        (0..height).for_each(|y| field[y * width + x] = transformed[y]);
+/// The distance along the column by counting, then the lower envelope of parabolas along the row (Felzenszwalb,
+/// Huttenlocher, Theory of Computing 8 (2012) 415).
+pub(super) fn squared_distances(empty: &[bool], width: usize) -> Vec<f32> {
+    let width = width.max(1);
+    let mut field: Vec<f32> =
+        empty.iter().map(|&empty| if empty { 0.0 } else { f32::INFINITY }).collect();
+    // One more than the pixel above, then than the one below, where that is less.
+    for y in width..field.len() {
+        field[y] = field[y].min(field[y - width] + 1.0);
     }
-    for row in field.chunks_exact_mut(width.max(1)) {
-        let transformed = envelope(row);
-        row.copy_from_slice(&transformed);
+    for y in (0..field.len().saturating_sub(width)).rev() {
+        field[y] = field[y].min(field[y + width] + 1.0);
+    }
+    field.iter_mut().for_each(|distance| *distance *= *distance);
+    let mut envelope = Envelope::default();
+    for row in field.chunks_exact_mut(width) {
+        envelope.lower(row);
     }
     field
 }
 
-/// min over q of (p - q)^2 + f(q) for every p.
-fn envelope(values: &[f64]) -> Vec<f64> {
-    let mut vertices: Vec<usize> = Vec::new();
-    // Where the parabola of each vertex begins to be the lowest.
-    let mut starts: Vec<f64> = Vec::new();
-    for (q, value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+/// The lower envelope of parabolas, with the memory that each row uses again.
+#[derive(Default)]
+struct Envelope {
+    /// Where the parabola of each vertex begins to be the lowest, its place and its value.
+    vertices: Vec<(f64, usize, f64)>,
+}
+
+impl Envelope {
+    /// Replaces f(p) by the minimum over q of (p - q)^2 + f(q).
+    fn lower(&mut self, values: &mut [f32]) {
+        self.vertices.clear();
         let lift = |p: usize, f: f64| f + (p * p) as f64;
-        let mut start = f64::NEG_INFINITY;
-        while let Some(&p) = vertices.last() {
-            start = (lift(q, *value) - lift(p, values[p])) / (2.0 * (q - p) as f64);
-            if start > starts[starts.len() - 1] {
-                break;
+        for (q, &value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+            let value = f64::from(value);
+            let mut start = f64::NEG_INFINITY;
+            while let Some(&(from, p, other)) = self.vertices.last() {
+                start = (lift(q, value) - lift(p, other)) / (2.0 * (q - p) as f64);
+                if start > from {
+                    break;
+                }
+                self.vertices.pop();
+                start = f64::NEG_INFINITY;
             }
-            vertices.pop();
-            starts.pop();
-            start = f64::NEG_INFINITY;
+            self.vertices.push((start, q, value));
         }
-        vertices.push(q);
-        starts.push(start);
-    }
-    if vertices.is_empty() {
-        return vec![f64::INFINITY; values.len()];
-    }
-    let mut current = 0;
-    (0..values.len())
-        .map(|p| {
-            while current + 1 < vertices.len() && starts[current + 1] <= p as f64 {
-                current += 1;
+        let mut vertices = self.vertices.iter().peekable();
+        let Some(mut current) = vertices.next() else { return };
+        for (p, value) in values.iter_mut().enumerate() {
+            while let Some(next) = vertices.next_if(|(start, ..)| *start <= p as f64) {
+                current = next;
             }
-            let q = vertices[current];
-            (p as f64 - q as f64).powi(2) + values[q]
-        })
-        .collect()
+            let (_, q, lowest) = *current;
+            *value = ((p as f64 - q as f64).powi(2) + lowest) as f32;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -72,7 +76,7 @@ mod tests {
                 .filter(|&q| empty[q])
                 .map(|q| (x - (q % width) as f64).powi(2) + (y - (q / width) as f64).powi(2))
                 .fold(f64::INFINITY, f64::min);
-            assert_eq!(*distance, expected, "pixel {k}");
+            assert_eq!(f64::from(*distance), expected, "pixel {k}");
         }
         assert!(squared_distances(&[false; 6], 3).iter().all(|d| d.is_infinite()));
         assert!(squared_distances(&[], 0).is_empty());

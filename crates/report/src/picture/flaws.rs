@@ -1,7 +1,7 @@
 //! What a picture shows that is not of the cut: a chip that the moving window cuts off, and a pressure that
 //! alternates from row to row.
 
-use crate::kit::numbers::{percent_tenths, plain, three_digits};
+use crate::kit::numbers::{percent, plain, three_digits};
 use sphcut_record::Run;
 use sphcut_sph::Snapshot;
 use std::collections::{HashMap, HashSet};
@@ -28,9 +28,7 @@ pub(super) fn cut_off(run: &Run, first: &Snapshot, last: &Snapshot) -> Option<St
     if gone as f64 <= GONE * layer().count() as f64 {
         return None;
     }
-    let mut settings = run.provenance.settings.iter();
-    let behind = settings.find(|set| set.section == "window" && set.key == "behind")?;
-    let length = plain(behind.value.parse::<f64>().ok()? * 1e3);
+    let length = plain(run.provenance.number("window", "behind")? * 1e3);
     Some(format!(
         "The chip is longer than shown: what passed the edge more than {length} mm of travel ago has left the moving window."
     ))
@@ -44,7 +42,7 @@ pub(super) fn checkerboard(snapshot: &Snapshot) -> Option<String> {
             "Checkerboard pressure: it alternates from row to row by \u{b1} {} MPa ({} of its root mean square), an error of the \
              method; trust means over several particles.",
             three_digits(amplitude * 1e-6),
-            percent_tenths(amplitude / level)
+            percent(amplitude / level)
         )
     })
 }

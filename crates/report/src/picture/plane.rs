@@ -9,7 +9,7 @@ use crate::kit::ticks::Ticks;
 use sphcut_record::TemperatureUnit;
 use sphcut_sph::Snapshot;
 
-/// Fine pixels per pixel and direction.
+/// Fine pixels per pixel and direction: [`raster::halve`] makes one of four.
 pub(super) const OVERSAMPLING: usize = 2;
 const MISSING: Rgb = [255, 0, 255];
 const FRAME: Rgb = [150, 155, 162];
@@ -60,8 +60,7 @@ pub fn render_snapshot(
     field: ParticleField,
     options: &PictureOptions,
 ) -> Vec<u8> {
-    let range = options.range.unwrap_or_else(|| field.range([snapshot]));
-    Scene::new(snapshot, options).coloured_by(field, range).png()
+    Scene::new(snapshot, options).png_by(field)
 }
 
 /// A snapshot whose pixels know their particles, to be coloured once or by several fields.
@@ -79,6 +78,12 @@ impl<'a> Scene<'a> {
         let shown =
             raster::shown_particles(layout.fine(), &layout.fine_mapping(), snapshot, options.style);
         Self { snapshot, options, layout, shown }
+    }
+
+    /// A PNG file with a colour bar as the options say.
+    pub fn png_by(&self, field: ParticleField) -> Vec<u8> {
+        let range = self.options.range.unwrap_or_else(|| field.range([self.snapshot]));
+        self.coloured_by(field, range).png()
     }
 
     /// With a colour bar from one end of `range` to the other.
@@ -118,7 +123,7 @@ impl<'a> Scene<'a> {
         let line_width = self.layout.font / 9.0 * OVERSAMPLING as f64;
         let mapping = self.layout.fine_mapping();
         raster::draw_tool(&mut fine, &mapping, self.snapshot, tool, line_width);
-        raster::reduce(&fine, OVERSAMPLING)
+        raster::halve(&fine)
     }
 }
 

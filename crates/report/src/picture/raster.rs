@@ -44,8 +44,10 @@ impl Mapping {
     }
 }
 
-/// The particle that each pixel shows; `None` where there is no material.
-pub(super) type Shown = Vec<Option<usize>>;
+/// The number of the particle that each pixel shows; [`NOTHING`] where there is no material.
+pub(super) type Shown = Vec<u32>;
+/// No particle. There are millions of fine pixels, so a number takes four bytes.
+const NOTHING: u32 = u32::MAX;
 
 /// Which particles the pixels of an image of a size show in a style.
 pub(super) fn shown_particles(
@@ -73,9 +75,9 @@ pub(super) fn shown_particles(
 }
 
 /// Gives every pixel the colour of its particle.
-pub(super) fn paint(canvas: &mut Canvas, shown: &[Option<usize>], colours: &[Rgb]) {
-    for (pixel, particle) in canvas.pixels.iter_mut().zip(shown) {
-        if let Some(colour) = particle.and_then(|particle| colours.get(particle)) {
+pub(super) fn paint(canvas: &mut Canvas, shown: &[u32], colours: &[Rgb]) {
+    for (pixel, &particle) in canvas.pixels.iter_mut().zip(shown) {
+        if let Some(colour) = colours.get(particle as usize) {
             *pixel = *colour;
         }
     }
@@ -83,11 +85,11 @@ pub(super) fn paint(canvas: &mut Canvas, shown: &[Option<usize>], colours: &[Rgb
 
 /// Empties the pixels that lie within the `depth` of their particle of an empty one.
 fn erode(shown: &mut Shown, width: usize, depth: impl Fn(usize) -> f64) {
-    let empty: Vec<bool> = shown.iter().map(Option::is_none).collect();
+    let empty: Vec<bool> = shown.iter().map(|&particle| particle == NOTHING).collect();
     let inside = squared_distances(&empty, width);
     for (particle, squared) in shown.iter_mut().zip(inside) {
-        if particle.is_some_and(|particle| squared <= depth(particle).powi(2)) {
-            *particle = None;
+        if *particle != NOTHING && f64::from(squared) <= depth(*particle as usize).powi(2) {
+            *particle = NOTHING;
         }
     }
 }
@@ -100,8 +102,8 @@ fn nearest(
     snapshot: &Snapshot,
     radius: impl Fn(usize) -> f64,
 ) -> Shown {
-    let mut nearest = vec![f64::INFINITY; width * height];
-    let mut shown = vec![None; nearest.len()];
+    let mut nearest = vec![f32::INFINITY; width * height];
+    let mut shown = vec![NOTHING; nearest.len()];
     for (i, position) in snapshot.position.iter().enumerate() {
         let radius = radius(i);
         let depth_per_pixel = if snapshot.dimension == 3 { radius } else { 0.0 };
@@ -112,13 +114,16 @@ fn nearest(
         let depth = -position[2] * mapping.scale * depth_per_pixel;
         let columns = overlap(x, radius, width);
         for row in overlap(y, radius, height) {
-            for column in columns.clone() {
-                let (dx, dy) = (column as f64 + 0.5 - x, row as f64 + 0.5 - y);
+            let dy = row as f64 + 0.5 - y;
+            let pixels = row * width + columns.start..row * width + columns.end;
+            let known = nearest[pixels.clone()].iter_mut().zip(&mut shown[pixels]);
+            for (column, (nearest, shown)) in columns.clone().zip(known) {
+                let dx = column as f64 + 0.5 - x;
                 let squared = dx * dx + dy * dy;
-                let index = row * width + column;
-                if squared <= radius * radius && squared + depth < nearest[index] {
-                    nearest[index] = squared + depth;
-                    shown[index] = Some(i);
+                let distance = (squared + depth) as f32;
+                if squared <= radius * radius && distance < *nearest {
+                    *nearest = distance;
+                    *shown = i as u32;
                 }
             }
         }
@@ -203,19 +208,19 @@ fn crossings_at(corners: &[[f64; 2]], y: f64) -> Vec<f64> {
     crossings
 }
 
-/// The image with `factor` times fewer pixels in each direction, each the mean of its block.
-pub(super) fn reduce(fine: &Canvas, factor: usize) -> Canvas {
-    let mut coarse = Canvas::new(fine.width / factor, fine.height / factor);
-    let count = (factor * factor) as u32;
-    for (index, pixel) in coarse.pixels.iter_mut().enumerate() {
-        let (row, column) = (index / coarse.width * factor, index % coarse.width * factor);
-        let mut sum = [0_u32; 3];
-        for y in row..row + factor {
-            for source in &fine.pixels[y * fine.width + column..][..factor] {
-                sum.iter_mut().zip(source).for_each(|(total, &part)| *total += u32::from(part));
+/// The image with half the pixels in each direction, each the mean of four.
+pub(super) fn halve(fine: &Canvas) -> Canvas {
+    let mut coarse = Canvas::new(fine.width / 2, fine.height / 2);
+    let rows = fine.pixels.chunks_exact(2 * fine.width.max(1));
+    for (target, pair) in coarse.pixels.chunks_exact_mut((fine.width / 2).max(1)).zip(rows) {
+        let (upper, lower) = pair.split_at(fine.width);
+        let blocks = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
+        for (pixel, ([a, b], [c, d])) in target.iter_mut().zip(blocks) {
+            for k in 0..3 {
+                let sum = [a, b, c, d].map(|source| u16::from(source[k])).iter().sum::<u16>();
+                pixel[k] = ((sum + 2) / 4) as u8;
             }
         }
-        *pixel = sum.map(|total| ((total + count / 2) / count) as u8);
     }
     coarse
 }
@@ -298,9 +303,9 @@ mod tests {
     }
 
     #[test]
-    fn reducing_takes_the_mean() {
+    fn halving_takes_the_mean() {
         let mut fine = Canvas::new(2, 2);
         fine.pixels = vec![[0, 0, 0], [100, 0, 0], [0, 0, 0], [100, 200, 0]];
-        assert_eq!(reduce(&fine, 2).pixels, [[50, 50, 0]]);
+        assert_eq!(halve(&fine).pixels, [[50, 50, 0]]);
     }
 }

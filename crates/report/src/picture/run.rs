@@ -5,12 +5,12 @@ use super::described::{PICTURE_WIDTH, Picture, Pictures, description, tool_range
 use super::field::ParticleField;
 use super::flaws::{checkerboard, cut_off};
 use super::layers::render_layers;
-use super::plane::{PictureOptions, render_snapshot};
+use super::plane::{self, PictureOptions, render_snapshot};
 use super::raster::Style;
 use super::run_in_space;
 use super::view::View;
 use crate::kit::shell::data_uri;
-use sphcut_record::{Facts, Run, RunError, Setting, TemperatureUnit};
+use sphcut_record::{Facts, Run, RunError, TemperatureUnit};
 use sphcut_sph::Snapshot;
 
 /// Fields shown in a report.
@@ -33,8 +33,7 @@ const FARTHEST: f64 = 7.5;
 
 /// Whether the scenario wants `key` of its section `output`: everything it does not switch off.
 fn wanted(run: &Run, key: &str) -> bool {
-    let is_key = |s: &&Setting| s.section == "output" && s.key == key;
-    run.provenance.settings.iter().find(is_key).is_none_or(|setting| setting.text != "false")
+    run.provenance.setting("output", key).is_none_or(|setting| setting.text != "false")
 }
 
 /// A cut before it is run: workpiece and tool as they begin.
@@ -81,6 +80,7 @@ pub(crate) fn draw_all(
         ..PictureOptions::default()
     };
     let checkerboard = checkerboard(&last);
+    let drawn = plane::Scene::new(&last, &options);
     let mut fields: Vec<Picture> = FIELDS
         .into_iter()
         .map(|field| {
@@ -92,7 +92,7 @@ pub(crate) fn draw_all(
                 title,
                 description: description(field, &last, temperature),
                 media_type: "image/png",
-                bytes: render_snapshot(&last, field, &options),
+                bytes: drawn.png_by(field),
             }
         })
         .collect();

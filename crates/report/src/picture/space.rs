@@ -131,7 +131,7 @@ pub(crate) fn draw_in_space(
     }
     let fine = scene.lit();
     let mut canvas = Canvas::new(layout.width, layout.height);
-    let small = raster::reduce(&fine, OVERSAMPLING);
+    let small = raster::halve(&fine);
     for (row, source) in small.pixels.chunks_exact(small.width).enumerate() {
         let start = (plot.y0 + row) * canvas.width + plot.x0;
         canvas.pixels[start..start + small.width].copy_from_slice(source);
