@@ -2,10 +2,11 @@
 
 use crate::{Channels, CutValues, RunPoint};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 use sphcut_physics::{Channel, CuttingCondition};
 
 /// A quick model of a cut, right in its trends: the mean that runs correct.
-pub trait PriorModel {
+pub trait PriorModel: Sync {
     /// Logarithms of the channels in SI units at coordinates of the constants; not a number where it has no answer.
     fn logs(&self, condition: &CuttingCondition, t: &[f64]) -> Channels<f64>;
 }
@@ -232,7 +233,9 @@ impl<'m> Emulator<'m> {
         };
         let pairs = SMOOTHS.iter().flat_map(|&a| OWNS.iter().map(move |&b| [a * SMOOTH, b * OWN]));
         let all = pairs.flat_map(|errors| SCATTERS.iter().map(move |&s| (errors, s)));
-        all.filter_map(|(e, s)| of(e, s)).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+        let all: Vec<([f64; 2], f64)> = all.collect();
+        let found: Vec<_> = all.into_par_iter().map(|(e, s)| of(e, s)).collect();
+        found.into_iter().flatten().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
     }
 
     fn toward(
@@ -269,8 +272,10 @@ impl<'m> Emulator<'m> {
             return DMatrix::zeros(cuts.len(), cuts.len());
         };
         let columns: Vec<DVector<f64>> = cuts.iter().map(|cut| self.toward(own, cut, t)).collect();
-        let toward = DMatrix::from_columns(&columns);
-        let told = toward.tr_mul(&own.known.solve(&toward));
+        // toward' K^-1 toward = |L^-1 toward|^2.
+        let mut whitened = DMatrix::from_columns(&columns);
+        own.known.l_dirty().solve_lower_triangular_mut(&mut whitened);
+        let told = whitened.tr_mul(&whitened);
         let places: Vec<[f64; 4]> = cuts.iter().map(|cut| self.places.at(cut)).collect();
         DMatrix::from_fn(cuts.len(), cuts.len(), |i, j| {
             let (a, b) = ((&places[i], cuts[i], t), (&places[j], cuts[j], t));

@@ -3,6 +3,7 @@
 use crate::cuts::MeasuredCut;
 use crate::emulator::Emulator;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 use sphcut_physics::Channel;
 
 /// A discrepancy of the model.
@@ -123,7 +124,7 @@ impl LinearLaw {
         let of = |v: &MeasuredValue| &cuts[v.cut].condition;
         let logs = values.iter().map(|v| emulator.log(v.channel, of(v), t));
         let slopes: Vec<Vec<f64>> =
-            values.iter().map(|v| emulator.slopes(v.channel, of(v), t)).collect();
+            values.par_iter().map(|v| emulator.slopes(v.channel, of(v), t)).collect();
         let mut known = DMatrix::from_fn(values.len(), values.len(), |i, j| {
             if i == j { values[i].variance } else { 0.0 }
         });
@@ -136,8 +137,10 @@ impl LinearLaw {
             }
             let conditions: Vec<_> = own.iter().map(|&k| of(&values[k])).collect();
             let mut open = DMatrix::zeros(own.len(), own.len());
-            for place in around {
-                let there = emulator.covariance(channel, &conditions, place.as_slice());
+            let at =
+                |place: &DVector<f64>| emulator.covariance(channel, &conditions, place.as_slice());
+            let all: Vec<DMatrix<f64>> = around.par_iter().map(at).collect();
+            for there in all {
                 open += there / around.len() as f64;
             }
             let places: Vec<[f64; 4]> =
