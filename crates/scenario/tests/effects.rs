@@ -4,8 +4,9 @@
 use sphcut_physics::effects::{EFFECTS, EffectEntry, find};
 use sphcut_scenario::{LoadOptions, parse};
 use sphcut_sph::{ChannelId, CheckpointState, Sample, Simulation};
+use std::collections::HashMap;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, LazyLock, Mutex, OnceLock};
 
 const CUT: &str = r#"
 title = "A small cut"
@@ -71,7 +72,15 @@ impl Outcome {
     }
 }
 
-fn run(text: &str) -> Outcome {
+/// The outcome of a scenario, computed once for all tests that ask for it.
+fn run(text: &str) -> Arc<Outcome> {
+    type Once = Arc<OnceLock<Arc<Outcome>>>;
+    static OUTCOMES: LazyLock<Mutex<HashMap<String, Once>>> = LazyLock::new(Mutex::default);
+    let once = OUTCOMES.lock().unwrap().entry(text.to_owned()).or_default().clone();
+    once.get_or_init(|| Arc::new(compute(text))).clone()
+}
+
+fn compute(text: &str) -> Outcome {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good");
     let scenario =
         parse(text, "cut.toml", Some(&folder), &LoadOptions::default()).unwrap_or_else(|found| {
@@ -91,10 +100,9 @@ fn bits(state: &CheckpointState) -> Vec<u64> {
     common.flat_map(|(_, values)| values.iter().map(|v| v.to_bits())).collect()
 }
 
-/// The cut without effects, computed once.
-fn base() -> &'static Outcome {
-    static BASE: OnceLock<Outcome> = OnceLock::new();
-    BASE.get_or_init(|| run(CUT))
+/// The cut without effects.
+fn base() -> Arc<Outcome> {
+    run(CUT)
 }
 
 /// `[effects.NAME]` with the example of the effect; `instead` replaces values of it.
@@ -108,7 +116,7 @@ fn table(entry: &EffectEntry, instead: &[(&str, f64)]) -> String {
     format!("\n[effects.{}]\n{}", entry.key, lines.collect::<String>())
 }
 
-fn with(key: &str) -> Outcome {
+fn with(key: &str) -> Arc<Outcome> {
     run(&format!("{CUT}{}", table(find(key).unwrap(), &[])))
 }
 
@@ -147,6 +155,17 @@ fn changed(changes: &[(&str, &str)]) -> String {
         assert!(text.contains(from));
         text.replace(from, to)
     })
+}
+
+/// The cut at half the size.
+fn at_half_the_size() -> String {
+    changed(&[
+        ("uncut_chip_thickness = \"0.1 mm\"", "uncut_chip_thickness = \"0.05 mm\""),
+        ("edge_radius = \"20 um\"", "edge_radius = \"10 um\""),
+        ("travel = \"0.3 mm\"", "travel = \"0.15 mm\""),
+        ("sampling_travel = \"4 um\"", "sampling_travel = \"2 um\""),
+        ("particle_spacing = \"20 um\"", "particle_spacing = \"10 um\""),
+    ])
 }
 
 /// The same of another cut.
@@ -218,14 +237,7 @@ fn a_size_effect_raises_the_specific_cutting_force_of_thin_chips() {
     let ratio = force_ratio_over_lattices(CUT, &table(entry, &[]));
     assert!(ratio > 1.03 && ratio < 1.06, "{ratio}");
     // The same cut at half the size: sqrt(1.2) = 1.095.
-    let changes = [
-        ("uncut_chip_thickness = \"0.1 mm\"", "uncut_chip_thickness = \"0.05 mm\""),
-        ("edge_radius = \"20 um\"", "edge_radius = \"10 um\""),
-        ("travel = \"0.3 mm\"", "travel = \"0.15 mm\""),
-        ("sampling_travel = \"4 um\"", "sampling_travel = \"2 um\""),
-        ("particle_spacing = \"20 um\"", "particle_spacing = \"10 um\""),
-    ];
-    let thin = force_ratio_over_lattices(&changed(&changes), &table(entry, &[]));
+    let thin = force_ratio_over_lattices(&at_half_the_size(), &table(entry, &[]));
     assert!(thin > ratio + 0.02 && thin < 1.11, "{thin} {ratio}");
 }
 
@@ -244,13 +256,13 @@ fn less_plastic_heat_means_colder_chips_and_larger_forces() {
     let cold = with("plastic_heat");
     cold.books_close();
     let interface = |outcome: &Outcome| outcome.mean(ChannelId::InterfaceTemperature);
-    assert!(interface(&cold) < interface(base()) - 10.0);
+    assert!(interface(&cold) < interface(&base()) - 10.0);
     assert!(force_ratio(&cold) > 1.005, "{}", force_ratio(&cold));
     // Heat over plastic work, with the friction heat that both have, lies between the shares.
     let share = |outcome: &Outcome| {
         outcome.last(ChannelId::HeatSupplied) / outcome.last(ChannelId::PlasticWork)
     };
-    assert!(share(&cold) < share(base()) - 0.1, "{} {}", share(&cold), share(base()));
+    assert!(share(&cold) < share(&base()) - 0.1, "{} {}", share(&cold), share(&base()));
 }
 
 #[test]
@@ -384,13 +396,6 @@ fn strain_gradients_raise_the_specific_cutting_force_of_thin_chips_more() {
     let ratio = force_ratio_over_lattices(CUT, &effect);
     assert!(ratio > 1.04 && ratio < 1.2, "{ratio}");
     // The same cut at half the size: twice the gradient.
-    let changes = [
-        ("uncut_chip_thickness = \"0.1 mm\"", "uncut_chip_thickness = \"0.05 mm\""),
-        ("edge_radius = \"20 um\"", "edge_radius = \"10 um\""),
-        ("travel = \"0.3 mm\"", "travel = \"0.15 mm\""),
-        ("sampling_travel = \"4 um\"", "sampling_travel = \"2 um\""),
-        ("particle_spacing = \"20 um\"", "particle_spacing = \"10 um\""),
-    ];
-    let thin = force_ratio_over_lattices(&changed(&changes), &effect);
+    let thin = force_ratio_over_lattices(&at_half_the_size(), &effect);
     assert!(thin > ratio + 0.02, "{thin} {ratio}");
 }

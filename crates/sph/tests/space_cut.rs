@@ -9,9 +9,11 @@ use sphcut_sph::{ChannelId, Sample, SetupError, Simulation};
 use sphcut_tool_heat::{Coating, OuterBoundary, ThermalMaterial, ToolHeat};
 use support::{SPACING, bits, cut, run, wedge};
 
-/// Rows of particles across the slab. The two at its free sides press two thirds as much as those inside, and
+/// Rows of particles across the slab where forces count. The two at its free sides press two thirds as much as those inside, and
 /// friction follows: of 4, 8 and 12 rows the feed force is 14, 8 and 8 % below that of the plane.
 const ROWS: f64 = 12.0;
+/// Where bits, balances or refusals count: none of them depends on the number of rows.
+const FEW_ROWS: f64 = 4.0;
 
 /// The wedge between two places along z.
 fn prism(ends: [f64; 2]) -> ToolSurface {
@@ -32,9 +34,9 @@ fn prism(ends: [f64; 2]) -> ToolSurface {
     ToolSurface::Triangles { vertices, triangles }
 }
 
-/// The plane cut as a slab whose particles keep their z.
-fn slab() -> Setup {
-    let width = ROWS * SPACING;
+/// The plane cut as a slab of so many rows whose particles keep their z.
+fn slab(rows: f64) -> Setup {
+    let width = rows * SPACING;
     let mut setup = cut(0.0, Lattice::Square);
     setup.dimension = Dimension::Three;
     setup.width_of_cut = width;
@@ -69,7 +71,7 @@ fn mean(samples: &[Sample], id: ChannelId) -> f64 {
 #[test]
 fn a_slab_held_at_its_sides_needs_the_forces_of_the_plane_cut() {
     let (_, plane) = run(cut(0.0, Lattice::Square));
-    let (_, space) = run(slab());
+    let (_, space) = run(slab(ROWS));
     let width = ROWS * SPACING;
     for (id, tolerance) in [(ChannelId::CuttingForce, 0.05), (ChannelId::FeedForce, 0.10)] {
         let (expected, found) = (mean(&plane, id), mean(&space, id) / width);
@@ -85,7 +87,7 @@ fn a_slab_held_at_its_sides_needs_the_forces_of_the_plane_cut() {
 
 #[test]
 fn threads_and_an_interruption_change_no_bit_in_space() {
-    let setup = slab();
+    let setup = slab(FEW_ROWS);
     let with_threads = |count: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
         pool.install(|| run(setup.clone()).0)
@@ -111,7 +113,7 @@ fn threads_and_an_interruption_change_no_bit_in_space() {
 #[test]
 fn a_tool_in_space_that_is_open_or_inside_out_is_refused() {
     let refused = |change: &dyn Fn(&mut Vec<[usize; 3]>)| {
-        let mut setup = slab();
+        let mut setup = slab(FEW_ROWS);
         let tool = setup.tool.as_mut().unwrap();
         let ToolSurface::Triangles { triangles, .. } = &mut tool.surface else { panic!() };
         change(triangles);
@@ -128,7 +130,7 @@ fn a_tool_in_space_that_is_open_or_inside_out_is_refused() {
 }
 
 /// The slab with a tool of carbide that takes heat; all friction heat begins in the workpiece.
-fn heated_slab(contact_conductance: f64, coating: Option<f64>) -> Setup {
+fn heated_slab(rows: f64, contact_conductance: f64, coating: Option<f64>) -> Setup {
     let table = |value: f64| TemperatureTable::new(&[(293.15, value)]).unwrap();
     let material = |density: f64, capacity: f64, conductivity: f64| ThermalMaterial {
         density,
@@ -136,12 +138,12 @@ fn heated_slab(contact_conductance: f64, coating: Option<f64>) -> Setup {
         thermal_conductivity: table(conductivity),
     };
     let [x, y] = wedge()[0];
-    let mut setup = slab();
+    let mut setup = slab(rows);
     let values = [("friction_heat_share", 1.0)];
     setup.heat.values = Values::resolve(sphcut_physics::heat::PARAMETERS, &values).unwrap();
     let tool = setup.tool.as_mut().unwrap();
     // As wide as the slab: no heat flows along z.
-    tool.surface = prism([0.0, ROWS * SPACING]);
+    tool.surface = prism([0.0, rows * SPACING]);
     tool.heat = Some(ToolHeat {
         substrate: material(14_850.0, 202.0, 100.0),
         coating: coating
@@ -151,7 +153,7 @@ fn heated_slab(contact_conductance: f64, coating: Option<f64>) -> Setup {
         // The back and the top of the wedge.
         outer_sides: vec![2, 3, 4, 5],
         outer: OuterBoundary::Fixed(293.15),
-        fine_centre: [x, y, 0.5 * ROWS * SPACING],
+        fine_centre: [x, y, 0.5 * rows * SPACING],
         fine_reach: 0.15e-3,
         element_size: SPACING,
     });
@@ -160,7 +162,7 @@ fn heated_slab(contact_conductance: f64, coating: Option<f64>) -> Setup {
 
 #[test]
 fn heat_that_leaves_the_workpiece_is_in_the_tool_in_space() {
-    let mut setup = heated_slab(1e6, Some(3e-6));
+    let mut setup = heated_slab(FEW_ROWS, 1e6, Some(3e-6));
     let values = [("friction_heat_share", 0.5)];
     setup.heat.values = Values::resolve(sphcut_physics::heat::PARAMETERS, &values).unwrap();
     let (_, samples) = run(setup);
@@ -177,14 +179,16 @@ fn heat_that_leaves_the_workpiece_is_in_the_tool_in_space() {
 
 #[test]
 fn a_tool_in_space_that_takes_heat_cools_the_interface_as_in_the_plane() {
-    let interface = |setup| mean(&run(setup).1, ChannelId::InterfaceTemperature);
-    let [none, poor, good] = [1e-3, 1e5, 1e7].map(|h| interface(heated_slab(h, None)));
+    let (simulation, samples) = run(heated_slab(ROWS, 1e7, None));
+    let interface = |samples: &[Sample]| mean(samples, ChannelId::InterfaceTemperature);
+    let [none, poor] = [1e-3, 1e5].map(|h| interface(&run(heated_slab(ROWS, h, None)).1));
+    let good = interface(&samples);
     assert!(none > poor && poor > good, "{none} {poor} {good}");
     // The same share of the heat of friction enters the tool as in the plane, and a coating takes as much off it: not to rounding,
     // the cuts themselves differ.
     let flat = |coating: Option<f64>| {
         let mut setup = cut(0.0, Lattice::Square);
-        let slab = heated_slab(1e7, coating);
+        let slab = heated_slab(ROWS, 1e7, coating);
         setup.heat = slab.heat;
         let mut heat = slab.tool.unwrap().heat.unwrap();
         heat.outer_sides = vec![1, 2];
@@ -195,10 +199,9 @@ fn a_tool_in_space_that_takes_heat_cools_the_interface_as_in_the_plane() {
         let last = samples.last().unwrap();
         last.get(ChannelId::HeatIntoTool) / last.get(ChannelId::FrictionWork)
     };
-    let rise = |samples: &[Sample]| mean(samples, ChannelId::InterfaceTemperature) - 293.15;
-    let (simulation, samples) = run(heated_slab(1e7, None));
+    let rise = |samples: &[Sample]| interface(samples) - 293.15;
     let (bare, bare_plane) = (share(&samples), flat(None));
-    let (coated, coated_plane) = (run(heated_slab(1e7, Some(3e-6))).1, flat(Some(3e-6)));
+    let (coated, coated_plane) = (run(heated_slab(ROWS, 1e7, Some(3e-6))).1, flat(Some(3e-6)));
     let plane = share(&bare_plane);
     assert!((bare / plane - 1.0).abs() < 0.05, "{bare} {plane}");
     let (found, expected) = (share(&coated) / bare, share(&coated_plane) / plane);
@@ -231,7 +234,7 @@ fn a_tool_in_space_that_takes_heat_cools_the_interface_as_in_the_plane() {
 
 #[test]
 fn threads_and_an_interruption_change_no_bit_of_a_heated_tool_in_space() {
-    let setup = heated_slab(1e6, Some(3e-6));
+    let setup = heated_slab(FEW_ROWS, 1e6, Some(3e-6));
     let with_threads = |count: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
         pool.install(|| run(setup.clone()).0)
@@ -256,7 +259,7 @@ fn threads_and_an_interruption_change_no_bit_of_a_heated_tool_in_space() {
 #[test]
 fn what_cannot_be_meshed_in_space_says_why() {
     let refused = |change: &dyn Fn(&mut ToolHeat)| {
-        let mut setup = heated_slab(1e6, Some(3e-6));
+        let mut setup = heated_slab(ROWS, 1e6, Some(3e-6));
         change(setup.tool.as_mut().unwrap().heat.as_mut().unwrap());
         match Simulation::new(setup) {
             Err(SetupError::ToolHeat(fault)) => fault.reason,

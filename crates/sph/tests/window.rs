@@ -10,6 +10,7 @@ use sphcut_sph::setup::{
     VelocityField,
 };
 use sphcut_sph::{ChannelId, Sample, SetupError, Simulation, options};
+use std::sync::LazyLock;
 use support::{SPACING, SPEED, bits, cut, run, wedge};
 
 /// Long enough for material to come and to go.
@@ -30,6 +31,9 @@ fn windowed(rotation: f64) -> Setup {
     Setup { window, ..long_cut(rotation) }
 }
 
+/// The cut in its window, computed once.
+static IN_WINDOW: LazyLock<(Simulation, Vec<Sample>)> = LazyLock::new(|| run(windowed(0.0)));
+
 fn mean(samples: &[Sample], id: ChannelId) -> f64 {
     let late = &samples[3 * samples.len() / 10..];
     late.iter().map(|sample| sample.get(id)).sum::<f64>() / late.len() as f64
@@ -43,7 +47,7 @@ fn material_comes_and_goes_with_closed_books() {
     assert_eq!(start.estimate().particles, 33 * 14);
     // The start shows all material, later snapshots what is there.
     assert_eq!(start.snapshot().id, (0..56 * 14).collect::<Vec<_>>());
-    let (simulation, samples) = run(windowed(0.0));
+    let (simulation, samples) = &*IN_WINDOW;
     let counts = samples.iter().map(|sample| sample.get(ChannelId::Particles) as usize);
     let most = counts.max().unwrap();
     assert!(most > 33 * 14 && most < 40 * 14, "{most}");
@@ -59,7 +63,7 @@ fn material_comes_and_goes_with_closed_books() {
     assert!((content - supplied).abs() < 1e-6 * supplied, "{content} {supplied}");
     let mut before = 0.0;
     let mut impulse = 0.0;
-    for sample in &samples {
+    for sample in samples {
         let interval = sample.get(ChannelId::Time) - before;
         before = sample.get(ChannelId::Time);
         impulse += interval
@@ -72,8 +76,8 @@ fn material_comes_and_goes_with_closed_books() {
 #[test]
 fn a_window_does_not_change_the_forces() {
     let (_, whole) = run(long_cut(0.0));
-    let (_, window) = run(windowed(0.0));
-    let ratio = |id| mean(&window, id) / mean(&whole, id);
+    let (_, window) = &*IN_WINDOW;
+    let ratio = |id| mean(window, id) / mean(&whole, id);
     let (cutting, feed) = (ratio(ChannelId::CuttingForce), ratio(ChannelId::FeedForce));
     assert!((cutting - 1.0).abs() < 0.03, "F_c changes by a factor of {cutting}");
     assert!((feed - 1.0).abs() < 0.15, "F_f changes by a factor of {feed}");
@@ -185,13 +189,13 @@ fn restored_window_is_the_same(setup: Setup) {
 
 #[test]
 fn a_rotated_window_is_the_same_window() {
-    let (straight, turned) = (run(windowed(0.0)).1, run(windowed(37_f64.to_radians())).1);
+    let (straight, turned) = (&IN_WINDOW.1, &run(windowed(37_f64.to_radians())).1);
     let count = |samples: &[Sample]| samples[20].get(ChannelId::Particles);
-    assert_eq!(count(&straight), count(&turned));
+    assert_eq!(count(straight), count(turned));
     let early = |samples: &[Sample]| {
         samples[..20].iter().map(|s| s.get(ChannelId::CuttingForce)).sum::<f64>()
     };
-    let (straight, turned) = (early(&straight), early(&turned));
+    let (straight, turned) = (early(straight), early(turned));
     assert!((straight - turned).abs() < 0.01 * straight, "{straight} {turned}");
 }
 
@@ -250,11 +254,11 @@ fn a_window_that_leaves_such_a_particle_behind_keeps_its_energy_and_momentum() {
     let mut setup = windowed(0.0);
     setup.bodies.push(lone());
     let (simulation, samples) = run(setup);
-    let (_, without) = run(windowed(0.0));
+    let (_, without) = &*IN_WINDOW;
     let highest = simulation.snapshot().position.iter().map(|p| p[1]).fold(f64::MIN, f64::max);
     assert!(highest < 0.5e-3, "it has not left: {highest}");
     let retired = last(&samples, ChannelId::RetiredEnergy);
-    let others = last(&without, ChannelId::RetiredEnergy);
+    let others = last(without, ChannelId::RetiredEnergy);
     // What else has left differs by chance of two cuts, by less than itself.
     assert!((retired - ENERGY).abs() < 2.0 * others + 1e-9 * ENERGY, "{retired} {ENERGY} {others}");
     assert!(others < 0.3 * ENERGY, "{others} {ENERGY}");

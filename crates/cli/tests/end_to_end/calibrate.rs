@@ -92,8 +92,8 @@ fn mistakes_of_single_cuts_are_told_before_anything_runs() {
 #[test]
 fn a_friction_coefficient_is_found_with_particle_runs() {
     let shop = Workshop::new("calibrate_particles");
-    // Six rows across the chip: with four, two cuts with the same friction differ by more than their intervals.
-    let cut = windowed().replace("25 um", "16 um");
+    // Five rows across the chip: with four, two cuts with the same friction differ by more than their intervals.
+    let cut = windowed().replace("25 um", "20 um");
     shop.write("cut.toml", &cut);
     let truth = cut.replace("friction_coefficient = 0.25", "friction_coefficient = 0.5");
     shop.write("truth.toml", &truth);
@@ -101,7 +101,7 @@ fn a_friction_coefficient_is_found_with_particle_runs() {
     shop.write("cuts.csv", "v_c [m/min],h [mm],F_c [N],F_f [N]\n150,0.1,1,1\n");
     let sweep = "title = \"t\"\nbase = \"truth.toml\"\n[design]\nkind = \"list\"\n\
                  [[vary]]\nkey = \"process.cutting_speed\"\nvalues = [\"100 m/min\", \"150 m/min\", \"200 m/min\"]\n\
-                 [[vary]]\nkey = \"stop.travel\"\nvalues = [\"0.8 mm\", \"0.8 mm\", \"0.8 mm\"]\n";
+                 [[vary]]\nkey = \"stop.travel\"\nvalues = [\"0.6 mm\", \"0.6 mm\", \"0.6 mm\"]\n";
     shop.write("truth_sweep.toml", sweep);
     shop.sphcut(&["sweep", "truth_sweep.toml", "--out", "truth", "--quiet", "--threads", "1"])
         .expect_code(0);
@@ -116,7 +116,7 @@ fn a_friction_coefficient_is_found_with_particle_runs() {
         "--fit",
         "mu",
         "--travel",
-        "8",
+        "6",
         "--refreshes",
         "1",
         "--threads",

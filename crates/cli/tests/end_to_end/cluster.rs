@@ -1,4 +1,9 @@
-//! `sphcut sweep` on a cluster, as far as it goes without one; with a real one: `tests/slurm`.
+//! `sphcut sweep` on a cluster, as far as it goes without one; with a real one: `slurm`.
+
+#[cfg(unix)]
+mod one_node;
+#[cfg(unix)]
+mod slurm;
 
 use crate::sweep::{SWEEP, shop};
 

@@ -36,6 +36,7 @@ mass_scaling = 1000
 
 [output]
 snapshots = 4
+pictures = false
 
 [stop]
 travel = "0.2 mm"

@@ -214,7 +214,7 @@ inertia_number = 1.0
 [output]
 snapshots = 2
 [stop]
-travel = "0.5 mm"
+travel = "0.3 mm"
 "#,
     );
     let mut table = "v_c [m/min],h [mm],F_c [N],F_c_sd [N],F_f [N],F_f_sd [N]\n".to_owned();

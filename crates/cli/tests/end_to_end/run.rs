@@ -13,7 +13,7 @@ fn rows(csv: &str) -> Vec<&str> {
 #[test]
 fn a_run_leaves_its_files_in_the_default_folder() {
     let shop = Workshop::new("run_default");
-    shop.write("tiny.toml", TINY);
+    shop.write("tiny.toml", &TINY.replace("pictures = false\n", ""));
     let ended = shop.sphcut(&["run", "tiny.toml"]).expect_code(0);
     assert!(ended.err.contains("100 %"), "plain progress lines: {}", ended.err);
     assert!(ended.out.contains("391 particles"), "{}", ended.out);
@@ -25,6 +25,9 @@ fn a_run_leaves_its_files_in_the_default_folder() {
     assert!(!shop.path("out/tiny/run.partial").exists(), "nothing half done is left");
     let forces = shop.read("out/tiny/forces.csv");
     assert!(rows(&forces).len() > 300, "{} rows", rows(&forces).len());
+    // Six fields, the tool, the layers, the whole workpiece.
+    let pictures = shop.read("out/tiny/report.html").matches("data:image/png").count();
+    assert!(pictures >= 9, "{pictures}");
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn a_dry_run_prints_runs_cost_and_total_and_writes_nothing() {
 const OUT: [&str; 7] = ["sweep", "sweep.toml", "--out", "out", "--threads", "1", "--quiet"];
 
 /// The folders of all results with their `forces.csv`, by address.
-fn forces(shop: &Workshop, store: &str) -> BTreeMap<String, String> {
+pub fn forces(shop: &Workshop, store: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for shard in std::fs::read_dir(shop.path(store).join("results")).unwrap().flatten() {
         for result in std::fs::read_dir(shard.path()).unwrap().flatten() {

@@ -11,13 +11,14 @@ use sphcut_physics::{Values, flow_stress};
 
 const SPACING: f64 = 0.05;
 
-/// A bar along y between -4 and 4, 2 wide (and 0.6 deep), whose spacing doubles below y = 0, `levels` times; its motion across
+/// A bar along y between -4 and 4, 2 wide (in space 0.8, and 0.6 deep), whose spacing doubles below y = 0, `levels` times; its motion across
 /// the components in `held` is none.
 fn bar(dimension: Dimension, levels: u8, held: [bool; 3]) -> Setup {
     let mut setup = block(dimension, Lattice::Square, 1.0);
     setup.particle_spacing = SPACING;
     setup.materials[0].moduli = ElasticModuli::from_young(1e9, 0.3);
-    let (min, max) = ([-1.0, -4.0, -0.3], [1.0, 4.0, 0.3]);
+    let half = if dimension == Dimension::Two { 1.0 } else { 0.4 };
+    let (min, max) = ([-half, -4.0, -0.3], [half, 4.0, 0.3]);
     let shape = Shape::Box { min, max, rotation: 0.0, mirrored: false };
     setup.supports.push(Support {
         name: "guide".to_owned(),

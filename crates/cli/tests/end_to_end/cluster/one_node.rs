@@ -39,7 +39,8 @@ impl Cluster {
     }
 
     fn ask(&self, what: &str) -> Output {
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/slurm/cluster.sh");
+        let script =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/end_to_end/cluster/cluster.sh");
         Command::new("bash").arg(script).arg(what).arg(&self.folder).output().unwrap()
     }
 

@@ -2,19 +2,12 @@
 //!
 //! Skipped, with the reason, where none can be started.
 
-#![cfg(unix)]
-
-mod cluster;
-#[path = "../end_to_end/common.rs"]
-#[allow(dead_code)]
-mod common;
-
-use cluster::Cluster;
-use common::{Ended, TINY, Workshop};
+use super::SUBMIT;
+use super::one_node::Cluster;
+use crate::common::{Ended, TINY, Workshop};
+use crate::sweep::forces;
 use serde_json::Value;
 use std::collections::BTreeMap;
-
-const SUBMIT: [&str; 6] = ["sweep", "sweep.toml", "--out", "out", "--executor", "slurm"];
 
 /// Twelve runs.
 const SWEEP: &str = "title = \"Friction\"\nbase = \"tiny.toml\"\n[[vary]]\nkey = \"tool.friction.friction_coefficient\"\n\
@@ -51,18 +44,6 @@ fn status(cluster: &Cluster, shop: &Workshop) -> (Option<i32>, Value) {
 fn wait_for_end(cluster: &Cluster, shop: &Workshop) {
     cluster.wait("the end of all jobs", || cluster.queue().is_empty().then_some(()));
     assert_eq!(status(cluster, shop).1["tasks_in_queue"], 0);
-}
-
-/// The bits of all results, by address.
-fn forces(shop: &Workshop, store: &str) -> BTreeMap<String, String> {
-    let mut found = BTreeMap::new();
-    for shard in std::fs::read_dir(shop.path(store).join("results")).unwrap().flatten() {
-        for result in std::fs::read_dir(shard.path()).unwrap().flatten() {
-            let csv = std::fs::read_to_string(result.path().join("forces.csv")).unwrap();
-            found.insert(result.file_name().to_string_lossy().into_owned(), csv);
-        }
-    }
-    found
 }
 
 /// The same sweep computed here.
