@@ -129,10 +129,31 @@ mod tests {
     use super::*;
     use clap::CommandFactory;
 
+    /// What clap itself looks for in builds with debug assertions only: options of one name, others that do not exist.
+    fn check(command: &clap::Command) {
+        let mut names = std::collections::BTreeSet::new();
+        for argument in command.get_arguments() {
+            let long = argument.get_long_and_visible_aliases().into_iter().flatten();
+            let short = argument.get_short_and_visible_aliases().into_iter().flatten();
+            let options = long.map(|long| format!("--{long}"));
+            for name in options.chain(short.map(|short| format!("-{short}"))) {
+                assert!(names.insert(name.clone()), "{name} twice in {}", command.get_name());
+            }
+            // Panics where one of them does not exist.
+            command.get_arg_conflicts_with(argument);
+            assert!(
+                argument.is_positional() || argument.get_help().is_some(),
+                "{argument}: no help"
+            );
+        }
+        command.get_subcommands().for_each(check);
+    }
+
     #[test]
     fn the_declaration_is_consistent() {
-        Arguments::command().debug_assert();
         let mut all = Arguments::command();
+        all.build();
+        check(&all);
         for (name, what) in [
             ("sweep", "of the sweep"),
             ("diagnose", "of the diagnosis"),

@@ -46,7 +46,9 @@ struct Track {
 /// Measures, prints and appends the result; beside other codes if `peers` tells where they are.
 pub fn run(root: &Path, peers: Option<&Path>) -> Result<(), String> {
     if cfg!(debug_assertions) {
-        return in_release(root, peers);
+        return Err(
+            "the development profile says nothing about speed: `cargo xtask bench`".to_owned()
+        );
     }
     if let Some(environment) = peers {
         return peers::run(root, environment);
@@ -69,21 +71,6 @@ pub fn run(root: &Path, peers: Option<&Path>) -> Result<(), String> {
     let section = section(root, load, &tracks);
     println!("{section}");
     append(&root.join("docs/performance.md"), &section)
-}
-
-/// The development profile checks every addition: its speed says nothing.
-fn in_release(root: &Path, peers: Option<&Path>) -> Result<(), String> {
-    let peers = peers.map(std::path::absolute).transpose().map_err(|error| error.to_string())?;
-    let peers = peers.iter().flat_map(|folder| ["--peers".into(), folder.into()]);
-    let peers: Vec<std::ffi::OsString> = peers.collect();
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    let status = std::process::Command::new(cargo)
-        .args(["run", "--release", "--quiet", "--package", "xtask", "--", "bench"])
-        .args(peers)
-        .current_dir(root)
-        .status()
-        .map_err(|error| format!("cannot run cargo: {error}"))?;
-    if status.success() { Ok(()) } else { Err("the benchmark failed".to_owned()) }
 }
 
 fn pool(threads: usize) -> Result<rayon::ThreadPool, String> {

@@ -103,7 +103,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "physics",
         ],
     ),
-    // The compiled half of the Python package, outside the workspace.
+    // The compiled half of the Python package.
     ("python", &["cli", "greybox", "sweep", "record", "scenario", "input", "sph"]),
 ];
 /// The manifest of the Python package.
@@ -112,7 +112,6 @@ const PYTHON: &str = "python/Cargo.toml";
 /// Checks the arrows in the manifests and what the core reaches.
 pub fn check(root: &Path, files: &[File]) -> Result<Vec<Finding>, String> {
     let mut findings: Vec<Finding> = files.iter().flat_map(arrows).collect();
-    findings.extend(other_version(files));
     for package in CORE {
         let reached = reachable(root, package)?;
         findings.extend(
@@ -131,20 +130,6 @@ pub fn check(root: &Path, files: &[File]) -> Result<Vec<Finding>, String> {
 /// The folder of a package: `tool_heat` of `sphcut-tool-heat`.
 fn folder(package: &str) -> String {
     package.trim_start_matches("sphcut-").replace('-', "_")
-}
-
-/// What the Python package, a workspace of its own, says otherwise than the rest: its version, and which Rust it needs.
-fn other_version(files: &[File]) -> Vec<Finding> {
-    let of = |path: &str| files.iter().find(|file| file.path == path);
-    let (Some(all), Some(python)) = (of("Cargo.toml"), of(PYTHON)) else { return Vec::new() };
-    let line = |file: &File, key: &str| {
-        file.text.lines().find(|line| line.starts_with(&format!("{key} = "))).map(str::to_owned)
-    };
-    ["version", "edition", "rust-version"]
-        .into_iter()
-        .filter(|key| line(all, key) != line(python, key))
-        .map(|key| python.finding(0, format!("`{key}` is not that of the workspace")))
-        .collect()
 }
 
 /// Findings in one manifest.
@@ -208,13 +193,9 @@ mod tests {
     }
 
     #[test]
-    fn the_python_package_follows_the_workspace() {
-        let file = |path: &str, text: &str| File::new(path.to_owned(), text.to_owned());
-        let all = file("Cargo.toml", "[workspace.package]\nversion = \"0.2.0\"\n");
-        let python =
-            file(PYTHON, "version = \"0.1.0\"\n[dependencies]\nsphcut-report = { path = \"x\" }\n");
-        assert_eq!(arrows(&python).len(), 1);
-        assert_eq!(other_version(&[all, python]).len(), 1);
+    fn the_python_package_has_arrows_too() {
+        let manifest = "[dependencies]\nsphcut-report.workspace = true\n";
+        assert_eq!(arrows(&File::new(PYTHON.to_owned(), manifest.to_owned())).len(), 1);
     }
 
     #[test]
