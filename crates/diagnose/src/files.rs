@@ -99,7 +99,7 @@ pub fn diagnosis_json(
         "set": keys(&finding.set),
         "set_has_none_of_these": finding.set_has_none,
         "ranking": ranking(found, predictor),
-        "share_explained": finding.explained,
+        "share_explained": finding.leading.as_ref().map(|found| found.explained),
         "families": finding.families.iter().map(|(name, p)| json!({ "family": name, "probability": p })).collect::<Vec<_>>(),
         "effects": effects.iter().enumerate().map(|(k, effect)| json!({
             "effect": effect.key,

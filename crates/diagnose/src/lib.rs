@@ -70,7 +70,7 @@ pub use inference::monotone::never_falling;
 pub use inference::problem::{InstrumentPriors, RegressionProblem, RegressionRow, Site};
 pub use inference::setups::SetupScatter;
 pub use inference::templates::Templates;
-pub use inference::verdict::{ClaimVerdict, Conclusion, Gate, judge};
+pub use inference::verdict::{ClaimVerdict, Conclusion, Gate, Leading, judge};
 pub use model::closed_form::ClosedForm;
 pub use model::closed_form_cut::closed_form_cut;
 pub use model::paired::{

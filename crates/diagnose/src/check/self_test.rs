@@ -1,10 +1,10 @@
 //! Can a diagnosis be trusted: the same steps on simulated recordings whose answer is known.
 
-use crate::inference::attribute::{ALARM, CLAIM, Hypothesis, attribute};
+use crate::inference::attribute::{ALARM, Hypothesis, attribute};
 use crate::inference::fit::Fit;
 use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
-use crate::inference::verdict::{EXPLAINED, smallest_set};
+use crate::inference::verdict::{leading, smallest_set};
 use crate::model::predictor::{Active, Predictor};
 use crate::progress::ProgressPart;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -132,13 +132,10 @@ impl<'a> Simulator<'a> {
                 let signal = self.templates.signal(&null);
                 let found = attribute(self.templates, &signal, self.gains);
                 let alarm = found.probability(&Hypothesis::Nothing) < ALARM;
-                let named: Vec<usize> =
-                    (0..self.templates.effects()).filter(|&k| found.inclusion(k) > CLAIM).collect();
-                let is_explained = || {
-                    let share = self.templates.explained(&signal, &named);
-                    share.is_some_and(|share| share >= EXPLAINED)
-                };
-                let is_named = alarm && named == effects && is_explained();
+                let inclusion: Vec<f64> =
+                    (0..self.templates.effects()).map(|k| found.inclusion(k)).collect();
+                let named = leading(&inclusion, |own| self.templates.explained(&signal, own));
+                let is_named = alarm && named.is_some_and(|n| n.is_named() && n.effects == effects);
                 let (set, _) = smallest_set(&found, self.templates.effects());
                 let member = set.iter().any(|k| effects.contains(k));
                 Some([alarm, is_named, alarm && member])

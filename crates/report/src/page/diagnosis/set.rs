@@ -197,7 +197,7 @@ mod tests {
         let mut found = diagnose(&request, &model).unwrap();
         assert!(found.fits.iter().any(|fit| fit.effects == [2]));
         found.finding.verdict = ClaimVerdict::OneOf;
-        found.finding.explained = None;
+        found.finding.leading = None;
         found.finding.families.clear();
         found.finding.set = members.to_vec();
         found.finding.set_has_none = set_has_none;

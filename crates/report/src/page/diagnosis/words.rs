@@ -267,11 +267,22 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
             let family = finding.family().map_or_else(String::new, |name| {
                 format!(" Its family is known: {}.", family(name))
             });
-            let stands_in = finding.explained.map_or_else(String::new, |share| format!(
-                " {} is not named: it explains {} of what it and a smooth residual explain together, and may stand in for another effect.",
-                listed(&titles(&finding.probable())),
-                percent(share)
-            ));
+            let leading = finding
+                .leading
+                .as_ref()
+                .filter(|leading| leading.asked.is_some() || leading.leaves_pattern());
+            let stands_in = leading.map_or_else(String::new, |leading| {
+                let effects = listed(&titles(&leading.effects));
+                let explained = percent(leading.explained);
+                let share = format!("explains {explained} of what it and a smooth residual explain together");
+                match leading.asked {
+                    Some(asked) => format!(
+                        " {effects} is not named: it {share} (at its probability {} are asked for), and may stand in for another effect.",
+                        percent(asked)
+                    ),
+                    None => format!(" The most probable, {effects}, {share}: it may stand in for an effect that is no candidate."),
+                }
+            });
             let which = set::named(page);
             format!(
                 "An effect is missing, but these data do not distinguish which: {which}.{family}{stands_in}"
