@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use sphcut_physics::{CuttingCondition, ToolGeometry};
 
 /// Version of the schema of `diagnosis.json`.
-pub const DIAGNOSIS_SCHEMA_VERSION: &str = "1.2";
+pub const DIAGNOSIS_SCHEMA_VERSION: &str = "1.3";
 
 impl ClaimVerdict {
     /// Its name in files.

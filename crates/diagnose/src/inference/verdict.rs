@@ -274,3 +274,45 @@ fn gates(problem: &RegressionProblem, fit: &Fit) -> Option<Vec<Gate>> {
     };
     channels.into_iter().map(gate).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The effects that lead and whether they are named and leave a pattern, where those in `explains` explain so much.
+    fn led(inclusion: &[f64], explains: &[(&[usize], f64)]) -> (Vec<usize>, bool, bool) {
+        let explained = |effects: &[usize]| {
+            explains.iter().find(|(own, _)| *own == effects).map(|(_, share)| *share)
+        };
+        let found = leading(inclusion, explained).unwrap();
+        (found.effects.clone(), found.is_named(), found.leaves_pattern())
+    }
+
+    #[test]
+    fn the_less_probable_an_effect_the_more_it_has_to_explain() {
+        assert_eq!(led(&[0.02, 0.95], &[(&[1], 0.75)]), (vec![1], true, false));
+        assert_eq!(led(&[0.02, 0.95], &[(&[1], 0.65)]), (vec![1], false, true));
+        assert_eq!(led(&[0.1, 0.8], &[(&[1], 0.95)]), (vec![1], true, false));
+        assert_eq!(led(&[0.1, 0.8], &[(&[1], 0.85)]), (vec![1], false, true));
+        // Too improbable to be named, however much it explains.
+        assert_eq!(led(&[0.3, 0.6], &[(&[1], 1.0)]), (vec![1], false, false));
+        assert_eq!(led(&[0.3, 0.6], &[(&[1], 0.4)]), (vec![1], false, true));
+    }
+
+    #[test]
+    fn what_is_nearly_as_probable_is_named_with_the_most_probable_if_that_alone_leaves_a_pattern() {
+        let both: [(&[usize], f64); 2] = [(&[1], 0.5), (&[0, 1], 0.95)];
+        assert_eq!(led(&[0.8, 0.95], &both), (vec![0, 1], true, false));
+        let alone: [(&[usize], f64); 2] = [(&[1], 0.8), (&[0, 1], 0.95)];
+        assert_eq!(led(&[0.8, 0.95], &alone), (vec![1], true, false));
+        // Neither: what is said is of the most probable.
+        let neither: [(&[usize], f64); 2] = [(&[1], 0.5), (&[0, 1], 0.8)];
+        assert_eq!(led(&[0.8, 0.95], &neither), (vec![1], false, true));
+    }
+
+    #[test]
+    fn nothing_leads_where_there_is_no_effect_or_no_answer() {
+        assert_eq!(leading(&[], |_| Some(1.0)), None);
+        assert_eq!(leading(&[0.95], |_| None), None);
+    }
+}

@@ -272,7 +272,9 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
                 .as_ref()
                 .filter(|leading| leading.asked.is_some() || leading.leaves_pattern());
             let stands_in = leading.map_or_else(String::new, |leading| {
-                let effects = listed(&titles(&leading.effects));
+                let quoted = |name: String| format!("\u{201c}{name}\u{201d}");
+                let effects: Vec<String> = titles(&leading.effects).into_iter().map(quoted).collect();
+                let effects = listed(&effects);
                 let explained = percent(leading.explained);
                 let share = format!("explains {explained} of what it and a smooth residual explain together");
                 match leading.asked {
