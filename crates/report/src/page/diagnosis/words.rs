@@ -275,11 +275,15 @@ fn verdict(page: &DiagnosisPage<'_>) -> String {
                 let quoted = |name: String| format!("\u{201c}{name}\u{201d}");
                 let effects: Vec<String> = titles(&leading.effects).into_iter().map(quoted).collect();
                 let effects = listed(&effects);
-                let explained = percent(leading.explained);
-                let share = format!("explains {explained} of what it and a smooth residual explain together");
+                let (is, explains, they) = if leading.effects.len() > 1 {
+                    ("are", "explain", "they")
+                } else {
+                    ("is", "explains", "it")
+                };
+                let share = format!("{explains} {} of what {they} and a smooth residual explain together", percent(leading.explained));
                 match leading.asked {
                     Some(asked) => format!(
-                        " {effects} is not named: it {share} (at its probability {} are asked for), and may stand in for another effect.",
+                        " {effects} {is} not named: {they} {share} (at this probability {} are asked for), and may stand in for another effect.",
                         percent(asked)
                     ),
                     None => format!(" The most probable, {effects}, {share}: it may stand in for an effect that is no candidate."),
