@@ -298,6 +298,27 @@ mod tests {
         }
     }
 
+    /// Look-alikes that explain 90 % and more make up the set alone; with a slow wave of 5 % beside them, which neither has, something else may be meant.
+    #[test]
+    fn what_leaves_a_pattern_has_an_unmodelled_effect_in_its_set() {
+        let twin = Twin { errors: vec![0.8], ..Twin::new() };
+        for (wave, leaves) in [(0.0, false), (0.05, true)] {
+            let recordings = twin.recorded(&[hidden(1, 0.1)], 0.02, 1);
+            let before = recordings.clone();
+            let waved = recordings.with_logarithms(|k, channel| {
+                let cut = &before.all()[k];
+                let phase = 0.8 * (cut.condition.cutting_speed / 0.5).ln();
+                cut.values[channel.index()].unwrap().ln() + wave * phase.sin()
+            });
+            let found = diagnosed(&twin, &waved).finding;
+            assert_eq!(found.verdict, ClaimVerdict::OneOf, "{found:?}");
+            assert_eq!(found.leading.unwrap().leaves_pattern(), leaves, "{wave}");
+            assert_eq!(found.set_has_none, leaves, "{wave}");
+            // By its probability alone it would not be in the set.
+            assert!(found.none_of_these < 0.01, "{}", found.none_of_these);
+        }
+    }
+
     #[test]
     fn an_effect_that_cannot_be_seen_is_listed_as_such_and_not_as_absent() {
         let twin = Twin::new();
