@@ -256,7 +256,11 @@ fn a_run_with_nothing_in_it_has_a_page_too() {
     let folder = folder("empty");
     let result = evaluate(&run).unwrap();
     let path = write_report(&run, &result, &folder).unwrap();
-    assert!(std::fs::read_to_string(path).unwrap().contains("How to reproduce"));
+    let page = std::fs::read_to_string(path).unwrap();
+    assert!(page.contains("How to reproduce") && page.contains("<h2>The run</h2>"));
+    for of_a_cut in ["The cut", "Cutting force", "cutting force is steady", "Chip formation"] {
+        assert!(!page.contains(of_a_cut), "{of_a_cut}");
+    }
     let missing = folder.join("missing");
     let error = write_report(&run, &result, &missing).unwrap_err().to_string();
     assert!(error.contains("report.html"), "{error}");

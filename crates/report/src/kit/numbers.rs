@@ -46,7 +46,11 @@ pub(crate) fn with_interval(mean: f64, half_width: f64) -> String {
     if half_width <= 0.0 {
         return three_digits(mean);
     }
-    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 6.0) as usize;
+    let decimals = 1.0 - half_width.log10().floor();
+    if decimals > 6.0 {
+        return format!("{} \u{b1} {}", three_digits(mean), three_digits(half_width));
+    }
+    let decimals = decimals.max(0.0) as usize;
     minus(&format!("{mean:.decimals$} \u{b1} {half_width:.decimals$}"))
 }
 
@@ -132,6 +136,7 @@ mod tests {
         assert_eq!(with_interval(203.456, 4.12), "203.5 \u{b1} 4.1");
         assert_eq!(with_interval(203.456, 41.2), "203 \u{b1} 41");
         assert_eq!(with_interval(0.22031, 0.0012), "0.2203 \u{b1} 0.0012");
+        assert_eq!(with_interval(2e-7, 1e-8), "2.00e\u{2212}7 \u{b1} 1.00e\u{2212}8");
         assert_eq!(with_interval(5.0, f64::INFINITY), "5.00 (no interval)");
         assert_eq!(
             [0.06, 0.1000001, 150.0, 0.004, 2151.3, 0.0, 1e-6].map(plain),

@@ -208,8 +208,13 @@ fn written(name: &str, found: &Diagnosis, model: &ClosedForm, seconds: f64) -> C
             json!([format!("{:?}", s.hypothesis), keys, s.probability, s.log_evidence, s.prior])
         })
         .collect();
+    let leading = finding.leading.as_ref().map(|one| {
+        let keys: Vec<&str> = one.effects.iter().map(key).collect();
+        json!({ "effects": keys, "explained": one.explained, "asked": one.asked })
+    });
     let details = json!({
         "case": name,
+        "leading": leading,
         "nothing": finding.nothing,
         "none_of_these": finding.none_of_these,
         "inclusion": inclusion,

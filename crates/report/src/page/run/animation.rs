@@ -1,4 +1,4 @@
-//! The chip's formation as pictures to leaf through; `kit/script.js` turns them. Without it the last one of the first
+//! What moves as pictures to leaf through; `kit/script.js` turns them. Without it the last one of the first
 //! field stands there.
 
 use crate::kit::shell::data_uri;
@@ -14,7 +14,8 @@ use sphcut_record::TemperatureUnit;
 pub(super) fn figure(
     animation: &Animation,
     pictures: &Pictures,
-    at: impl Fn(f64) -> (f64, String),
+    is_cut: bool,
+    at: impl Fn(f64) -> (f64, Option<String>),
 ) -> Markup {
     let last = animation.times.len().saturating_sub(1);
     let Some((shown, picture)) =
@@ -27,7 +28,8 @@ pub(super) fn figure(
         .iter()
         .map(|&time| {
             let (place, words) = at(time);
-            format!("{place}\t{}, {words}\n", time_text(time))
+            let words = words.map_or_else(String::new, |words| format!(", {words}"));
+            format!("{place}\t{}{words}\n", time_text(time))
         })
         .collect();
     html! {
@@ -51,7 +53,7 @@ pub(super) fn figure(
                 }
             }
             figcaption {
-                "Chip formation. " span.span { (says(shown, pictures)) }
+                @if is_cut { "Chip formation. " } span.span { (says(shown, pictures)) }
                 @if let Some(cut_off) = &pictures.cut_off { " " (cut_off) }
             }
             script.moments type="text/plain" { (PreEscaped(moments)) }

@@ -33,14 +33,19 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
 pub(super) fn forces_figure(run: &Run, result: &ProcessResult) -> Markup {
     figure(
         forces(run, result, &Axis::of(run, result)).svg(),
-        "Forces of the tool on the workpiece (in the plane per width of cut): impulse averages over each sampling \
-         interval (pale) and running mean over 2 % of the record. The level and its band are the mean over the window \
-         and its 95 % interval. A click shows the picture of that place.",
+        if ProcessResult::is_cut(run) {
+            "Forces of the tool on the workpiece (in the plane per width of cut): impulse averages over each sampling \
+             interval (pale) and running mean over 2 % of the record. The level and its band are the mean over the window \
+             and its 95 % interval. A click shows the picture of that place."
+        } else {
+            "Forces on the material (in the plane per width): impulse averages over each sampling interval (pale) and \
+             running mean over 2 % of the record. A click shows the picture of that time."
+        },
     )
 }
 
-/// Place of a time on the axis of the charts, and in words.
-pub(super) fn moment(run: &Run, result: &ProcessResult, time: f64) -> (f64, String) {
+/// Place of a time on the axis of the charts, and the travel of a cut in words.
+pub(super) fn moment(run: &Run, result: &ProcessResult, time: f64) -> (f64, Option<String>) {
     let axis = Axis::of(run, result);
     let times = run.samples.channel(ChannelId::Time);
     let after = times.partition_point(|sampled| *sampled < time);
@@ -55,12 +60,7 @@ pub(super) fn moment(run: &Run, result: &ProcessResult, time: f64) -> (f64, Stri
     };
     let place = between(&axis.values);
     let travel = between(run.samples.channel(ChannelId::Travel)) * 1e3;
-    let words = if ProcessResult::is_cut(run) {
-        format!("{travel:.2} mm of travel")
-    } else {
-        String::new()
-    };
-    (place, words)
+    (place, ProcessResult::is_cut(run).then(|| format!("{travel:.2} mm of travel")))
 }
 
 /// Forces over the travel alone, for the page of springback.
@@ -161,6 +161,12 @@ fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
     let cutting = scaled(run.samples.channel(ChannelId::CuttingForce), factor);
     let feed = scaled(run.samples.channel(ChannelId::FeedForce), factor);
     let line = ChartLine::new;
+    // Without a cut they are those of the coordinates.
+    let names = if ProcessResult::is_cut(run) {
+        ["Cutting force F_c", "Feed force F_f", "Passive force F_p"]
+    } else {
+        ["Along x", "Along \u{2212}y", "Along z"]
+    };
     let mut chart = Chart {
         x_title: axis.title,
         y_title: scale.force_title,
@@ -187,19 +193,24 @@ fn forces<'a>(run: &Run, result: &ProcessResult, axis: &Axis) -> Chart<'a> {
         chart.bands.extend(in_space.then(|| band(&result.forces.passive, GREEN, "F_p")));
     }
     chart.description = format!(
-        "Cutting force and feed force over the travel. {}",
+        "{}. {}",
+        if ProcessResult::is_cut(run) {
+            "Cutting force and feed force over the travel"
+        } else {
+            "Forces over time"
+        },
         chart.bands.iter().map(|band| band.label.clone() + ". ").collect::<String>()
     );
     chart.lines = vec![
         line("", BLUE_LIGHT, 1.0, cutting.clone()),
         line("", RED_LIGHT, 1.0, feed.clone()),
-        line("Cutting force F_c", BLUE, 2.0, smooth(&cutting)),
-        line("Feed force F_f", RED, 2.0, smooth(&feed)),
+        line(names[0], BLUE, 2.0, smooth(&cutting)),
+        line(names[1], RED, 2.0, smooth(&feed)),
     ];
     if in_space {
         let passive = scaled(run.samples.channel(ChannelId::PassiveForce), factor);
         chart.lines.push(line("", GREEN_LIGHT, 1.0, passive.clone()));
-        chart.lines.push(line("Passive force F_p", GREEN, 2.0, smooth(&passive)));
+        chart.lines.push(line(names[2], GREEN, 2.0, smooth(&passive)));
     }
     chart
 }

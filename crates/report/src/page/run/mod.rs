@@ -52,12 +52,12 @@ pub fn render_report(run: &Run, result: &ProcessResult) -> Result<String, Report
     let is_cut = ProcessResult::is_cut(run);
     let body = html! {
         (contents(&sections(is_cut, &pictures)))
-        (warnings(result))
+        (warnings(result, is_cut))
         (tables::key_figures(run, result))
         section id="cut" {
-            h2 { "The cut" }
+            h2 { (heading(is_cut)) }
             @if let Some(found) = &pictures.animation {
-                (animation::figure(found, &pictures, |time| history::moment(run, result, time)))
+                (animation::figure(found, &pictures, is_cut, |time| history::moment(run, result, time)))
             } @else if let Some(whole) = &pictures.whole {
                 (figure(whole))
             }
@@ -104,16 +104,21 @@ fn lead(run: &Run, first: Option<&Snapshot>) -> String {
     )
 }
 
-fn warnings(result: &ProcessResult) -> Markup {
+fn warnings(result: &ProcessResult, is_cut: bool) -> Markup {
     if result.warnings.is_empty() {
         return html! {
             p.clean {
-                "No warnings: the cutting force is steady, the balances close and the numerical terms are \
-                 within their limits."
+                "No warnings: " @if is_cut { "the cutting force is steady, " }
+                "the balances close and the numerical terms are within their limits."
             }
         };
     }
     note("Before you use these numbers", result.warnings.iter().map(|warning| html! { (warning) }))
+}
+
+/// Of what moves.
+const fn heading(is_cut: bool) -> &'static str {
+    if is_cut { "The cut" } else { "The run" }
 }
 
 const CHARTS: &str = "Charts of contact, shear zone, chip and surface";
@@ -124,7 +129,7 @@ const SETUP: &str = "Setup";
 
 /// Names and headings of the sections.
 fn sections(is_cut: bool, pictures: &Pictures) -> Vec<(&'static str, &'static str)> {
-    let mut sections = vec![("cut", "The cut"), ("results", "Results")];
+    let mut sections = vec![("cut", heading(is_cut)), ("results", "Results")];
     if is_cut {
         sections.extend([("chip", "Chip and surface"), ("charts", "Charts")]);
     }

@@ -37,7 +37,7 @@ pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
                     (figure("Contact length", &three_digits(interface.contact_length * UM), "\u{b5}m"))
                 }
             }
-            @match &result.temperature.interface {
+            @match result.temperature.interface.as_ref().filter(|_| ProcessResult::is_cut(run)) {
                 Some(interface) => { (temperature(run, "Contact temperature", interface.mean)) },
                 None => { (temperature(run, "Highest temperature", result.temperature.max)) },
             }
@@ -79,10 +79,7 @@ pub(super) fn term_colour(channel: ChannelId) -> &'static str {
     }
 }
 
-/// What the intervals of a run are.
-const INTERVALS: &str = "Intervals are 95 %.";
-
-/// The same for a cut, and what they leave out (`docs/numerics.md`, *What F_c owes to the damping*).
+/// What the intervals of a cut are, and what they leave out (`docs/numerics.md`, *What F_c owes to the damping*).
 const CUT_INTERVALS: &str = "Intervals are 95 % and take the correlation of the force along the travel into account. \
                              They hold for this spacing: a shear zone whose load is known takes 3 to 5 % too much force \
                              with 7 to 40 particles across, so expect the cutting force that much too high, and more \
@@ -98,7 +95,7 @@ pub(super) fn results(run: &Run, result: &ProcessResult) -> Markup {
     html! {
         section id="results" {
             h2 { "Results" }
-            (results_table(if ProcessResult::is_cut(run) { CUT_INTERVALS } else { INTERVALS }, &rows))
+            (results_table(if ProcessResult::is_cut(run) { CUT_INTERVALS } else { "Extremes." }, &rows))
             (passes(result))
         }
     }
@@ -168,7 +165,8 @@ fn state_rows(run: &Run, result: &ProcessResult) -> Vec<ResultRow> {
     let (temperature, extremes) = (&result.temperature, &result.extremes);
     let mut rows = Vec::new();
     let unit = run.provenance.temperature_unit();
-    if let Some(interface) = &temperature.interface {
+    // Without a cut the window of the means has no travel.
+    if let Some(interface) = temperature.interface.as_ref().filter(|_| ProcessResult::is_cut(run)) {
         let value = with_interval(unit.of(interface.mean), interface.half_width);
         let note = format!(
             "{:.0} K; from {} to {} mm of travel; highest of any interval: {}",
