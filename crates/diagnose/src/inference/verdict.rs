@@ -17,7 +17,7 @@ const SET: f64 = 0.975;
 const UNMODELLED: f64 = 0.3;
 /// Effects of this probability are named if as the model has them they explain at least this share of what they and a smooth residual explain: the less
 /// probable, the more of it is asked. What is right explains nearly all; what stands in for it leaves a pattern (docs/diagnosis_scores.md).
-const NAMED: [[f64; 2]; 2] = [[CLAIM, 0.7], [0.7, EXPLAINS]];
+const NAMED: [[f64; 2]; 2] = [[CLAIM, 0.7], [0.6, 0.95]];
 /// An effect that explains less leaves a pattern.
 const EXPLAINS: f64 = 0.9;
 /// Probability with which a right explanation fails the gate, over all channels.
@@ -126,7 +126,7 @@ impl Conclusion {
 }
 
 /// What may be claimed: an alarm if P(no missing effect) < 0.05; an unmodelled effect above P = 0.3; a name above P = 0.9 for effects that explain 70 % or more
-/// of what they and a smooth residual explain together, above P = 0.7 for those that explain 90 %; otherwise the smallest set of effects of which at least one is
+/// of what they and a smooth residual explain together, above P = 0.6 for those that explain 95 %; otherwise the smallest set of effects of which at least one is
 /// missing with P = 0.95. An effect that explains less stands in for something else, however probable. If `best`, the fit of the best explanation, does not follow a channel
 /// (chi^2 given the other channels beyond its 99 % quantile over all channels), the claim is "none of these".
 #[must_use]
@@ -293,6 +293,8 @@ mod tests {
         assert_eq!(led(&[0.02, 0.95], &[(&[1], 0.75)]), (vec![1], true, false));
         assert_eq!(led(&[0.02, 0.95], &[(&[1], 0.65)]), (vec![1], false, true));
         assert_eq!(led(&[0.1, 0.8], &[(&[1], 0.95)]), (vec![1], true, false));
+        assert_eq!(led(&[0.1, 0.65], &[(&[1], 0.95)]), (vec![1], true, false));
+        assert_eq!(led(&[0.1, 0.65], &[(&[1], 0.94)]), (vec![1], false, false));
         assert_eq!(led(&[0.1, 0.8], &[(&[1], 0.85)]), (vec![1], false, true));
         // Too improbable to be named, however much it explains.
         assert_eq!(led(&[0.3, 0.6], &[(&[1], 1.0)]), (vec![1], false, false));
