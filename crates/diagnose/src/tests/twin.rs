@@ -298,7 +298,7 @@ mod tests {
         }
     }
 
-    /// Look-alikes that explain 90 % and more make up the set alone; with a slow wave of 5 % beside them, which neither has, something else may be meant.
+    /// Look-alikes that explain 95 % and more make up the set alone; with a slow wave of 5 % beside them, which neither has, something else may be meant.
     #[test]
     fn what_leaves_a_pattern_has_an_unmodelled_effect_in_its_set() {
         let twin = Twin { errors: vec![0.8], ..Twin::new() };
