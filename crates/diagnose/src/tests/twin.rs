@@ -333,6 +333,8 @@ mod tests {
         let active = [hidden(0, -0.12), hidden(3, 0.12)];
         let finding = diagnosed(&twin, &twin.recorded(&active, 0.015, 2)).finding;
         assert_eq!(finding.verdict, ClaimVerdict::Named(vec![0, 3]), "{finding:?}");
+        // What is named is the set.
+        assert_eq!((finding.set.as_slice(), finding.set_has_none), (&[0, 3][..], false));
     }
 
     /// A wave of 8 % over speed that no effect has.
