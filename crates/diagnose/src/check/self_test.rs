@@ -134,7 +134,9 @@ impl<'a> Simulator<'a> {
                 let alarm = found.probability(&Hypothesis::Nothing) < ALARM;
                 let inclusion: Vec<f64> =
                     (0..self.templates.effects()).map(|k| found.inclusion(k)).collect();
-                let named = leading(&inclusion, |own| self.templates.explained(&signal, own));
+                let candidates = self.predictor.effects();
+                let named =
+                    leading(candidates, &inclusion, |own| self.templates.explained(&signal, own));
                 let is_named = alarm && named.is_some_and(|n| n.is_named() && n.effects == effects);
                 let (set, _) = smallest_set(&found, self.templates.effects());
                 let member = set.iter().any(|k| effects.contains(k));
