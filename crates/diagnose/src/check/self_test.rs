@@ -4,7 +4,7 @@ use crate::inference::attribute::{ALARM, Hypothesis, attribute};
 use crate::inference::fit::Fit;
 use crate::inference::problem::RegressionProblem;
 use crate::inference::templates::Templates;
-use crate::inference::verdict::{leading, smallest_set};
+use crate::inference::verdict::{Leading, leading, smallest_set};
 use crate::model::predictor::{Active, Predictor};
 use crate::progress::ProgressPart;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -137,8 +137,10 @@ impl<'a> Simulator<'a> {
                 let candidates = self.predictor.effects();
                 let named =
                     leading(candidates, &inclusion, |own| self.templates.explained(&signal, own));
-                let is_named = alarm && named.is_some_and(|n| n.is_named() && n.effects == effects);
-                let (set, _) = smallest_set(&found, self.templates.effects());
+                let named = named.filter(Leading::is_named).map(|leading| leading.effects);
+                let is_named = alarm && named.as_ref() == Some(&effects);
+                // What is named is the set.
+                let set = named.unwrap_or_else(|| smallest_set(&found, candidates.len()).0);
                 let member = set.iter().any(|k| effects.contains(k));
                 Some([alarm, is_named, alarm && member])
             })

@@ -171,7 +171,7 @@ fn what_it_is(page: &DiagnosisPage<'_>) -> Markup {
         section {
             h2 { "Candidate effects" }
             (table("The most probable explanations. Under each of them material, friction and instruments are fitted anew. An alarm needs \
-                    a posterior probability of the null hypothesis below 5 %; a named effect one above 90 %, or 60 % where it explains nearly all.",
+                    a posterior probability of the null hypothesis below 5 %; a named effect one above 90 %, or 60 % where it explains nearly all (friction over temperature, which others look like, above 90 % alone).",
                 [Text("Explanation"), Number("Posterior probability"), Text("Most probable size (95 % interval)")],
                 &html! { @for scored in found.attribution.scored.iter().take(MOST_EXPLANATIONS) { tr {
                     th scope="row" { (titles(page, scored)) }
