@@ -33,7 +33,7 @@ pub enum Blind {
     },
     /// Cases cut by the particle solver: write the sweep that they need, `DIR/runs.toml`. Its runs follow from the answers: do not read it.
     Twin {
-        /// The scenario that is to explain them; its materials are shipped ones.
+        /// The scenario that is cut, and that is to explain the cuts unless `record` is told another; its materials are shipped ones.
         #[arg(long)]
         base: PathBuf,
         /// Folder for the cases; must not exist.
@@ -61,6 +61,9 @@ pub enum Blind {
         /// Number of cases, as they were drawn.
         #[arg(long, default_value_t = 60)]
         count: usize,
+        /// The scenario that is to explain them, if it is not the one that was cut: another flow stress, friction or spacing.
+        #[arg(long)]
+        explained_by: Option<PathBuf>,
     },
     /// Diagnose all cases with `sphcut diagnose` and its paired runs, and write what is claimed.
     Claim {
@@ -151,7 +154,9 @@ pub fn run(what: &Blind) -> Result<(), String> {
         Blind::Twin { base, out, key, cases, travel } => {
             blind::draw_particle_cases(base, out, key, *cases, *travel)?
         }
-        Blind::Record { cases, key, count } => blind::record_particle_cases(cases, key, *count)?,
+        Blind::Record { cases, key, count, explained_by } => {
+            blind::record_particle_cases(cases, key, *count, explained_by.as_deref())?
+        }
         Blind::Claim { cases, sphcut, store, out } => {
             return blind::claim_with_runs(cases, sphcut, store, out);
         }

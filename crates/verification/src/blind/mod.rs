@@ -69,12 +69,18 @@ pub fn draw_particle_cases(
     particle_files::draw(base, out, &opened_key(key)?, cases, travel)
 }
 
-/// Makes the recordings of the first `count` cases of the particle solver from what the sweep wrote; says what there is.
+/// Makes the recordings of the first `count` cases of the particle solver from what the sweep wrote; says what there is. With
+/// `explained_by` it is this scenario that is to explain them: the solver's physics then differs from that of the cuts.
 ///
 /// # Errors
 /// No table of the sweep, or one with too few cuts; a file that cannot be read or written.
-pub fn record_particle_cases(folder: &Path, key: &Path, count: usize) -> Result<String, String> {
-    particle_files::record(folder, &seal::SealKey::from_text(&read(key)?)?, count)
+pub fn record_particle_cases(
+    folder: &Path,
+    key: &Path,
+    count: usize,
+    explained_by: Option<&Path>,
+) -> Result<String, String> {
+    particle_files::record(folder, &seal::SealKey::from_text(&read(key)?)?, count, explained_by)
 }
 
 /// Diagnoses all cases with the program `sphcut` and its paired runs, kept in `store`, and writes what is claimed.

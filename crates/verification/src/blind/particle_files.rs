@@ -35,13 +35,18 @@ pub fn draw(
     Ok(format!("Next: sphcut sweep {shown}/{RUNS} --out {shown}/swept, then blind record"))
 }
 
-/// A folder for each case, and the sealed answers.
-pub fn record(folder: &Path, key: &seal::SealKey, count: usize) -> Result<String, String> {
+/// A folder for each case, and the sealed answers; `explained_by` another scenario than the one that cut them, where there is one.
+pub fn record(
+    folder: &Path,
+    key: &seal::SealKey,
+    count: usize,
+    explained_by: Option<&Path>,
+) -> Result<String, String> {
     let simulated = folder.join(SIMULATED);
     let rows = read_cut_table(&read(&simulated)?)
         .map_err(|problem| format!("{}: {problem}", simulated.display()))?;
     let cases = recorded(key.seed(), &particle_cases(key.seed(), count), &rows)?;
-    let base = read(&folder.join(BASE))?;
+    let base = read(explained_by.unwrap_or(&folder.join(BASE)))?;
     for case in &cases {
         let own = folder.join(&case.name);
         std::fs::create_dir_all(&own).map_err(|error| error.to_string())?;
