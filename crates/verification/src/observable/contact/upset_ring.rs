@@ -38,12 +38,11 @@ fn ring(evidence: &Evidence) -> Result<Ring, String> {
     }
 }
 
-/// Mean square of the distance from the z axis, and mean height above the lowest layer.
-fn means(snapshot: &Snapshot) -> (f64, f64) {
+/// Mean square of the distance from the z axis, and mean height above `middle`.
+fn means(snapshot: &Snapshot, middle: f64) -> (f64, f64) {
     let count = snapshot.position.len() as f64;
     let square = snapshot.position.iter().map(|x| x[0] * x[0] + x[1] * x[1]).sum::<f64>() / count;
-    let lowest = snapshot.position.iter().map(|x| x[2]).fold(f64::INFINITY, f64::min);
-    let height = snapshot.position.iter().map(|x| x[2] - lowest).sum::<f64>() / count;
+    let height = snapshot.position.iter().map(|x| x[2] - middle).sum::<f64>() / count;
     (square, height)
 }
 
@@ -65,9 +64,13 @@ impl Ring {
 fn ring_inner_change(evidence: &Evidence, arguments: &ObservableArguments) -> Result<f64, String> {
     let ring = ring(evidence)?;
     let wanted = arguments.get("reduction");
-    let first = means(evidence.first()?);
+    // The lowest layer is held. A particle that slips through it later, where it is stretched, would take the level with it.
+    let drawn = evidence.first()?;
+    let middle = drawn.position.iter().map(|x| x[2]).fold(f64::INFINITY, f64::min);
+    let first = means(drawn, middle);
+    let course = evidence.snapshots.iter();
     let course: Vec<(f64, f64)> =
-        evidence.snapshots.iter().map(|snapshot| ring.change(first, means(snapshot))).collect();
+        course.map(|snapshot| ring.change(first, means(snapshot, middle))).collect();
     let around = course.windows(2).find(|pair| pair[0].0 <= wanted && wanted <= pair[1].0);
     let [(before, from), (after, to)] = around.ok_or_else(|| {
         let most = course.last().map_or(0.0, |last| last.0);
