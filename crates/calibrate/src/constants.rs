@@ -3,6 +3,7 @@
 use crate::NORMAL_95;
 use sphcut_diagnose::{Change, closed_form_cut, effect_strengths};
 use sphcut_input::Problem;
+use sphcut_physics::PUBLISHED_SPREAD;
 use sphcut_scenario::{KeyPath, LoadOptions, Scenario, parse, shipped_materials};
 use std::path::Path;
 use toml::Table;
@@ -42,15 +43,18 @@ const fn rule(
     ConstantRule { key, symbol, shown, spread, limits, usual }
 }
 
-/// All that can be fitted. The spreads are those of the published sets of Ti6Al4V and AISI 1045 in the library, rounded up; that of
-/// mu covers 0.13 to 0.95 about 0.35, and of the edge what grinding and preparation leave.
+const fn spread(of: usize) -> f64 {
+    PUBLISHED_SPREAD[of].1
+}
+
+/// All that can be fitted. The spread of the edge is what grinding and preparation leave.
 pub const CONSTANTS: [ConstantRule; 8] = [
-    rule(("initial_yield", "A"), (1e-6, "MPa"), 0.25, [1e7, 5e9], true),
-    rule(("hardening_modulus", "B"), (1e-6, "MPa"), 0.4, [1e6, 5e9], true),
-    rule(("hardening_exponent", "n"), (1.0, ""), 0.4, [0.01, 0.99], true),
-    rule(("rate_coefficient", "C"), (1.0, ""), 0.6, [1e-4, 0.5], true),
-    rule(("softening_exponent", "m"), (1.0, ""), 0.3, [0.2, 4.0], true),
-    rule(("friction_coefficient", "mu"), (1.0, ""), 0.5, [0.01, 2.0], true),
+    rule(("initial_yield", "A"), (1e-6, "MPa"), spread(0), [1e7, 5e9], true),
+    rule(("hardening_modulus", "B"), (1e-6, "MPa"), spread(1), [1e6, 5e9], true),
+    rule(("hardening_exponent", "n"), (1.0, ""), spread(2), [0.01, 0.99], true),
+    rule(("rate_coefficient", "C"), (1.0, ""), spread(3), [1e-4, 0.5], true),
+    rule(("softening_exponent", "m"), (1.0, ""), spread(4), [0.2, 4.0], true),
+    rule(("friction_coefficient", "mu"), (1.0, ""), spread(5), [0.01, 2.0], true),
     rule(("shear_friction_factor", "m_s"), (1.0, ""), 0.3, [0.05, 1.0], false),
     rule(("edge_radius", "r_n"), (1e6, "um"), 0.4, [1e-6, 5e-4], false),
 ];

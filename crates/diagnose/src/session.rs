@@ -152,7 +152,7 @@ impl Diagnosis {
     #[must_use]
     pub fn estimates(&self, predictor: &dyn Predictor, found: &Fit) -> Vec<ParameterEstimate> {
         let mut place = self.problem.unknowns();
-        let Some(covariance) = widened(&found.covariance, predictor.likelihood_power()) else {
+        let Some(covariance) = widened(&found.covariance, predictor.estimate_power()) else {
             return Vec::new();
         };
         let mut estimates = Vec::new();

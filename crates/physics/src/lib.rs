@@ -10,6 +10,7 @@
 pub mod candidate;
 pub mod catalogue;
 mod channel;
+mod constant_spread;
 pub mod csv;
 mod cutting_condition;
 pub mod effects;
@@ -26,6 +27,7 @@ pub mod shear_plane;
 pub mod temperature_table;
 
 pub use channel::Channel;
+pub use constant_spread::{BATCH_SCATTER, PUBLISHED_SPREAD};
 pub use cutting_condition::{CuttingCondition, ToolGeometry};
 pub use parameter::{Parameter, ParameterError, Range, Values};
 pub use quantity::Quantity;

@@ -76,7 +76,7 @@ pub fn predict(arguments: &PredictForcesArguments) -> Result<ExitCode, Failure> 
     let closed;
     let paired;
     let model: &dyn Predictor = if found["model"] == CLOSED_FORM {
-        closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
+        closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter());
         &closed
     } else {
         let own = DiagnoseArguments {

@@ -35,7 +35,7 @@ pub struct Forecast {
 /// log y_* = log M_* + C_*k (C_kk + D)^-1 r,   var log y_* = F_* (I + tau F_k' D^-1 F_k)^-1 F_*' + noise
 /// ```
 ///
-/// with the power tau of the evidence ([`Predictor::likelihood_power`]): the linear-Gaussian predictive law at the most probable unknowns.
+/// with the power of what is estimated ([`Predictor::estimate_power`]): the linear-Gaussian predictive law at the most probable unknowns.
 /// What an instrument adds is not in the values: they are those of the cut, in the material of the recordings.
 ///
 /// # Errors
@@ -64,7 +64,7 @@ pub fn forecast(
     }
     let mut white = columns.rows(0, count).into_owned();
     for (mut row, variance) in white.row_iter_mut().zip(problem.covariance.variances.iter()) {
-        row *= (predictor.likelihood_power() / variance).sqrt();
+        row *= (predictor.estimate_power() / variance).sqrt();
     }
     let normal = DMatrix::identity(columns.ncols(), columns.ncols()) + white.tr_mul(&white);
     let factor = normal.cholesky().ok_or(DiagnoseError::Singular)?;

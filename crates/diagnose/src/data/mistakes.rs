@@ -259,7 +259,7 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis");
         let mut case = load_diagnosis(&root.join("example.toml"), &LoadOptions::default()).unwrap();
         spoil(&mut case);
-        let model = ClosedForm::new(closed_form_cut(&case.base).unwrap(), &case.scatter);
+        let model = ClosedForm::new(closed_form_cut(&case.base).unwrap(), &case.scatter());
         let found = crate::case::recordings(&case.measured, &model, "measured");
         found.err().map(|error| error.to_string())
     }

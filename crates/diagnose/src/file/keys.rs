@@ -1,20 +1,10 @@
 //! Sections of a file of a diagnosis.
 
 use sphcut_input::section::{Field, Kind, Presence, Section, between, positive};
-use sphcut_physics::{Quantity, Range};
+use sphcut_physics::{BATCH_SCATTER, Quantity, Range};
 
 /// What the data without a missing effect are used for.
 pub(crate) const USES: &[&str] = &["bias_field", "difference"];
-
-/// Priors of the material and of friction, as keys of `[priors]`.
-pub(crate) const SCATTER: [&str; 6] = [
-    "initial_yield",
-    "hardening_modulus",
-    "hardening_exponent",
-    "rate_coefficient",
-    "softening_exponent",
-    "friction_coefficient",
-];
 
 /// Every section, for the reference page.
 pub(crate) fn sections() -> Vec<Section> {
@@ -38,7 +28,7 @@ pub(crate) fn root() -> Section {
                 .example("[measured] with file"),
             table("series", Presence::Optional, "recordings of the force over time: where a mismatch lives in time and in frequency"),
             table("reference", Presence::Optional, "cuts without a missing effect: a fresh edge of known radius, an uncoated tool"),
-            table("priors", Presence::Derived("scatter between batches"), "what may differ without being a discovery"),
+            table("priors", Presence::Derived("scatter between batches, or between published constants"), "what may differ without being a discovery"),
             table("checks", Presence::Derived("200 and 50 recordings"), "how the diagnosis tests itself"),
             table("runs", Presence::Derived("the range of the table, 30 thicknesses of travel"), "runs of the particle solver that tell what each effect changes"),
             table("next", Presence::Derived("4 cuts, half beyond the table"), "what could be measured next"),
@@ -137,21 +127,29 @@ pub(crate) fn priors() -> Section {
     let share = |key, text, meaning| {
         Field::with_default(key, positive(Quantity::Dimensionless, 1.0), text, meaning)
     };
+    let constant = |place: usize, without, meaning| {
+        Field::derived(
+            BATCH_SCATTER[place].0,
+            positive(Quantity::Dimensionless, 1.0),
+            without,
+            meaning,
+        )
+    };
     Section::new(
         "priors",
         "Standard deviations of the nuisance parameters, which are fitted under every explanation.",
         vec![
-            share(SCATTER[0], "8 %", "A from batch to batch"),
-            share(SCATTER[1], "8 %", "B from batch to batch"),
-            share(SCATTER[2], "10 %", "n from batch to batch"),
-            share(SCATTER[3], "25 %", "C from batch to batch"),
-            share(SCATTER[4], "12 %", "m from batch to batch"),
-            share(SCATTER[5], "15 %", "mu"),
+            constant(0, "8 % with [reference], else 25 %", "A: from batch to batch where reference cuts are of the same constants, else between published sets of one material"),
+            constant(1, "8 % with [reference], else 40 %", "B, likewise"),
+            constant(2, "10 % with [reference], else 40 %", "n, likewise"),
+            constant(3, "25 % with [reference], else 60 %", "C, likewise"),
+            constant(4, "12 % with [reference], else 30 %", "m, likewise"),
+            constant(5, "15 % with [reference], else 50 %", "mu, likewise"),
             share("gain", "1 %", "gain of each channel"),
             Field::with_default("offset", positive(Quantity::Force, 1e6), "3 N", "zero of each force"),
             share("drift", "2 %", "drift of each channel from the first cut to the last"),
             Field::optional("model_error", between(Quantity::Dimensionless, 0.0, 1.0), "by how much the model of the cut is wrong by itself, as a share that changes smoothly over speed and thickness: \
-                 from comparisons of the model with other measurements; 0: it is exact. Only without [reference], which teaches it. Without both: what the comparisons of the closed form with measured cuts say; paired runs count as exact")
+                 from comparisons of the model with other measurements; 0: it is exact. Only without [reference], which teaches it. Without both: what comparisons with measured cuts say")
             .example("\"10 %\""),
         ],
     )

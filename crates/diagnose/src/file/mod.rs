@@ -4,6 +4,7 @@ mod keys;
 mod series;
 
 pub use keys::reference_page;
+use sphcut_physics::{BATCH_SCATTER, PUBLISHED_SPREAD};
 use sphcut_scenario::{LoadOptions, Scenario};
 
 pub use series::{AirRecord, SeriesPlan};
@@ -37,8 +38,8 @@ pub struct DiagnosisCase {
     pub measured: Vec<CutTableRow>,
     /// Cuts in which nothing is missing.
     pub reference: Option<ReferenceCuts>,
-    /// Standard deviation of each quantity of material and friction as a share, by its key.
-    pub scatter: Vec<(&'static str, f64)>,
+    /// Standard deviation of each quantity of material and friction, where it is stated.
+    stated_scatter: [Option<f64>; BATCH_SCATTER.len()],
     /// Share by which the model is wrong by itself.
     pub model_error: Option<f64>,
     /// Standard deviations of gain (share), offset (N) and drift (share).
@@ -53,6 +54,20 @@ pub struct DiagnosisCase {
     pub next_range: [[Option<f64>; 2]; 2],
     /// Runs of the particle solver.
     pub runs: PairedRunsPlan,
+}
+
+impl DiagnosisCase {
+    /// Standard deviation of each quantity of material and friction as a share, by its key: as stated, else the scatter from batch to
+    /// batch beside reference cuts, which have the same constants and teach what these are wrong by, and without them the spread
+    /// of published sets.
+    #[must_use]
+    pub fn scatter(&self) -> Vec<(&'static str, f64)> {
+        let from = if self.reference.is_some() { BATCH_SCATTER } else { PUBLISHED_SPREAD };
+        let stated = |((key, usual), stated): ((&'static str, f64), Option<f64>)| {
+            (key, stated.unwrap_or(usual))
+        };
+        from.into_iter().zip(self.stated_scatter).map(stated).collect()
+    }
 }
 
 /// Which paired runs are made.
@@ -223,8 +238,6 @@ fn read_document(
             "`model_error` is stated although [reference] teaches what the model gets wrong";
         contradiction(findings, root, "priors", message, "leave one of the two out");
     }
-    let scatter: Option<Vec<(&'static str, f64)>> =
-        keys::SCATTER.iter().map(|&key| Some((key, number(&priors, key)?))).collect();
     Some(DiagnosisCase {
         title: root.text("title")?.to_owned(),
         source: root.text("source")?.to_owned(),
@@ -232,7 +245,7 @@ fn read_document(
         base_path,
         measured: measured_rows,
         reference,
-        scatter: scatter?,
+        stated_scatter: BATCH_SCATTER.map(|(key, _)| number(&priors, key)),
         model_error,
         instruments: [
             number(&priors, "gain")?,
@@ -323,4 +336,31 @@ fn table(
         read_cut_table(&text).map_err(|problem| file_mistake(named, problem.to_string(), ""))
     });
     findings.accept(record, "file", read)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without reference cuts nothing says that the constants are those of this batch; what is stated counts in any case.
+    #[test]
+    fn without_reference_cuts_constants_are_as_far_off_as_published_ones() {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis/example.toml");
+        let mut case = load_diagnosis(&path, &LoadOptions::default()).unwrap();
+        case.stated_scatter = [None; BATCH_SCATTER.len()];
+        case.stated_scatter[5] = Some(0.07);
+        let stated = |usual: [(&'static str, f64); 6]| {
+            let mut all = usual.to_vec();
+            all[5].1 = 0.07;
+            all
+        };
+        case.reference = None;
+        assert_eq!(case.scatter(), stated(PUBLISHED_SPREAD));
+        case.reference =
+            Some(ReferenceCuts { rows: Vec::new(), difference: false, same_batch: true });
+        assert_eq!(case.scatter(), stated(BATCH_SCATTER));
+        let keys = |of: [(&'static str, f64); 6]| of.map(|(key, _)| key);
+        assert_eq!(keys(PUBLISHED_SPREAD), keys(BATCH_SCATTER));
+    }
 }

@@ -280,6 +280,11 @@ impl System<'_> {
         let white = law.whiten(jacobian.clone());
         let normal = white.tr_mul(&white) + DMatrix::identity(unknowns.len(), unknowns.len());
         let laplace = -0.5 * (target + law.log_determinant() + log_determinant(normal.clone())?);
+        // Where the model has no answer without the effects, the error of what they change is not known, and no evidence is.
+        let log_evidence = log_evidence.unwrap_or(laplace);
+        if !log_evidence.is_finite() {
+            return None;
+        }
         Some(Fit {
             effects: self.effects.to_vec(),
             covariance: normal.cholesky()?.inverse(),
@@ -287,7 +292,7 @@ impl System<'_> {
             unknowns,
             jacobian,
             error,
-            log_evidence: log_evidence.unwrap_or(laplace),
+            log_evidence,
         })
     }
 
@@ -318,5 +323,68 @@ impl System<'_> {
             }
         }
         DVector::zeros(prediction.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::predictor::{CandidateEffect, Nuisance};
+    use crate::session::Compared;
+    use crate::tests::twin::{INSTRUMENTS, Twin};
+    use sphcut_physics::{Channel, CuttingCondition};
+
+    /// The twin, which without an effect has no answer at all where the nuisances have moved.
+    struct Needy(Twin);
+
+    impl Predictor for Needy {
+        fn nuisances(&self) -> &[Nuisance] {
+            self.0.nuisances()
+        }
+
+        fn effects(&self) -> &[CandidateEffect] {
+            self.0.effects()
+        }
+
+        fn channels(&self) -> &[Channel] {
+            self.0.channels()
+        }
+
+        fn change_errors(&self) -> &[f64] {
+            &[0.2]
+        }
+
+        fn log_observables(
+            &self,
+            condition: &CuttingCondition,
+            nuisances: &[f64],
+            active: &[Active],
+        ) -> Vec<f64> {
+            let logs = self.0.log_observables(condition, nuisances, active);
+            let has_no_answer = active.is_empty() && nuisances[0] > 0.03;
+            logs.into_iter().map(|log| if has_no_answer { f64::NAN } else { log }).collect()
+        }
+    }
+
+    /// One explanation without an evidence must not take the probabilities of all others with it.
+    #[test]
+    fn a_fit_without_evidence_is_none() {
+        let model = Needy(Twin::new());
+        let mut without = 0;
+        for seed in 0..12 {
+            let hidden = Active { effect: 0, values: vec![0.2] };
+            let recordings = model.0.recorded(&[hidden], 0.02, seed);
+            let problem = RegressionProblem::new(&recordings, &model, &INSTRUMENTS).unwrap();
+            let mut start = DVector::zeros(problem.unknowns() + 1);
+            start[0] = 1.0;
+            start[problem.unknowns()] = 2.0;
+            match fit(&problem, &model, &[0], &start) {
+                None => without += 1,
+                Some(found) => assert!(found.log_evidence.is_finite()),
+            }
+            let Ok(all) = Compared::new(problem, &model) else { continue };
+            assert!(all.fits.iter().all(|fit| fit.log_evidence.is_finite()));
+        }
+        assert!((1..12).contains(&without), "{without} of 12");
     }
 }

@@ -20,7 +20,7 @@ const PREDICTED: [Channel; 5] = [
 ];
 
 /// With which the probability of the right effect is greatest over 60 cases of the opponents drawn for development (docs/diagnosis_method.md).
-pub(crate) const POWER: f64 = 0.25;
+const POWER: f64 = 0.25;
 /// The opponents of docs/analytic_model.md, with the same effects at the same strength, change what is measured by 1 to 70 % more or
 /// less than the library (root mean square of the difference over that of the change).
 pub(crate) const CHANGE_ERRORS: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
@@ -28,7 +28,7 @@ pub(crate) const CHANGE_ERRORS: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
 /// Quantiles of 12.5, 37.5, 62.5 and 87.5 % of the amplitude of the model's own error, by channel, from its comparisons with measured cuts
 /// (AISI 1045: 4 conditions, Ti6Al4V: 44): the mean over the data sets of how probable each makes the amplitudes. A channel that nobody compared
 /// has the mean of those that were. `cargo run --release -p sphcut-diagnose --example model_error` makes the table.
-const MODEL_ERRORS: [[f64; Channel::RECORDED.len()]; 4] = [
+pub(crate) const MODEL_ERRORS: [[f64; Channel::RECORDED.len()]; 4] = [
     [0.015, 0.004, 0.009, 0.126, 0.009, 0.009, 0.009],
     [0.066, 0.028, 0.068, 0.223, 0.068, 0.068, 0.068],
     [0.089, 0.130, 0.134, 0.317, 0.134, 0.134, 0.134],
@@ -251,21 +251,12 @@ mod tests {
     };
     use sphcut_analytic::Physics;
     use sphcut_greybox::Random;
-    use sphcut_physics::ToolGeometry;
-
-    const SCATTER: [(&str, f64); 6] = [
-        ("initial_yield", 0.08),
-        ("hardening_modulus", 0.08),
-        ("hardening_exponent", 0.10),
-        ("rate_coefficient", 0.25),
-        ("softening_exponent", 0.12),
-        ("friction_coefficient", 0.15),
-    ];
+    use sphcut_physics::{BATCH_SCATTER, ToolGeometry};
 
     /// 40 conditions from 30 to 400 m/min and 0.02 to 0.25 mm, in random order, with 2 % of noise that is stated.
     fn recorded(model: &ClosedForm, active: &[Active], seed: u64) -> Recordings {
         let mut random = Random::new(seed, &[9]);
-        let hidden: Vec<f64> = SCATTER.iter().map(|(_, s)| s * random.normal()).collect();
+        let hidden: Vec<f64> = BATCH_SCATTER.iter().map(|(_, s)| s * random.normal()).collect();
         let mut places: Vec<usize> = (0..40).collect();
         random.shuffle(&mut places);
         let cuts = places.iter().enumerate().map(|(order, place)| {
@@ -307,7 +298,7 @@ mod tests {
 
     #[test]
     fn only_wear_depends_on_what_was_cut_before() {
-        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
         let early = CuttingCondition {
             cutting_speed: 2.0,
             uncut_chip_thickness: 1e-4,
@@ -328,11 +319,11 @@ mod tests {
     #[test]
     fn each_cut_has_its_own_tool() {
         let cut = OrthogonalCut::aisi_1045();
-        let model = ClosedForm::new(cut.clone(), &SCATTER);
+        let model = ClosedForm::new(cut.clone(), &BATCH_SCATTER);
         let mut ground = cut.clone();
         ground.tool.rake_angle = -0.12;
         ground.tool.edge_radius = 35e-6;
-        let other = ClosedForm::new(ground, &SCATTER);
+        let other = ClosedForm::new(ground, &BATCH_SCATTER);
         let plain = CuttingCondition::new(3.0, 1.5e-4);
         let of_table = ToolGeometry { rake_angle: Some(-0.12), edge_radius: Some(35e-6) };
         let at = |model: &ClosedForm, tool: ToolGeometry| {
@@ -350,7 +341,7 @@ mod tests {
     /// Four speeds and three thicknesses with two rakes.
     #[test]
     fn an_effect_is_found_with_tools_of_two_rakes() {
-        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
         let effect = model.effects().iter().position(|e| e.key == "edge_radius").unwrap();
         let active = [Active { effect, values: vec![20e-6] }];
         let mut random = Random::new(3, &[9]);
@@ -402,7 +393,7 @@ mod tests {
 
     #[test]
     fn what_every_instrument_has_is_no_explanation() {
-        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
         assert_eq!(model.effects().len() + 3, EFFECTS.len());
         for key in NUISANCES_OF_INSTRUMENTS {
             assert!(EFFECTS.iter().any(|effect| effect.key == key), "{key}");
@@ -412,7 +403,7 @@ mod tests {
 
     #[test]
     fn errors_of_relations_act_on_several_channels() {
-        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
         let changes = model.relation_errors(&CuttingCondition::new(2.5, 1e-4));
         let moved = changes.iter().map(|change| change.iter().filter(|c| c.abs() > 1e-3).count());
         // The shear angle moves all, the length of the contact also its temperature, the edge both forces, the plane's heat both
@@ -424,10 +415,10 @@ mod tests {
     /// All relations replaced make all channels wrong together: no effect is missing.
     #[test]
     fn other_relations_are_no_missing_effect() {
-        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
         let mut other = OrthogonalCut::aisi_1045();
         other.physics = Physics::OPPONENT_ALL;
-        let data = recorded(&ClosedForm::new(other, &SCATTER), &[], 1);
+        let data = recorded(&ClosedForm::new(other, &BATCH_SCATTER), &[], 1);
         let verdict = |model_error: Option<f64>| {
             let asked =
                 DiagnosisRequest { model_error, held_out: false, batch: 0, ..request(&data) };
@@ -439,7 +430,7 @@ mod tests {
 
     #[test]
     fn nuisances_scale_what_they_name() {
-        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
         let mut logs = [0.0; 6];
         logs[5] = 2.0_f64.ln();
         assert!((model.changed(&logs).friction_coefficient / 0.5 - 1.0).abs() < 1e-12);
@@ -452,7 +443,7 @@ mod tests {
     /// A blunter edge and a viscous drag concealed in data of the model itself are named and sized; nothing is no alarm.
     #[test]
     fn effects_concealed_in_the_model_itself_are_found() {
-        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+        let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
         let place = |key: &str| model.effects().iter().position(|e| e.key == key).unwrap();
         for (key, value) in [("edge_radius", 20e-6), ("viscous_drag", 0.3)] {
             let effect = place(key);

@@ -141,6 +141,11 @@ pub trait Predictor: Sync {
         1.0
     }
 
+    /// The same power for how well parameters are known: the size of an effect hangs on more of the model than which effect it is.
+    fn estimate_power(&self) -> f64 {
+        self.likelihood_power()
+    }
+
     /// Whether the answer with these effects depends on the cut length or on the place in the order of the runs. If not, cuts
     /// with the same v_c, h and tool are asked once.
     fn follows_series(&self, active: &[Active]) -> bool {

@@ -114,15 +114,15 @@ fn claimed_before(kept: &Path, asked: ClaimOptions) -> HashMap<PathBuf, Claimed>
 /// Reads a case as `sphcut diagnose` does and diagnoses it, without self-test, control and next experiment.
 fn claim(folder: &Path, asked: ClaimOptions) -> Result<Claimed, String> {
     let start = Instant::now();
-    let case = load(&folder.join("diagnosis.toml"))?;
+    let mut case = load(&folder.join("diagnosis.toml"))?;
+    if !asked.with_reference {
+        case.reference = None;
+    }
     let name = folder.file_name().map(|name| name.to_string_lossy().into_owned());
     let name = name.ok_or("a folder without a name")?;
     let cut = closed_form_cut(&case.base).map_err(|error| error.to_string())?;
-    let model = ClosedForm::new(cut, &case.scatter);
+    let model = ClosedForm::new(cut, &case.scatter());
     let found = diagnose_case_as(&case, &model, ProgressListener::NOBODY, |request| {
-        if !asked.with_reference {
-            request.reference = None;
-        }
         (request.self_test, request.control, request.batch) = (0, 0, 0);
         // Without them a repair is fitted to the bias of the model, too.
         request.held_out = asked.held_out && request.reference.is_some();

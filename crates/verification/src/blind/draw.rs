@@ -1,11 +1,11 @@
 //! Drawing the cases.
 
 use super::truth::{
-    BlindWorld, Hidden, Instrument, Middle, NUISANCES, OPPONENTS, Outside, Truth, base, batch,
+    BlindWorld, Hidden, Instrument, Middle, OPPONENTS, Outside, Truth, base, batch,
 };
 use sphcut_analytic::{ActiveEffect, EFFECTS, Effect, Observables, OrthogonalCut, Physics, Scale};
 use sphcut_greybox::Random;
-use sphcut_physics::{Channel, CuttingCondition};
+use sphcut_physics::{BATCH_SCATTER, Channel, CuttingCondition};
 
 /// Raw changes in which effects are hidden, as shares: weak, middle, strong.
 pub const STRATA: [(f64, f64); 3] = [(0.02, 0.05), (0.05, 0.10), (0.10, 0.25)];
@@ -107,7 +107,7 @@ pub struct BlindCase {
     pub hidden: Hidden,
     /// Raw change: root mean square of the relative change over the plan, in the channel where it is largest.
     pub strength: f64,
-    pub nuisances: [f64; NUISANCES.len()],
+    pub nuisances: [f64; BATCH_SCATTER.len()],
 }
 
 /// `count` cases that follow from `seed`.
@@ -247,9 +247,9 @@ fn drawn_batch(
     plan: BlindPlan,
     conditions: &[CuttingCondition],
     random: &mut Random,
-) -> ([f64; NUISANCES.len()], OrthogonalCut, Vec<Observables>) {
+) -> ([f64; BATCH_SCATTER.len()], OrthogonalCut, Vec<Observables>) {
     loop {
-        let nuisances = NUISANCES.map(|(_, deviation)| deviation * random.normal());
+        let nuisances = BATCH_SCATTER.map(|(_, deviation)| deviation * random.normal());
         let cut = batch(base(), &nuisances);
         let observe = |condition| plan.physics.1.observe(&cut, condition, &[]);
         let observed: Option<Vec<Observables>> = conditions.iter().map(observe).collect();

@@ -1,10 +1,10 @@
 //! The files of a case, and the answers as text.
 
 use super::draw::{BlindCase, RecordedCut, STRATA};
-use super::truth::{NUISANCES, base};
+use super::truth::base;
 use serde_json::{Value, json};
 use sphcut_analytic::{Linear, find};
-use sphcut_physics::Channel;
+use sphcut_physics::{BATCH_SCATTER, Channel};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -111,7 +111,7 @@ pub fn answers(cases: &[BlindCase]) -> String {
                     "first": active.values()[0], "values": values })
         });
         let nuisances: BTreeMap<&str, f64> =
-            NUISANCES.iter().map(|(key, _)| *key).zip(case.nuisances).collect();
+            BATCH_SCATTER.iter().map(|(key, _)| *key).zip(case.nuisances).collect();
         json!({
             "case": case.name,
             "kind": case.plan.kind.key(),
@@ -215,7 +215,7 @@ mod tests {
                 plan: BlindPlan { kind: BlindKind::Null, stratum: 0, ..case.plan },
                 hidden: Hidden::default(),
                 strength: 0.0,
-                nuisances: [0.0; NUISANCES.len()],
+                nuisances: [0.0; BATCH_SCATTER.len()],
                 ..case.clone()
             };
             assert_eq!(of(case), of(&blank));

@@ -6,12 +6,12 @@
 use super::draw::{
     Bench, BlindCase, BlindKind, BlindPlan, NOISES, RecordedCut, STRATA, along, middle,
 };
-use super::truth::{BlindWorld, Hidden, Instrument, NUISANCES, Outside};
+use super::truth::{BlindWorld, Hidden, Instrument, Outside};
 use sphcut_analytic::{ActiveEffect, Observables, Physics, find};
 use sphcut_diagnose::{Change, PairedScenario, run_effects};
 use sphcut_greybox::Random;
 use sphcut_input::CutTableRow;
-use sphcut_physics::{Channel, CuttingCondition};
+use sphcut_physics::{BATCH_SCATTER, Channel, CuttingCondition};
 use sphcut_scenario::{LoadOptions, Scenario};
 use sphcut_sweep::Sweep;
 use std::path::Path;
@@ -38,7 +38,7 @@ pub struct ParticleCase {
     pub kind: BlindKind,
     pub noise: f64,
     pub has_gaps: bool,
-    pub nuisances: [f64; NUISANCES.len()],
+    pub nuisances: [f64; BATCH_SCATTER.len()],
     pub hidden: Hidden,
     pub conditions: Vec<CuttingCondition>,
 }
@@ -48,7 +48,7 @@ impl ParticleCase {
     fn change(&self, hidden: bool) -> Change {
         let effects = self.hidden.effects.iter().filter(|_| hidden);
         Change {
-            nuisances: NUISANCES.iter().map(|(key, _)| *key).zip(self.nuisances).collect(),
+            nuisances: BATCH_SCATTER.iter().map(|(key, _)| *key).zip(self.nuisances).collect(),
             effects: effects.map(|own| (own.effect.key, own.values().to_vec())).collect(),
             wear_land: None,
         }
@@ -82,7 +82,7 @@ pub fn particle_cases(seed: u64, count: usize) -> Vec<ParticleCase> {
             kind,
             noise: NOISES[hands[1][index]],
             has_gaps: hands[2][index] == 1,
-            nuisances: NUISANCES.map(|(_, deviation)| deviation * random.normal()),
+            nuisances: BATCH_SCATTER.map(|(_, deviation)| deviation * random.normal()),
             hidden: hidden(kind, &mut random),
             conditions: conditions(&mut random),
         }

@@ -3,17 +3,7 @@
 use super::independent;
 use sphcut_analytic::{ActiveEffect, FlowStress, Observables, OrthogonalCut, Physics, predict};
 use sphcut_greybox::Random;
-use sphcut_physics::{Channel, CuttingCondition};
-
-/// Scatter from batch to batch: what is multiplied by exp(x), and the standard deviation of x.
-pub const NUISANCES: [(&str, f64); 6] = [
-    ("initial_yield", 0.08),
-    ("hardening_modulus", 0.08),
-    ("hardening_exponent", 0.10),
-    ("rate_coefficient", 0.25),
-    ("softening_exponent", 0.12),
-    ("friction_coefficient", 0.15),
-];
+use sphcut_physics::{BATCH_SCATTER, Channel, CuttingCondition};
 
 /// The cut that the case names as its base: AISI 1045 with a contact that slides and sticks.
 pub fn base() -> OrthogonalCut {
@@ -21,7 +11,7 @@ pub fn base() -> OrthogonalCut {
 }
 
 /// `cut` of another batch.
-pub fn batch(mut cut: OrthogonalCut, nuisances: &[f64; NUISANCES.len()]) -> OrthogonalCut {
+pub fn batch(mut cut: OrthogonalCut, nuisances: &[f64; BATCH_SCATTER.len()]) -> OrthogonalCut {
     let factor = nuisances.map(f64::exp);
     if let FlowStress::JohnsonCook(law) = &mut cut.workpiece.flow_stress {
         law.initial_yield *= factor[0];

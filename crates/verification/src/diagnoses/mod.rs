@@ -109,7 +109,7 @@ impl Diagnoses {
             let failed =
                 |error: sphcut_diagnose::DiagnoseError| CaseError::failed(&asked.name, error);
             let cut = closed_form_cut(&case.base).map_err(failed)?;
-            let model = ClosedForm::new(cut, &case.scatter);
+            let model = ClosedForm::new(cut, &case.scatter());
             let (_, found) = diagnose_case(&case, &model).map_err(failed)?;
             Ok(JudgedDiagnosis { name: asked.name.clone(), found, model })
         };

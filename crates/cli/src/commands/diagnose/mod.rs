@@ -141,7 +141,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let closed;
     let paired;
     let (model, name): (&dyn Predictor, &str) = if arguments.closed_form {
-        closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter);
+        closed = ClosedForm::new(closed_form_cut(&case.base).map_err(mistaken)?, &case.scatter());
         (&closed, CLOSED_FORM)
     } else {
         let Some(model) = paired_model(case, arguments)? else { return Ok(ExitCode::Interrupted) };

@@ -63,7 +63,7 @@ impl Paired {
         PairedScenario::check_tools(&case.base, &conditions).map_err(refused)?;
         let [speeds, sizes] = support(&conditions, case.runs.range);
         let wears = conditions.iter().any(|condition| condition.cut_length > 0.0);
-        let runs: Vec<(CuttingCondition, Change)> = changes(&case.scatter, wears)
+        let runs: Vec<(CuttingCondition, Change)> = changes(&case.scatter(), wears)
             .into_iter()
             .flat_map(|change| {
                 let at = speeds.iter().flat_map(|v| sizes.iter().map(move |h| (*v, *h)));
@@ -171,7 +171,7 @@ pub fn refused(error: DiagnoseError) -> Failure {
 
 /// The library as a model.
 pub fn model(case: &DiagnosisCase, runs: &[PairedRun]) -> Result<PairedRuns, Failure> {
-    PairedRuns::new(runs, &case.scatter).ok_or_else(|| {
+    PairedRuns::new(runs, &case.scatter()).ok_or_else(|| {
         Failure::input(
             "too few of the runs without an effect have a result: there is nothing to compare with",
         )

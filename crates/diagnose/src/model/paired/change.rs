@@ -4,7 +4,7 @@ use sphcut_analytic::{EFFECTS, Effect};
 use sphcut_physics::CuttingCondition;
 
 /// By how many standard deviations of its prior a nuisance is moved in its runs: far enough to be seen beside the scatter of a
-/// force, near enough to be a slope.
+/// force, near enough to be a slope of what the prior spans.
 pub(crate) const NUISANCE_STEP: f64 = 1.5;
 /// Cutting speeds and thicknesses of the support.
 const SUPPORT: usize = 3;

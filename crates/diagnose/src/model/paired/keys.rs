@@ -197,19 +197,11 @@ impl PairedScenario {
 mod tests {
     use super::super::changes;
     use super::*;
+    use sphcut_physics::BATCH_SCATTER;
     use sphcut_scenario::{LoadOptions, load};
     use sphcut_sweep::Sweep;
     use std::collections::BTreeSet;
     use std::path::Path;
-
-    const SCATTER: [(&str, f64); 6] = [
-        ("initial_yield", 0.08),
-        ("hardening_modulus", 0.08),
-        ("hardening_exponent", 0.10),
-        ("rate_coefficient", 0.25),
-        ("softening_exponent", 0.12),
-        ("friction_coefficient", 0.15),
-    ];
 
     /// Section, key and value of all that a scenario resolves to.
     type Settings = BTreeSet<(String, String, String)>;
@@ -234,7 +226,7 @@ mod tests {
             number("process", "uncut_chip_thickness"),
         );
         let base = PairedScenario::of(&scenario, 30.0).unwrap();
-        let all = changes(&SCATTER, true);
+        let all = changes(&BATCH_SCATTER, true);
         let values: Vec<Vec<String>> =
             all.iter().map(|change| base.values(&condition, change, true).unwrap()).collect();
         let keys = base.keys(true);
@@ -326,6 +318,6 @@ mod tests {
     #[test]
     fn every_run_of_a_library_is_another() {
         let all: BTreeSet<Settings> = library().into_iter().map(|(_, run, _)| run).collect();
-        assert_eq!(all.len(), changes(&SCATTER, true).len());
+        assert_eq!(all.len(), changes(&BATCH_SCATTER, true).len());
     }
 }

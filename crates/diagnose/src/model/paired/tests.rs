@@ -9,16 +9,7 @@ use crate::{
 };
 use sphcut_analytic::OrthogonalCut;
 use sphcut_greybox::Random;
-use sphcut_physics::{Channel, CuttingCondition};
-
-const SCATTER: [(&str, f64); 6] = [
-    ("initial_yield", 0.08),
-    ("hardening_modulus", 0.08),
-    ("hardening_exponent", 0.10),
-    ("rate_coefficient", 0.25),
-    ("softening_exponent", 0.12),
-    ("friction_coefficient", 0.15),
-];
+use sphcut_physics::{BATCH_SCATTER, Channel, CuttingCondition};
 const WEAR_LENGTH: f64 = 500.0;
 
 fn at(place: usize) -> CuttingCondition {
@@ -32,7 +23,7 @@ fn at(place: usize) -> CuttingCondition {
 fn cut(model: &ClosedForm, condition: &CuttingCondition, change: &Change) -> Vec<f64> {
     let mut logs = [0.0; 6];
     for (key, x) in &change.nuisances {
-        logs[SCATTER.iter().position(|(k, _)| k == key).unwrap()] += x;
+        logs[BATCH_SCATTER.iter().position(|(k, _)| k == key).unwrap()] += x;
     }
     let place = |key: &str| model.effects().iter().position(|effect| effect.key == key).unwrap();
     let mut active: Vec<Active> = change
@@ -54,7 +45,7 @@ fn library(model: &ClosedForm, noise: [f64; 3], seed: u64) -> PairedRuns {
     let all: Vec<CuttingCondition> = (0..40).map(at).collect();
     let [speeds, sizes] = support(&all, [[None; 2]; 2]);
     let mut runs = Vec::new();
-    for change in changes(&SCATTER, true) {
+    for change in changes(&BATCH_SCATTER, true) {
         for (&cutting_speed, &uncut_chip_thickness) in
             speeds.iter().flat_map(|v| sizes.iter().map(move |h| (v, h)))
         {
@@ -70,7 +61,7 @@ fn library(model: &ClosedForm, noise: [f64; 3], seed: u64) -> PairedRuns {
             runs.push(PairedRun { condition, change: change.clone(), means });
         }
     }
-    PairedRuns::new(&runs, &SCATTER).unwrap()
+    PairedRuns::new(&runs, &BATCH_SCATTER).unwrap()
 }
 
 fn recorded(model: &ClosedForm, change: &Change, seed: u64) -> Recordings {
@@ -78,7 +69,7 @@ fn recorded(model: &ClosedForm, change: &Change, seed: u64) -> Recordings {
     let mut places: Vec<usize> = (0..40).collect();
     random.shuffle(&mut places);
     let mut change = change.clone();
-    change.nuisances = SCATTER.iter().map(|&(key, s)| (key, s * random.normal())).collect();
+    change.nuisances = BATCH_SCATTER.iter().map(|&(key, s)| (key, s * random.normal())).collect();
     let cuts = places.iter().enumerate().map(|(order, &place)| {
         let condition = CuttingCondition { run_order: order as f64, ..at(place) };
         let logs = cut(model, &condition, &change);
@@ -112,7 +103,7 @@ fn request(recordings: &Recordings) -> DiagnosisRequest<'_> {
 
 #[test]
 fn a_library_predicts_what_it_was_made_of() {
-    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
     let library = library(&model, [1e-4; 3], 1);
     assert!(library.unknown_effects().is_empty(), "{:?}", library.unknown_effects());
     let forces = |logs: Vec<f64>| [logs[0], logs[1]];
@@ -142,7 +133,7 @@ fn a_library_predicts_what_it_was_made_of() {
 
 #[test]
 fn what_scatters_in_the_runs_is_not_known() {
-    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
     let deviation = |noise: f64| {
         let library = library(&model, [noise; 3], 1);
         let known = library.base_uncertainty(Channel::FeedForce, &[at(20)]).unwrap();
@@ -158,7 +149,7 @@ fn what_scatters_in_the_runs_is_not_known() {
 /// Effects are named with a library whose forces scatter by 1 % (F_c) and 3 %; cuts in which nothing is missing raise no alarm.
 #[test]
 fn concealed_effects_are_found_with_scattering_runs() {
-    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
     let library = library(&model, [0.01, 0.03, 0.01], 2);
     for (key, value) in [("edge_radius", 25e-6), ("speed_dependent_friction", 0.3)] {
         let change = Change { effects: vec![(key, vec![value])], ..Change::default() };
@@ -181,7 +172,7 @@ fn concealed_effects_are_found_with_scattering_runs() {
 /// The repair that a library finds, put into the model itself, follows the recordings better than fitting the nuisances again.
 #[test]
 fn a_repair_is_run_again_where_it_was_recorded() {
-    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &SCATTER);
+    let model = ClosedForm::new(OrthogonalCut::aisi_1045(), &BATCH_SCATTER);
     let library = library(&model, [0.003, 0.01, 0.003], 2);
     let hidden = Change { effects: vec![("edge_radius", vec![30e-6])], ..Change::default() };
     let data = recorded(&model, &hidden, 1);

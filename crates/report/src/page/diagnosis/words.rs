@@ -7,10 +7,10 @@ use crate::kit::numbers::{
 };
 use crate::kit::text::listed;
 use sphcut_diagnose::{
-    BiasOrigin, ClaimVerdict, Competitor, Fit, HeldOutErrors, ParameterEstimate, Part, Rate,
-    RelationError, Rerun, RerunChannel,
+    BiasOrigin, ClaimVerdict, Competitor, Fit, HeldOutErrors, Nuisance, ParameterEstimate, Part,
+    Rate, RelationError, Rerun, RerunChannel,
 };
-use sphcut_physics::Channel;
+use sphcut_physics::{Channel, PUBLISHED_SPREAD};
 
 /// A pattern in words.
 pub(super) fn pattern(pattern: &str) -> &str {
@@ -192,6 +192,9 @@ pub(super) fn sentences(page: &DiagnosisPage<'_>) -> Vec<String> {
     if let Some(bias) = page.diagnosis.bias {
         let why = match bias.origin {
             BiasOrigin::Stated => Some("as stated"),
+            BiasOrigin::Compared if page.predictor.relations().is_empty() => {
+                Some("as comparisons with measured cuts have it")
+            }
             BiasOrigin::Compared => Some(
                 "as its comparisons with measured cuts have it, and besides in its shear angle, contact length, edge force and \
                  temperatures, which change several channels together",
@@ -233,6 +236,12 @@ pub(super) fn sentences(page: &DiagnosisPage<'_>) -> Vec<String> {
                 .to_owned(),
         );
     }
+    if !has_reference && has_published_constants(page) {
+        words.push(
+            "The constants of material and friction count as published ones, which differ from set to set by 25 to 60 %. Constants that were fitted to this material              (`sphcut calibrate`), with what is left of the doubt in [priors], let weaker effects be seen."
+                .to_owned(),
+        );
+    }
     let untestable = page.diagnosis.finding.untestable.len();
     if untestable > 0 {
         words.push(format!(
@@ -243,13 +252,20 @@ pub(super) fn sentences(page: &DiagnosisPage<'_>) -> Vec<String> {
     words
 }
 
+/// Whether no constant is known better than published sets agree.
+fn has_published_constants(page: &DiagnosisPage<'_>) -> bool {
+    let nuisances = page.predictor.nuisances();
+    let is_wide = |own: &Nuisance| PUBLISHED_SPREAD.contains(&(own.key, own.deviation));
+    !nuisances.is_empty() && nuisances.iter().all(is_wide)
+}
+
 fn verdict(page: &DiagnosisPage<'_>) -> String {
     let finding = &page.diagnosis.finding;
     let titles =
         |list: &[usize]| -> Vec<String> { list.iter().map(|&k| title(page, Some(k))).collect() };
     match &finding.verdict {
         ClaimVerdict::NoAlarm => format!(
-            "No effect is shown to be missing: the scatter of material, friction and instruments explains these data (posterior probability of the null hypothesis: {}).",
+            "No effect is shown to be missing: material, friction and instruments explain these data within what they may differ by (posterior probability of the null hypothesis: {}).",
             percent(finding.nothing)
         ),
         ClaimVerdict::Named(named) => {
