@@ -275,6 +275,15 @@ fn units_and_exchanged_forces_are_told_with_their_lines() {
     assert!(words.contains("line 5") && words.contains("exchanged"), "{words}");
 }
 
+/// What is not known of a constant is one table, for calibration and diagnosis.
+#[test]
+fn spreads_are_those_of_published_sets() {
+    for (key, spread) in sphcut_physics::PUBLISHED_SPREAD {
+        let rule = crate::CONSTANTS.iter().find(|rule| rule.key == key).unwrap();
+        assert_eq!(rule.spread().to_bits(), spread.to_bits(), "{key}");
+    }
+}
+
 /// The three sets of Ti6Al4V with the law of Johnson and Cook; the same constants in other files are one source.
 #[test]
 fn priors_are_the_spread_of_published_sets_each_once() {
