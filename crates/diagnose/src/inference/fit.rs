@@ -329,51 +329,26 @@ impl System<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::predictor::{CandidateEffect, Nuisance};
     use crate::session::Compared;
-    use crate::tests::twin::{INSTRUMENTS, Twin};
-    use sphcut_physics::{Channel, CuttingCondition};
+    use crate::tests::twin::{Altered, INSTRUMENTS, Twin};
+    use sphcut_physics::CuttingCondition;
 
-    /// The twin, which without an effect has no answer at all where the nuisances have moved.
-    struct Needy(Twin);
-
-    impl Predictor for Needy {
-        fn nuisances(&self) -> &[Nuisance] {
-            self.0.nuisances()
-        }
-
-        fn effects(&self) -> &[CandidateEffect] {
-            self.0.effects()
-        }
-
-        fn channels(&self) -> &[Channel] {
-            self.0.channels()
-        }
-
-        fn change_errors(&self) -> &[f64] {
-            &[0.2]
-        }
-
-        fn log_observables(
-            &self,
-            condition: &CuttingCondition,
-            nuisances: &[f64],
-            active: &[Active],
-        ) -> Vec<f64> {
-            let logs = self.0.log_observables(condition, nuisances, active);
-            let has_no_answer = active.is_empty() && nuisances[0] > 0.03;
-            logs.into_iter().map(|log| if has_no_answer { f64::NAN } else { log }).collect()
-        }
-    }
-
-    /// One explanation without an evidence must not take the probabilities of all others with it.
+    /// One explanation without an evidence must not take the probabilities of all others with it: of a twin that without an effect
+    /// has no answer at all where the nuisances have moved.
     #[test]
     fn a_fit_without_evidence_is_none() {
-        let model = Needy(Twin::new());
+        let answer = |twin: &Twin, at: &CuttingCondition, nuisances: &[f64], active: &[Active]| {
+            let logs = twin.log_observables(at, nuisances, active);
+            let has_no_answer = active.is_empty() && nuisances[0] > 0.03;
+            logs.into_iter().map(|log| if has_no_answer { f64::NAN } else { log }).collect()
+        };
+        let mut twin = Twin::new();
+        twin.errors = vec![0.2];
+        let model = Altered { twin, answer };
         let mut without = 0;
         for seed in 0..12 {
             let hidden = Active { effect: 0, values: vec![0.2] };
-            let recordings = model.0.recorded(&[hidden], 0.02, seed);
+            let recordings = model.twin.recorded(&[hidden], 0.02, seed);
             let problem = RegressionProblem::new(&recordings, &model, &INSTRUMENTS).unwrap();
             let mut start = DVector::zeros(problem.unknowns() + 1);
             start[0] = 1.0;

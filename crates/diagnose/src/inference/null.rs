@@ -53,37 +53,16 @@ pub(crate) fn better_null(
 mod tests {
     use super::*;
     use crate::inference::problem::RegressionProblem;
-    use crate::model::predictor::{Active, CandidateEffect, Nuisance};
+    use crate::model::predictor::Active;
     use crate::session::Compared;
-    use crate::tests::twin::Twin;
+    use crate::tests::twin::{Altered, Twin};
     use proptest::prelude::*;
-    use sphcut_physics::{Channel, CuttingCondition};
+    use sphcut_physics::CuttingCondition;
 
     /// The twin with nuisances that act in waves, so that the null hypothesis has many local optima.
-    struct Wavy(Twin);
-
-    impl Predictor for Wavy {
-        fn nuisances(&self) -> &[Nuisance] {
-            self.0.nuisances()
-        }
-
-        fn effects(&self) -> &[CandidateEffect] {
-            self.0.effects()
-        }
-
-        fn channels(&self) -> &[Channel] {
-            self.0.channels()
-        }
-
-        fn log_observables(
-            &self,
-            condition: &CuttingCondition,
-            nuisances: &[f64],
-            active: &[Active],
-        ) -> Vec<f64> {
-            let waves: Vec<f64> = nuisances.iter().map(|x| x + 0.1 * (25.0 * x).sin()).collect();
-            self.0.log_observables(condition, &waves, active)
-        }
+    fn wavy(twin: &Twin, at: &CuttingCondition, nuisances: &[f64], active: &[Active]) -> Vec<f64> {
+        let waves: Vec<f64> = nuisances.iter().map(|x| x + 0.1 * (25.0 * x).sin()).collect();
+        twin.log_observables(at, &waves, active)
     }
 
     proptest! {
@@ -94,9 +73,9 @@ mod tests {
         fn the_null_is_never_below_an_optimum_found_from_a_finalist(
             seed in 0_u64..1000, effect in 0_usize..4, amplitude in -0.3_f64..0.3,
         ) {
-            let model = Wavy(Twin::new());
+            let model = Altered { twin: Twin::new(), answer: wavy };
             let hidden = Active { effect, values: vec![amplitude] };
-            let recordings = model.0.recorded(&[hidden], 0.02, seed);
+            let recordings = model.twin.recorded(&[hidden], 0.02, seed);
             let problem =
                 RegressionProblem::new(&recordings, &model, &crate::tests::twin::INSTRUMENTS).unwrap();
             let found = Compared::new(problem, &model).unwrap();

@@ -29,7 +29,7 @@ pub struct Twin {
     effects: Vec<CandidateEffect>,
     shapes: Vec<Shape>,
     /// Shares by which it may be wrong of an effect.
-    errors: Vec<f64>,
+    pub errors: Vec<f64>,
 }
 
 impl Twin {
@@ -156,6 +156,42 @@ impl Predictor for Twin {
             }
         }
         logs
+    }
+}
+
+/// The twin with other answers: what `answer` makes of the twin, the nuisances and the effects.
+pub struct Altered<F> {
+    pub twin: Twin,
+    pub answer: F,
+}
+
+impl<F> Predictor for Altered<F>
+where
+    F: Fn(&Twin, &CuttingCondition, &[f64], &[Active]) -> Vec<f64> + Sync,
+{
+    fn nuisances(&self) -> &[Nuisance] {
+        self.twin.nuisances()
+    }
+
+    fn effects(&self) -> &[CandidateEffect] {
+        self.twin.effects()
+    }
+
+    fn channels(&self) -> &[Channel] {
+        self.twin.channels()
+    }
+
+    fn change_errors(&self) -> &[f64] {
+        self.twin.change_errors()
+    }
+
+    fn log_observables(
+        &self,
+        condition: &CuttingCondition,
+        nuisances: &[f64],
+        active: &[Active],
+    ) -> Vec<f64> {
+        (self.answer)(&self.twin, condition, nuisances, active)
     }
 }
 

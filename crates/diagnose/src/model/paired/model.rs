@@ -15,7 +15,7 @@ const UNKNOWN_SCATTER: f64 = 0.03;
 /// Power of the evidence. The mean logarithm of the probability of the right effect rises with it up to 1 over cuts of the solver
 /// with other constants, friction and spacing (docs/diagnosis_scores.md); a real cut differs by more than these.
 const POWER: f64 = 0.5;
-/// That of the closed form: of twelve sizes that such cuts conceal seven lie in their intervals with 0.5, and eight with 0.15. Edges are taken for
+/// That of the closed form: of twelve sizes that such cuts conceal seven lie in their intervals with 0.5, eight with 0.25 and with 0.15. Edges are taken for
 /// up to 46 % smaller than they are where the material is harder and slides better, which no power mends.
 const ESTIMATE_POWER: f64 = 0.25;
 /// Rounds of the balance of feed force and deflection.
