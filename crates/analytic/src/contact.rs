@@ -39,15 +39,6 @@ pub struct RakeContact {
     pub tool_heat: f64,
 }
 
-/// How heat leaves through the contact: conductance between chip and tool in W/(m^2 K).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Conductance {
-    /// No heat enters the tool.
-    None,
-    /// `q = h_c (T_int - T_tool)`.
-    Finite(f64),
-}
-
 impl RakeContact {
     /// The contact below `zone`, whose friction is that which the balance of forces demands.
     pub fn below(
@@ -55,7 +46,6 @@ impl RakeContact {
         condition: &CuttingCondition,
         zone: &ParallelShearZone,
         (rate_constant, layer, pressure_exponent): (f64, f64, f64),
-        conductance: Conductance,
     ) -> Self {
         let cut = material.cut;
         let (theta, lambda) = (zone.resultant_angle, zone.friction_angle);
@@ -73,7 +63,7 @@ impl RakeContact {
         let plastic_strain_rate = zone.chip_speed / (3.0_f64.sqrt() * thickness);
         let friction = zone.rake_friction();
         let (temperature, tool_heat) =
-            interface_temperature(material, condition, zone, (length, layer), conductance);
+            interface_temperature(material, condition, zone, (length, layer));
         let state = FlowState { plastic_strain, plastic_strain_rate, temperature };
         let area = length * cut.width_of_cut;
         Self {
@@ -95,17 +85,16 @@ impl RakeContact {
 /// ```text
 /// T_int = T_0 + dT + psi r_c (P - Q);   Q = G (T_int - T_0);   1/G = 1/(h_c l b) + r_t/b
 /// ```
-/// P = F v_ch: friction power; r_c: rise of the chip for unit power; r_t: that of the tool ([`heat::tool_rise`]).
+/// P = F v_ch: friction power, as far as it stays ([`crate::OrthogonalCut::friction_heat_share`]); r_c: rise of the chip for unit power; r_t: that of the tool ([`heat::tool_rise`]).
 fn interface_temperature(
     material: &CutLaws,
     condition: &CuttingCondition,
     zone: &ParallelShearZone,
     (length, layer): (f64, f64),
-    conductance: Conductance,
 ) -> (f64, f64) {
     let (cut, workpiece) = (material.cut, &material.cut.workpiece);
     let start = workpiece.initial_temperature;
-    let power = zone.rake_friction() * zone.chip_speed;
+    let power = cut.friction_heat_share * zone.rake_friction() * zone.chip_speed;
     let flow = workpiece.density
         * condition.cutting_speed
         * condition.uncut_chip_thickness
@@ -130,12 +119,8 @@ fn interface_temperature(
         }
     };
     let tool = heat::tool_rise(length, cut.width_of_cut, cut.tool.conductivity) / cut.width_of_cut;
-    let leak = match conductance {
-        Conductance::None => 0.0,
-        Conductance::Finite(coefficient) => {
-            (1.0 / (coefficient * length * cut.width_of_cut) + tool).recip()
-        }
-    };
+    // Without conductance nothing passes: 1/0 is infinite.
+    let leak = (1.0 / (cut.tool.contact_conductance * length * cut.width_of_cut) + tool).recip();
     let rise = (zone.temperature_rise + chip_rise * power) / (1.0 + chip_rise * leak);
     (start + rise, leak * rise)
 }

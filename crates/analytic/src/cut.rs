@@ -2,6 +2,7 @@
 
 use crate::{Error, Physics};
 use sphcut_physics::flow_stress::{FlowStressEntry, FlowStressModel, JohnsonCook};
+use sphcut_physics::heat::CARBIDE;
 use sphcut_physics::{Channel, CuttingCondition, ToolGeometry, Values};
 
 /// `value + slope (T - temperature)`; never below a tenth of `value`.
@@ -83,6 +84,8 @@ pub struct CuttingTool {
     pub edge_radius: f64,
     /// In W/(m K).
     pub conductivity: f64,
+    /// h_c between chip and tool in W/(m^2 K); 0: no heat enters the tool.
+    pub contact_conductance: f64,
 }
 
 /// All that does not change from condition to condition.
@@ -106,6 +109,9 @@ pub struct OrthogonalCut {
     pub plane_heat_share: f64,
     /// psi of Oxley: mean of the interface temperature over its largest value.
     pub interface_share: f64,
+    /// Share of the friction power that stays in the model; the rest heats nothing of it. 1 where [`CuttingTool::contact_conductance`] says
+    /// what the tool takes.
+    pub friction_heat_share: f64,
     /// The relations.
     pub physics: Physics,
 }
@@ -141,7 +147,8 @@ impl OrthogonalCut {
             tool: CuttingTool {
                 rake_angle: 5.0_f64.to_radians(),
                 edge_radius: 20e-6,
-                conductivity: 100.0,
+                conductivity: CARBIDE.thermal_conductivity,
+                contact_conductance: 0.0,
             },
             width_of_cut: 3e-3,
             friction_coefficient: 0.25,
@@ -150,8 +157,15 @@ impl OrthogonalCut {
             taylor_quinney: 0.9,
             plane_heat_share: 0.9,
             interface_share: 0.9,
+            friction_heat_share: 1.0,
             physics: Physics::LIBRARY,
         }
+    }
+
+    /// Whether any heat of friction leaves through the tool.
+    #[must_use]
+    pub fn tool_takes_heat(&self) -> bool {
+        self.tool.contact_conductance > 0.0 || self.friction_heat_share < 1.0
     }
 
     /// The same with what a tool has of its own.

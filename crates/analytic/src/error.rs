@@ -47,6 +47,12 @@ pub enum Error {
         /// The key as given.
         key: String,
     },
+    /// An effect that only the particle solver has.
+    #[error("the closed form lacks the effect `{key}`: only the particle solver has it")]
+    NotInClosedForm {
+        /// The effect.
+        key: &'static str,
+    },
     /// A parameter of an effect that is missing, unknown or out of its range.
     #[error(
         "effect `{key}`:{}",

@@ -1,6 +1,6 @@
 //! A cut with its effects: from the condition to what is measured.
 
-use crate::contact::{Conductance, Sliding};
+use crate::contact::Sliding;
 use crate::effects::{BUILT_UP_WIDTH, ClosedFormAction, REFERENCE_SPEED, THERMAL_SPAN};
 use crate::physics::Ploughing;
 use crate::shear_zone::CutLaws;
@@ -21,7 +21,6 @@ struct Changed {
     heat_share: Option<Box<dyn HeatShare>>,
     friction_exponent: Option<f64>,
     temperature_exponent: Option<f64>,
-    conductance: Conductance,
     /// Rake gain in rad and the temperature at which half is gone, in K.
     built_up_edge: Option<(f64, f64)>,
     wear_per_length: f64,
@@ -84,7 +83,6 @@ impl Changed {
             heat_share: None,
             friction_exponent: None,
             temperature_exponent: None,
-            conductance: Conductance::None,
             built_up_edge: None,
             wear_per_length: 0.0,
             stiffness: None,
@@ -108,6 +106,9 @@ impl Changed {
             ClosedFormAction::FrictionTemperature => self.temperature_exponent = Some(first),
             ClosedFormAction::ShearCap => self.cut.shear_friction_factor *= first,
             ClosedFormAction::Catalogue => self.chosen.push(chosen(&self.cut, active)?),
+            ClosedFormAction::Lacking => {
+                return Err(Error::NotInClosedForm { key: active.effect.key });
+            }
             ClosedFormAction::SpecificHeat => {
                 let start = self.cut.workpiece.initial_temperature;
                 steepen(&mut self.cut.workpiece.specific_heat, first, start);
@@ -116,10 +117,7 @@ impl Changed {
                 let start = self.cut.workpiece.initial_temperature;
                 steepen(&mut self.cut.workpiece.conductivity, first, start);
             }
-            ClosedFormAction::ToolHeat => {
-                self.conductance =
-                    if first > 0.0 { Conductance::Finite(first) } else { Conductance::None };
-            }
+            ClosedFormAction::ToolHeat => self.cut.tool.contact_conductance = first,
             ClosedFormAction::EdgeRadius => self.cut.tool.edge_radius += first,
             ClosedFormAction::BuiltUpEdge => self.built_up_edge = Some((first, values[1])),
             ClosedFormAction::FlankWear => self.wear_per_length = first,
@@ -231,7 +229,7 @@ impl Changed {
             temperature_exponent: self.temperature_exponent,
             melting_temperature: cut.workpiece.melting_temperature,
         };
-        let system = System { material, sliding: sliding(), conductance: self.conductance };
+        let system = System { material, sliding: sliding() };
         Ok((system.solve(condition)?, sliding()))
     }
 }

@@ -1,7 +1,7 @@
 //! The shear angle that the closure asks for.
 
 use crate::Error;
-use crate::contact::{Conductance, RakeContact, Sliding};
+use crate::contact::{RakeContact, Sliding};
 use crate::physics::{Closure, RateConstant, SecondaryLayer};
 use crate::root;
 use crate::shear_zone::{CutLaws, ParallelShearZone};
@@ -40,7 +40,6 @@ pub struct Solution {
 pub struct System<'a> {
     pub material: CutLaws<'a>,
     pub sliding: Sliding,
-    pub conductance: Conductance,
 }
 
 impl System<'_> {
@@ -59,7 +58,7 @@ impl System<'_> {
         zone: &ParallelShearZone,
         given: (f64, f64, f64),
     ) -> RakeContact {
-        RakeContact::below(&self.material, condition, zone, given, self.conductance)
+        RakeContact::below(&self.material, condition, zone, given)
     }
 
     /// An angle above which the rake face would pull the chip: lambda = 0 lies below.

@@ -41,6 +41,11 @@ pub struct ContactSide {
     pub specific_heat: f64,
 }
 
+/// Cemented carbide (WC-Co) at room temperature, as Ducobu, Pantale and Lauwers give it for the insert of their
+/// cuts of Ti6Al4V. Other sources have 85 to 100 W/(m K), 202 to 292 J/(kg K) and 14,850 to 15,250 kg/m^3.
+pub const CARBIDE: ContactSide =
+    ContactSide { thermal_conductivity: 100.0, density: 14_850.0, specific_heat: 202.0 };
+
 impl ContactSide {
     /// Thermal effusivity in J/(m^2 K s^0.5):
     ///
@@ -85,8 +90,6 @@ mod tests {
 
     const STEEL: ContactSide =
         ContactSide { thermal_conductivity: 50.7, density: 7870.0, specific_heat: 486.0 };
-    const CARBIDE: ContactSide =
-        ContactSide { thermal_conductivity: 100.0, density: 14_850.0, specific_heat: 202.0 };
 
     #[test]
     fn steel_on_carbide_by_hand() {

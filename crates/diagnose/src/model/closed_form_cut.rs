@@ -4,10 +4,9 @@ use crate::error::DiagnoseError;
 use sphcut_analytic::{CuttingTool, FlowStress, Linear, OrthogonalCut, Physics, WorkpieceMaterial};
 use sphcut_physics::TemperatureTable;
 use sphcut_physics::flow_stress::JohnsonCook;
+use sphcut_physics::heat::CARBIDE;
 use sphcut_scenario::Scenario;
 
-/// Conductivity of the tool in W/(m K) where the scenario has no heat in it: cemented carbide.
-const CARBIDE: f64 = 100.0;
 /// Constant of the shear zone (Oxley 1989, plain carbon steel); share of the zone's heat at the shear plane and mean over largest
 /// interface temperature: 0.9 as in public implementations. The published table needs 1 for the first and `ShearPlane` of the physics
 /// crate takes 0.7: what each stands for and what the difference does is in docs/analytic_model.md.
@@ -65,6 +64,22 @@ pub fn closed_form_cut(scenario: &Scenario) -> Result<OrthogonalCut, DiagnoseErr
         let slope = (table.value(to) - table.value(from)) / (to - from);
         Linear { value: table.value(from), slope, temperature: from }
     };
+    // Of a tool that takes no heat nothing is asked but the conductivity, for an effect that lets it in.
+    let (conductivity, contact_conductance) = match &tool.heat {
+        None => (CARBIDE.thermal_conductivity, 0.0),
+        Some(heat) => {
+            let coating = heat.coating.as_ref().map_or(0.0, |coating| {
+                coating.thickness / coating.material.thermal_conductivity.value(heat.temperature)
+            });
+            let substrate = heat.substrate.thermal_conductivity.value(heat.temperature);
+            (substrate, (1.0 / heat.contact_conductance + coating).recip())
+        }
+    };
+    // A tool with heat in it takes its share through the contact.
+    let friction_heat_share = match &tool.heat {
+        None => number("heat", "friction_heat_share").unwrap_or(1.0),
+        Some(_) => 1.0,
+    };
     Ok(OrthogonalCut {
         workpiece: WorkpieceMaterial {
             melting_temperature: flow_stress.melting_temperature,
@@ -81,7 +96,8 @@ pub fn closed_form_cut(scenario: &Scenario) -> Result<OrthogonalCut, DiagnoseErr
         tool: CuttingTool {
             rake_angle,
             edge_radius: tool.edge_radius.unwrap_or(0.0),
-            conductivity: CARBIDE,
+            conductivity,
+            contact_conductance,
         },
         width_of_cut: setup.width_of_cut,
         friction_coefficient: friction("friction_coefficient")
@@ -91,6 +107,7 @@ pub fn closed_form_cut(scenario: &Scenario) -> Result<OrthogonalCut, DiagnoseErr
         taylor_quinney: number("heat", "taylor_quinney").unwrap_or(0.9),
         plane_heat_share: OXLEY[1],
         interface_share: OXLEY[2],
+        friction_heat_share,
         physics: Physics::LIBRARY,
     })
 }

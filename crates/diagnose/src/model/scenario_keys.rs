@@ -3,7 +3,8 @@
 use crate::error::DiagnoseError;
 use crate::model::closed_form_cut::closed_form_cut;
 use crate::model::paired::Change;
-use sphcut_analytic::{FlowStress, REFERENCE_SPEED, THERMAL_SPAN};
+use sphcut_analytic::{FlowStress, Linear, REFERENCE_SPEED, THERMAL_SPAN};
+use sphcut_physics::heat::{CARBIDE, ContactSide, share_by_effusivities};
 use sphcut_physics::{TemperatureTable, effects};
 use sphcut_scenario::Scenario;
 use toml::{Table, Value};
@@ -16,6 +17,10 @@ const LENGTH_DIGITS: usize = 11;
 const PERIOD: f64 = 2.0;
 /// And it swings no longer than that.
 const DAMPING_RATIO: f64 = 0.7;
+
+/// What lets heat into a tool that took none: the conductance of its contact, and the share of friction heat that is left to the workpiece.
+pub(crate) const TOOL_HEAT_KEYS: [&str; 2] =
+    ["tool.heat.contact_conductance", "heat.friction_heat_share"];
 
 /// A key of the scenario with its new value.
 pub(crate) type KeySetting = (&'static str, Value);
@@ -37,6 +42,8 @@ pub(crate) struct ScenarioKeys {
     conductivity: Vec<(f64, f64)>,
     /// Time in which the tool goes the uncut chip thickness, in s.
     time: f64,
+    /// Share of friction heat that the workpiece would keep beside a carbide tool; `None` where the tool takes heat already.
+    kept_beside_carbide: Option<f64>,
 }
 
 impl ScenarioKeys {
@@ -79,6 +86,15 @@ impl ScenarioKeys {
                 &material.tables.thermal_conductivity,
                 material.thermal_conductivity,
             ),
+            kept_beside_carbide: (!cut.tool_takes_heat()).then(|| {
+                let at = |of: &Linear| of.at(start);
+                let workpiece = ContactSide {
+                    thermal_conductivity: at(&cut.workpiece.conductivity),
+                    density: cut.workpiece.density,
+                    specific_heat: at(&cut.workpiece.specific_heat),
+                };
+                share_by_effusivities(workpiece, CARBIDE)
+            }),
             time: number("uncut_chip_thickness").unwrap_or(f64::NAN)
                 / number("cutting_speed").unwrap_or(f64::NAN),
             table,
@@ -96,9 +112,11 @@ impl ScenarioKeys {
         if let Some(land) = change.wear_land {
             all.push(("tool.wear_land", millimetres(land).into()));
         }
-        if let Some(values) = Self::effect(change, "tool_heat") {
+        let heated = Self::effect(change, "tool_heat").zip(self.kept_beside_carbide);
+        if let Some((values, kept)) = heated {
             let conductance = format!("{} W/(m^2 K)", digits(values[0], DIGITS));
-            all.push(("tool.heat.contact_conductance", conductance.into()));
+            all.push((TOOL_HEAT_KEYS[0], conductance.into()));
+            all.push((TOOL_HEAT_KEYS[1], digits(kept, DIGITS).into()));
         }
         if let Some(values) = Self::effect(change, "compliance") {
             all.push(("tool.compliance.feed", self.giving_way(values[0])));
@@ -130,7 +148,6 @@ impl ScenarioKeys {
 
     /// Why the scenario has no keys for an effect; `None` if it has.
     pub(crate) fn why_none(&self, effect: &str) -> Option<&'static str> {
-        let section = |name: &str| self.table.get(name).and_then(Value::as_table);
         match effect {
             "built_up_edge" => {
                 Some("its shape would have to follow the temperature of the contact")
@@ -141,12 +158,8 @@ impl ScenarioKeys {
             "edge_radius" if self.edge_radius.is_none() => {
                 Some("the tool is an outline: draw it with the rounder edge")
             }
-            "tool_heat"
-                if section("heat").is_some_and(|own| own.contains_key("friction_heat_share")) =>
-            {
-                Some(
-                    "friction_heat_share in [heat] says that the tool takes no heat: remove it first",
-                )
+            "tool_heat" if self.kept_beside_carbide.is_none() => {
+                Some("the tool takes heat already: change contact_conductance in [tool.heat]")
             }
             _ => None,
         }
@@ -185,6 +198,9 @@ impl ScenarioKeys {
             law = "speed_dependent";
             own.push(("speed_exponent", values[0].into()));
             own.push(("reference_speed", format!("{REFERENCE_SPEED} m/s").into()));
+        } else if let Some(values) = Self::effect(change, "pressure_dependent_friction") {
+            law = "usui";
+            own.push(("transition_exponent", values[0].into()));
         } else if cap.is_some() {
             law = "shear_capped_coulomb";
         }
@@ -278,6 +294,9 @@ impl ScenarioKeys {
             let known = [
                 ("melting_temperature", self.melting_temperature),
                 ("saturated_share", self.taylor_quinney),
+                // A failure strain that is the same everywhere.
+                ("failure_strain_range", 0.0),
+                ("triaxiality_exponent", 0.0),
             ];
             let free =
                 registered.candidate.free.iter().map(|free| free.key).zip(values.iter().copied());

@@ -1,9 +1,14 @@
 //! Ductile damage with softening (Johnson-Cook): segmented chips.
 
 use super::{Action, EffectEntry};
+use crate::candidate::{Candidate, Family, Free, Runs};
 use crate::flow_stress::johnson_cook;
 use crate::{Parameter, Quantity, Range, Values};
 
+/// Displacement u_f in m over which nothing fails within a cut.
+const NEVER: f64 = 1.0;
+/// u_f in m at which forces have lost half of what a failure at once would take.
+const HALF_LOST: f64 = 20e-6;
 /// Triaxialities beyond this are treated as this: the law was fitted below it (Johnson and Cook 1985).
 const LARGEST_TRIAXIALITY: f64 = 1.5;
 /// Smallest failure strain: no plastic strain at all would fail otherwise where the fit goes negative.
@@ -181,7 +186,18 @@ pub(super) const ENTRY: EffectEntry = EffectEntry {
     vanishing: &[("residual_strength", 1.0)],
     demands: &[],
     action: Action::Damage(Damage::from_values),
-    candidate: None,
+    // With a failure strain that is the same everywhere: D2 = D3 = 0.
+    candidate: Some(Candidate {
+        title: "strained material fails",
+        family: Family::RateSize,
+        free: &[
+            Free::logarithmic("failure_displacement", (20e-6, 1e-3), NEVER),
+            Free::shape("failure_strain_floor", (0.3, 2.0)),
+        ],
+        runs: Runs::At(&[&[50e-6, 0.3], &[50e-6, 0.8], &[50e-6, 2.0]]),
+        // By three runs of Ti6Al4V: without it, with 100 and with 20 um.
+        strength: |values| HALF_LOST / (values[0] + HALF_LOST) - HALF_LOST / (NEVER + HALF_LOST),
+    }),
 };
 
 #[cfg(test)]

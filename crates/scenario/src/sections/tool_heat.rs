@@ -2,8 +2,9 @@
 
 use super::material::tabulated;
 use super::{LONGEST, ROOM_TEMPERATURE, temperature};
-use sphcut_input::section::{Field, Kind, Presence, Section, default, positive};
+use sphcut_input::section::{Field, Kind, Presence, Section, positive};
 use sphcut_physics::Quantity;
+use sphcut_physics::heat::CARBIDE;
 
 /// What may hold where the model of a tool is cut off.
 const OUTER: &[&str] = &["fixed", "adiabatic", "convective"];
@@ -27,10 +28,6 @@ fn thermal_fields(presence: [Presence; 3], examples: [&'static str; 3]) -> Vec<F
         .collect()
 }
 
-/// Cemented carbide (WC-Co) at room temperature, as Ducobu, Pantale and Lauwers give it for the insert of their
-/// cuts of Ti6Al4V: rho, cp, k. Other sources have 85 to 100 W/(m K), 202 to 292 J/(kg K) and 14,850 to 15,250 kg/m^3.
-const CARBIDE: [&str; 3] = ["14850 kg/m^3", "202 J/(kg K)", "100 W/(m K)"];
-
 /// `h_c = 1.25 k_s m / sigma (p / H)^0.95` (Cooper, Mikic and Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279;
 /// Yovanovich 1982) with k_s = 2 k_w k_t / (k_w + k_t) = 67 W/(m K) of steel on carbide, a roughness sigma of 0.5 um, a slope m of 0.1
 /// and pressures p of 0.6 to 1 of the hardness H, as they are where a chip sticks, gives 1.0e7 to 1.7e7 W/(m^2 K): 10 K
@@ -39,8 +36,13 @@ const CONDUCTANCE: &str = "1e7 W/(m^2 K)";
 
 /// `heat` of a tool or a wall.
 pub(crate) fn tool_heat(name: &str) -> Section {
+    let of_carbide = [
+        format!("{} kg/m^3", CARBIDE.density),
+        format!("{} J/(kg K)", CARBIDE.specific_heat),
+        format!("{} W/(m K)", CARBIDE.thermal_conductivity),
+    ];
     let mut fields = thermal_fields(
-        CARBIDE.map(default),
+        of_carbide.map(|text| Presence::Default(text.into())),
         ["\"14850 kg/m^3\"", "\"202 J/(kg K)\"", "\"100 W/(m K)\""],
     );
     for field in &mut fields {

@@ -332,7 +332,7 @@ impl Gauge<'_> {
     ) -> Option<ActiveEffect> {
         let excluded = |key: &str| INSTRUMENTS_OWN.contains(&key) || others.contains(&key);
         let candidates: Vec<&'static Effect> =
-            EFFECTS.iter().filter(|effect| !excluded(effect.key)).collect();
+            EFFECTS.iter().filter(|e| e.is_in_closed_form() && !excluded(e.key)).collect();
         let effect = candidates[random.below(candidates.len())];
         let ahead = random.uniform() < 0.5;
         let shapes: Vec<f64> = effect.candidate.free.iter().map(|_| random.uniform()).collect();

@@ -59,7 +59,7 @@ fn cut_toml() -> String {
          temperature = \"{} K\"\n\n[workpiece.override]\nspecific_heat = {}\nthermal_conductivity = {}\n\n[tool]\nrake_angle = \"{} deg\"\nclearance_angle = \"7 deg\"\nedge_radius = \"{:.1} um\"\n\n\
          [tool.friction]\nlaw = \"shear_capped_coulomb\"\nfriction_coefficient = {}\nshear_friction_factor = {:.1}\n\n\
          [process]\ncutting_speed = \"150 m/min\"\nuncut_chip_thickness = \"0.1 mm\"\nwidth_of_cut = \"{} mm\"\n\n\
-         [boundaries]\nbottom = \"fixed\"\nback = \"fixed\"\n\n[resolution]\npreset = \"draft\"\n\n[stop]\ntravel = \"4 mm\"\n",
+         [heat]\nfriction_heat_share = 1.0\n\n[boundaries]\nbottom = \"fixed\"\nback = \"fixed\"\n\n[resolution]\npreset = \"draft\"\n\n[stop]\ntravel = \"4 mm\"\n",
         base.workpiece.initial_temperature,
         line(&base.workpiece.specific_heat, "J/(kg K)"),
         line(&base.workpiece.conductivity, "W/(m K)"),

@@ -290,7 +290,9 @@ mod tests {
     #[test]
     fn every_effect_of_the_library_has_a_form_that_moves_something() {
         let own_errors = ["gain", "offset", "drift"];
-        for effect in EFFECTS.iter().filter(|effect| !own_errors.contains(&effect.key)) {
+        for effect in
+            EFFECTS.iter().filter(|e| e.is_in_closed_form() && !own_errors.contains(&e.key))
+        {
             let values: Vec<f64> = effect
                 .candidate
                 .free

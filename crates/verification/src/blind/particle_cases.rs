@@ -91,7 +91,9 @@ pub fn particle_cases(seed: u64, count: usize) -> Vec<ParticleCase> {
 }
 
 fn hidden(kind: BlindKind, random: &mut Random) -> Hidden {
+    // The tool of a scenario takes heat unless it says otherwise.
     let mut keys = run_effects();
+    keys.retain(|key| *key != "tool_heat");
     random.shuffle(&mut keys);
     let count = match kind {
         BlindKind::Single => 1,

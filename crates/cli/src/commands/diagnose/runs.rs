@@ -63,7 +63,9 @@ impl Paired {
         PairedScenario::check_tools(&case.base, &conditions).map_err(refused)?;
         let [speeds, sizes] = support(&conditions, case.runs.range);
         let wears = conditions.iter().any(|condition| condition.cut_length > 0.0);
-        let runs: Vec<(CuttingCondition, Change)> = changes(&case.scatter(), wears)
+        let base = PairedScenario::of(&case.base, case.runs.travel).map_err(refused)?;
+        let can_be = |key: &str| (wears || key != "flank_wear") && base.can_have(key);
+        let runs: Vec<(CuttingCondition, Change)> = changes(&case.scatter(), can_be)
             .into_iter()
             .flat_map(|change| {
                 let at = speeds.iter().flat_map(|v| sizes.iter().map(move |h| (*v, *h)));

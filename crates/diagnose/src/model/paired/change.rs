@@ -21,6 +21,14 @@ pub struct Change {
 }
 
 impl Change {
+    /// An effect alone, at values of its runs.
+    pub(crate) fn by(effect: &'static str, values: &[f64]) -> Self {
+        match effect {
+            "flank_wear" => Self { wear_land: Some(values[0]), ..Self::default() },
+            key => Self { effects: vec![(key, values.to_vec())], ..Self::default() },
+        }
+    }
+
     /// Whether nothing is changed.
     #[must_use]
     pub fn is_none(&self) -> bool {
@@ -57,7 +65,7 @@ pub struct EffectStrength {
     pub weakest: f64,
 }
 
-/// The effects of [`run_effects`] whose strength is one positive number.
+/// The effects of the closed form and of [`run_effects`] whose strength is one positive number, and that a scenario may lack without being told so.
 #[must_use]
 pub fn effect_strengths() -> Vec<EffectStrength> {
     let of = |effect: &'static Effect| {
@@ -75,7 +83,8 @@ pub fn effect_strengths() -> Vec<EffectStrength> {
         })
     };
     run_levels()
-        .filter(|(effect, _)| effect.key != "flank_wear")
+        .filter(|(effect, _)| effect.is_in_closed_form())
+        .filter(|(effect, _)| !["flank_wear", "tool_heat"].contains(&effect.key))
         .filter_map(|(e, _)| of(e))
         .collect()
 }
@@ -85,24 +94,19 @@ pub(crate) fn can_be_run(key: &str) -> bool {
     run_levels().any(|(effect, _)| effect.key == key)
 }
 
-/// Every change of a library: none, each nuisance, each effect at each of its levels; wear only where the edge has cut before.
+/// Every change of a library: none, each nuisance, each effect that `can_be` at each of its levels.
 #[must_use]
-pub fn changes(scatter: &[(&'static str, f64)], wears: bool) -> Vec<Change> {
+pub fn changes(
+    scatter: &[(&'static str, f64)],
+    can_be: impl Fn(&'static str) -> bool,
+) -> Vec<Change> {
     let mut all = vec![Change::default()];
     for &(key, deviation) in scatter {
         let nuisances = vec![(key, NUISANCE_STEP * deviation)];
         all.push(Change { nuisances, ..Change::default() });
     }
-    for (effect, levels) in run_levels() {
-        for values in levels {
-            if effect.key == "flank_wear" {
-                let land = wears.then_some(values[0]);
-                all.extend(land.map(|land| Change { wear_land: Some(land), ..Change::default() }));
-            } else {
-                let effects = vec![(effect.key, values.to_vec())];
-                all.push(Change { effects, ..Change::default() });
-            }
-        }
+    for (effect, levels) in run_levels().filter(|(effect, _)| can_be(effect.key)) {
+        all.extend(levels.iter().map(|values| Change::by(effect.key, values)));
     }
     all
 }

@@ -3,7 +3,7 @@
 use super::change::Change;
 use crate::error::DiagnoseError;
 use crate::model::closed_form_cut::closed_form_cut;
-use crate::model::scenario_keys::{ScenarioKeys, digits, millimetres, table_of};
+use crate::model::scenario_keys::{ScenarioKeys, TOOL_HEAT_KEYS, digits, millimetres, table_of};
 use sphcut_physics::{CuttingCondition, ToolGeometry};
 use sphcut_scenario::Scenario;
 use toml::{Table, Value};
@@ -146,7 +146,14 @@ impl PairedScenario {
         keys.extend(self.across.map(|_| SPACING_KEY));
         keys.extend(worn.then_some(WEAR_KEY));
         keys.extend(self.alike.then_some(RAKE_KEY));
+        keys.extend(TOOL_HEAT_KEYS.into_iter().filter(|_| self.can_have("tool_heat")));
         keys
+    }
+
+    /// Whether the scenario has keys for an effect, and lacks the effect itself.
+    #[must_use]
+    pub fn can_have(&self, effect: &str) -> bool {
+        self.base.why_none(effect).is_none()
     }
 
     /// The values of [`PairedScenario::keys`] for a run at `condition`.
@@ -189,6 +196,7 @@ impl PairedScenario {
         values.extend(self.across.map(|across| format!("{:?}", millimetres(h / across))));
         values.extend(worn.then(|| format!("{:?}", millimetres(change.wear_land.unwrap_or(0.0)))));
         values.extend(self.alike.then(|| self.base.rake(condition.tool.rake_angle).to_string()));
+        values.extend(TOOL_HEAT_KEYS.into_iter().filter(|_| self.can_have("tool_heat")).map(set));
         Ok(values)
     }
 }
@@ -198,7 +206,7 @@ mod tests {
     use super::super::changes;
     use super::*;
     use sphcut_physics::BATCH_SCATTER;
-    use sphcut_scenario::{LoadOptions, load};
+    use sphcut_scenario::{LoadOptions, load, parse};
     use sphcut_sweep::Sweep;
     use std::collections::BTreeSet;
     use std::path::Path;
@@ -211,12 +219,14 @@ mod tests {
         all.map(|e| (e.section.clone(), e.key.to_string(), e.value.clone())).collect()
     }
 
-    /// Every change of a library at the condition of the shipped cut, beside that cut as it is.
+    /// Every change of a library at the condition of the shipped cut, with a tool that takes no heat, beside that cut as it is.
     fn library() -> Vec<(Change, Settings, Settings)> {
         let path =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ti6al4v_orthogonal.toml");
         let options = LoadOptions::default();
-        let scenario = load(&path, &options).unwrap();
+        let text =
+            std::fs::read_to_string(&path).unwrap() + "\n[heat]\nfriction_heat_share = 1.0\n";
+        let scenario = parse(&text, "cut", path.parent(), &options).unwrap();
         let number = |section: &str, key: &str| {
             let mut all = scenario.description.iter();
             all.find(|e| e.section == section && e.key == key).unwrap().number.unwrap()
@@ -226,7 +236,7 @@ mod tests {
             number("process", "uncut_chip_thickness"),
         );
         let base = PairedScenario::of(&scenario, 30.0).unwrap();
-        let all = changes(&BATCH_SCATTER, true);
+        let all = changes(&BATCH_SCATTER, |key| base.can_have(key));
         let values: Vec<Vec<String>> =
             all.iter().map(|change| base.values(&condition, change, true).unwrap()).collect();
         let keys = base.keys(true);
@@ -268,8 +278,7 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         let text =
             text.replace("preset = \"draft\"", "preset = \"draft\"\nparticles_across_edge = 2.5");
-        let scenario =
-            sphcut_scenario::parse(&text, "cut", path.parent(), &LoadOptions::default()).unwrap();
+        let scenario = parse(&text, "cut", path.parent(), &LoadOptions::default()).unwrap();
         let error = PairedScenario::of(&scenario, 30.0).unwrap_err();
         assert!(error.to_string().contains("follows the edge radius"), "{error}");
     }
@@ -295,6 +304,7 @@ mod tests {
                 (Some(_), _) | (_, Some(("specific_heat", _))) => "workpiece.override",
                 (_, Some(("edge_radius", _))) => "tool",
                 (_, Some((key, _))) if key.ends_with("_friction") => "tool.friction",
+                (_, Some(("tool_heat", _))) => "heat",
                 (_, Some(_)) => "effects",
                 _ => "",
             };
@@ -317,7 +327,8 @@ mod tests {
 
     #[test]
     fn every_run_of_a_library_is_another() {
-        let all: BTreeSet<Settings> = library().into_iter().map(|(_, run, _)| run).collect();
-        assert_eq!(all.len(), changes(&BATCH_SCATTER, true).len());
+        let runs = library();
+        let others: BTreeSet<&Settings> = runs.iter().map(|(_, run, _)| run).collect();
+        assert_eq!(others.len(), runs.len());
     }
 }

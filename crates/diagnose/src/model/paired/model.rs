@@ -102,19 +102,16 @@ impl PairedRuns {
             .collect();
         let (mut effects, mut nodes) = (Vec::new(), Vec::new());
         for (effect, levels) in run_levels() {
-            let run = |values: &[f64]| {
-                if effect.key == "flank_wear" {
-                    Change { wear_land: Some(values[0]), ..Change::default() }
-                } else {
-                    Change { effects: vec![(effect.key, values.to_vec())], ..Change::default() }
-                }
-            };
             let known: Option<Vec<Node>> = levels
                 .iter()
                 .map(|values| {
                     let values = values.to_vec();
                     let strength = (effect.candidate.strength)(&values);
-                    Some(Node { strength, fields: changed(&run(&values))?, values })
+                    Some(Node {
+                        strength,
+                        fields: changed(&Change::by(effect.key, &values))?,
+                        values,
+                    })
                 })
                 .collect();
             if let Some(known) = known {
@@ -127,13 +124,6 @@ impl PairedRuns {
             nodes.push(Vec::new());
         }
         Some(Self { support, channels, base, nuisances, slopes, effects, nodes })
-    }
-
-    /// Effects of which paired runs could tell, and that these runs do not know.
-    #[must_use]
-    pub fn unknown_effects(&self) -> Vec<&'static str> {
-        let known = |key: &str| self.effects.iter().any(|effect| effect.key == key);
-        run_levels().map(|(effect, _)| effect.key).filter(|key| !known(key)).collect()
     }
 
     fn of(&self, fields: &Fields, channel: Channel, condition: &CuttingCondition) -> f64 {
@@ -182,7 +172,7 @@ impl PairedRuns {
             // The strength makes it larger, the shape lies between those of the runs.
             [_, shape] if shape.vanishing.is_none() => {
                 let place: Vec<f64> = nodes.iter().map(|node| node.values[1]).collect();
-                let larger = active.values[0] / nodes[0].values[0];
+                let larger = (effect.candidate.strength)(&active.values) / nodes[0].strength;
                 hats(&place, active.values[1]).into_iter().map(|w| larger * w).collect()
             }
             _ => through_zero(nodes, (effect.candidate.strength)(&active.values)),
