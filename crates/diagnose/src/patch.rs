@@ -124,8 +124,8 @@ mod tests {
     fn a_patched_scenario_is_that_of_the_paired_run() {
         let path = shipped();
         let options = LoadOptions::default();
-        let text =
-            std::fs::read_to_string(&path).unwrap() + "\n[heat]\nfriction_heat_share = 1.0\n";
+        let text = std::fs::read_to_string(&path).unwrap().replace("[tool.heat]\n", "")
+            + "\n[heat]\nfriction_heat_share = 1.0\n";
         let scenario = parse(&text, "cut", path.parent(), &options).unwrap();
         let number = |key: &str| {
             let mut all = scenario.description.iter();

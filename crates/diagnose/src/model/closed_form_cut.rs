@@ -111,3 +111,45 @@ pub fn closed_form_cut(scenario: &Scenario) -> Result<OrthogonalCut, DiagnoseErr
         physics: Physics::LIBRARY,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ClosedForm, Predictor};
+    use sphcut_scenario::{LoadOptions, parse};
+    use std::path::Path;
+
+    fn cut(added: &str) -> OrthogonalCut {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ti6al4v_orthogonal.toml");
+        let text = std::fs::read_to_string(&path).unwrap().replace("[tool.heat]\n", "") + added;
+        let scenario = parse(&text, "cut", path.parent(), &LoadOptions::default()).unwrap();
+        closed_form_cut(&scenario).unwrap()
+    }
+
+    /// What the simulation has is not missing in it.
+    #[test]
+    fn heat_into_the_tool_is_an_explanation_only_where_the_tool_takes_none() {
+        let is_one = |cut: OrthogonalCut| {
+            ClosedForm::new(cut, &[]).effects().iter().any(|effect| effect.key == "tool_heat")
+        };
+        let plain = cut("");
+        assert_eq!((plain.tool.contact_conductance, plain.tool.conductivity), (1e7, 100.0));
+        assert!(plain.tool_takes_heat() && !is_one(plain));
+        let adiabatic = cut("\n[heat]\nfriction_heat_share = 1.0\n");
+        assert!(!adiabatic.tool_takes_heat() && is_one(adiabatic));
+        let leaving = cut("\n[heat]\nfriction_heat_share = 0.4\n");
+        assert_eq!((leaving.friction_heat_share, leaving.tool.contact_conductance), (0.4, 0.0));
+        assert!(!is_one(leaving));
+    }
+
+    /// 1/(1/1e6 + 3e-6/12) = 8e5 W/(m^2 K) through 3 um of nitride.
+    #[test]
+    fn a_coating_stands_in_line_with_the_contact() {
+        let coated = cut(
+            "\n[tool.heat]\ncontact_conductance = \"1e6 W/(m^2 K)\"\n[tool.heat.coating]\nthickness = \"3 um\"\n\
+             density = \"5000 kg/m^3\"\nspecific_heat = \"600 J/(kg K)\"\nthermal_conductivity = \"12 W/(m K)\"\n",
+        );
+        assert!((coated.tool.contact_conductance / 8e5 - 1.0).abs() < 1e-12);
+    }
+}

@@ -18,9 +18,7 @@ const PERIOD: f64 = 2.0;
 /// And it swings no longer than that.
 const DAMPING_RATIO: f64 = 0.7;
 
-/// What lets heat into a tool that took none: the conductance of its contact, and the share of friction heat that is left to the workpiece.
-pub(crate) const TOOL_HEAT_KEYS: [&str; 2] =
-    ["tool.heat.contact_conductance", "heat.friction_heat_share"];
+const FRICTION_HEAT_SHARE: &str = "heat.friction_heat_share";
 
 /// A key of the scenario with its new value.
 pub(crate) type KeySetting = (&'static str, Value);
@@ -112,11 +110,9 @@ impl ScenarioKeys {
         if let Some(land) = change.wear_land {
             all.push(("tool.wear_land", millimetres(land).into()));
         }
-        let heated = Self::effect(change, "tool_heat").zip(self.kept_beside_carbide);
-        if let Some((values, kept)) = heated {
-            let conductance = format!("{} W/(m^2 K)", digits(values[0], DIGITS));
-            all.push((TOOL_HEAT_KEYS[0], conductance.into()));
-            all.push((TOOL_HEAT_KEYS[1], digits(kept, DIGITS).into()));
+        if let Some((conductance, kept)) = self.tool_heat(change) {
+            all.push(("tool.heat.contact_conductance", conductance));
+            all.push((FRICTION_HEAT_SHARE, kept));
         }
         if let Some(values) = Self::effect(change, "compliance") {
             all.push(("tool.compliance.feed", self.giving_way(values[0])));
@@ -129,6 +125,26 @@ impl ScenarioKeys {
         let radius = own.or(self.edge_radius)? * Self::factor(change, "edge_radius");
         let added = Self::effect(change, "edge_radius").map_or(0.0, |values| values[0]);
         Some(millimetres(radius + added).into())
+    }
+
+    /// Conductance of the contact, and the share of friction heat that is left to the workpiece, where a tool that took no heat now does.
+    fn tool_heat(&self, change: &Change) -> Option<(Value, Value)> {
+        let (values, kept) = Self::effect(change, "tool_heat").zip(self.kept_beside_carbide)?;
+        let conductance = format!("{} W/(m^2 K)", digits(values[0], DIGITS));
+        Some((conductance.into(), digits(kept, DIGITS).into()))
+    }
+
+    /// The tool of a scenario that takes no heat, and the share of friction heat that stays in the workpiece, with `change`: a table, since a key
+    /// of `[tool.heat]` cannot say that there is none. `None` where the tool takes heat already.
+    pub(crate) fn tool_and_share(&self, change: &Change) -> Option<[KeySetting; 2]> {
+        self.kept_beside_carbide?;
+        let mut tool = self.table.get("tool").and_then(Value::as_table).cloned()?;
+        let mut share = Value::Float(1.0);
+        if let Some((conductance, kept)) = self.tool_heat(change) {
+            tool.insert("heat".to_owned(), table_of([("contact_conductance", conductance)]));
+            share = kept;
+        }
+        Some([("tool", tool.into()), (FRICTION_HEAT_SHARE, share)])
     }
 
     /// The rake of a tool, or that of the scenario as it is written.

@@ -328,7 +328,7 @@ fn seen(row: &CutTableRow) -> Option<Observables> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use sphcut_input::read_cut_table;
     use sphcut_scenario::load;
@@ -367,13 +367,11 @@ mod tests {
     }
 
     /// Forces made up as a power of the thickness; what is hidden raises the feed force by a fifth.
-    #[test]
-    fn recordings_are_what_was_simulated() {
-        let drawn = particle_cases(6, 30);
+    pub(in super::super) fn simulated(drawn: &[ParticleCase]) -> String {
         let mut table =
             "v_c [m/min],h [mm],b [mm],F_c [N],F_c_ci95 [N],F_f [N],F_f_ci95 [N],chip_thickness [mm],contact_length [mm],T_interface [degC]\n"
                 .to_owned();
-        for asked in &drawn {
+        for asked in drawn {
             for condition in &asked.conditions {
                 let (v, h) = (condition.cutting_speed * 60.0, condition.uncut_chip_thickness * 1e3);
                 let mut line = |feed: f64| {
@@ -393,7 +391,13 @@ mod tests {
                 line(if asked.hidden.effects.is_empty() { 900.0 } else { 1080.0 });
             }
         }
-        let rows = read_cut_table(&table).unwrap();
+        table
+    }
+
+    #[test]
+    fn recordings_are_what_was_simulated() {
+        let drawn = particle_cases(6, 30);
+        let rows = read_cut_table(&simulated(&drawn)).unwrap();
         let cases = record(6, &drawn, &rows).unwrap();
         for (case, asked) in cases.iter().zip(&drawn) {
             assert_eq!(case.recordings.len(), REPEATS * CUTS);

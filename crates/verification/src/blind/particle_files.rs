@@ -132,9 +132,33 @@ fn line(name: &str, found: &Value) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::particle_cases::tests::simulated;
     use super::super::score;
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn what_one_scenario_cut_another_is_to_explain() {
+        let folder =
+            std::env::temp_dir().join(format!("sphcut-explained-by-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("swept")).unwrap();
+        let key = seal::SealKey::from_text(&"07".repeat(32)).unwrap();
+        let table = simulated(&particle_cases(key.seed(), 30));
+        write(&folder.join(SIMULATED), &table).unwrap();
+        write(&folder.join(BASE), "the one that cut").unwrap();
+        let other = folder.join("other.toml");
+        write(&other, "the one that explains").unwrap();
+        for (asked, found) in
+            [(None, "the one that cut"), (Some(other.as_path()), "the one that explains")]
+        {
+            record(&folder, &key, 30, asked).unwrap();
+            for case in ["case-0001", "case-0030"] {
+                assert_eq!(read(&folder.join(case).join(BASE)).unwrap(), found);
+            }
+        }
+        assert_eq!(read(&folder.join(BASE)).unwrap(), "the one that cut");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 
     #[test]
     fn a_diagnosis_becomes_a_claim() {

@@ -3,7 +3,7 @@
 use super::change::Change;
 use crate::error::DiagnoseError;
 use crate::model::closed_form_cut::closed_form_cut;
-use crate::model::scenario_keys::{ScenarioKeys, TOOL_HEAT_KEYS, digits, millimetres, table_of};
+use crate::model::scenario_keys::{ScenarioKeys, digits, millimetres, table_of};
 use sphcut_physics::{CuttingCondition, ToolGeometry};
 use sphcut_scenario::Scenario;
 use toml::{Table, Value};
@@ -142,11 +142,13 @@ impl PairedScenario {
     /// The keys that runs set, `worn` if any tool is worn.
     #[must_use]
     pub fn keys(&self, worn: bool) -> Vec<&'static str> {
-        let mut keys = KEYS.to_vec();
+        // The whole tool goes before what is in it.
+        let tool = self.base.tool_and_share(&Change::default());
+        let mut keys: Vec<&str> = tool.into_iter().flatten().map(|(key, _)| key).collect();
+        keys.extend(KEYS);
         keys.extend(self.across.map(|_| SPACING_KEY));
         keys.extend(worn.then_some(WEAR_KEY));
         keys.extend(self.alike.then_some(RAKE_KEY));
-        keys.extend(TOOL_HEAT_KEYS.into_iter().filter(|_| self.can_have("tool_heat")));
         keys
     }
 
@@ -177,7 +179,10 @@ impl PairedScenario {
         // One length for all runs of a thickness, and that of the scenario where it is enough.
         let length = self.length.max((longest * self.travel + REST) * h + 2.0 * self.below);
         let stop = table_of([("travel", millimetres(far).into())]).to_string();
-        let mut values = vec![
+        let tool = self.base.tool_and_share(change);
+        let mut values: Vec<String> =
+            tool.into_iter().flatten().map(|(_, value)| value.to_string()).collect();
+        values.extend([
             format!("\"{} m/min\"", digits(condition.cutting_speed * 60.0, SPEED_DIGITS)),
             format!("{:?}", millimetres(h)),
             format!("{:?}", millimetres(3.0 * h + self.below)),
@@ -192,11 +197,10 @@ impl PairedScenario {
                 Some(radius) => radius.map(|r| r.to_string()).unwrap_or_default(),
                 None => set("tool.edge_radius"),
             },
-        ];
+        ]);
         values.extend(self.across.map(|across| format!("{:?}", millimetres(h / across))));
         values.extend(worn.then(|| format!("{:?}", millimetres(change.wear_land.unwrap_or(0.0)))));
         values.extend(self.alike.then(|| self.base.rake(condition.tool.rake_angle).to_string()));
-        values.extend(TOOL_HEAT_KEYS.into_iter().filter(|_| self.can_have("tool_heat")).map(set));
         Ok(values)
     }
 }
@@ -224,8 +228,8 @@ mod tests {
         let path =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ti6al4v_orthogonal.toml");
         let options = LoadOptions::default();
-        let text =
-            std::fs::read_to_string(&path).unwrap() + "\n[heat]\nfriction_heat_share = 1.0\n";
+        let text = std::fs::read_to_string(&path).unwrap().replace("[tool.heat]\n", "")
+            + "\n[heat]\nfriction_heat_share = 1.0\n";
         let scenario = parse(&text, "cut", path.parent(), &options).unwrap();
         let number = |section: &str, key: &str| {
             let mut all = scenario.description.iter();
@@ -286,6 +290,8 @@ mod tests {
     /// A run differs from the scenario in what its change names, and in how far it goes; a run without a change in nothing else.
     #[test]
     fn a_run_changes_what_its_change_names() {
+        let has = |key: &str| library().iter().any(|(c, ..)| c.effects.iter().any(|e| e.0 == key));
+        assert!(has("tool_heat") && has("damage") && has("pressure_dependent_friction"));
         for (change, run, plain) in library() {
             let differs: BTreeSet<&str> = run
                 .symmetric_difference(&plain)
