@@ -2,7 +2,7 @@
 
 use clap::{Subcommand, ValueEnum};
 use sphcut_verification::blind::{self, BlindPhysics, ClaimOptions, DrawOptions};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -79,6 +79,21 @@ pub enum Blind {
         /// File for the claims; beside it a folder `NAME.pages` with every diagnosis.
         #[arg(long)]
         out: PathBuf,
+    },
+    /// How wrong a library of paired runs is in what effects change, by opened cases of the particle solver.
+    ChangeErrors {
+        /// Folders of the cases.
+        #[arg(long, required = true, num_args = 1..)]
+        cases: Vec<PathBuf>,
+        /// Files of their keys, in the same order.
+        #[arg(long, required = true, num_args = 1..)]
+        keys: Vec<PathBuf>,
+        /// The scenario that explains.
+        #[arg(long)]
+        explained_by: PathBuf,
+        /// The simulated cuts of its runs: `runs/library/simulated.csv` of a diagnosis.
+        #[arg(long)]
+        library: PathBuf,
     },
     /// Diagnose all cases with the closed-form model, as `sphcut diagnose` does, and write what is claimed.
     Run {
@@ -159,6 +174,14 @@ pub fn run(what: &Blind) -> Result<(), String> {
         }
         Blind::Claim { cases, sphcut, store, out } => {
             return blind::claim_with_runs(cases, sphcut, store, out);
+        }
+        Blind::ChangeErrors { cases, keys, explained_by, library } => {
+            if cases.len() != keys.len() {
+                return Err("every folder of cases needs its key".to_owned());
+            }
+            let worlds: Vec<(&Path, &Path)> =
+                cases.iter().map(PathBuf::as_path).zip(keys.iter().map(PathBuf::as_path)).collect();
+            blind::change_errors(&worlds, (explained_by, library))?
         }
         Blind::Run { cases, out, without_reference, held_out, threads, first } => {
             let asked = ClaimOptions { with_reference: !*without_reference, held_out: *held_out };

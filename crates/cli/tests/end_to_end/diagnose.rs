@@ -253,11 +253,11 @@ control = 5
 fn paired_runs_explain_and_are_kept() {
     let shop = small_shop("diagnose_runs");
     let plan = shop.sphcut(&["diagnose", "case.toml", "--out", "missing", "--dry-run"]);
-    assert!(plan.expect_code(0).out.contains("252 runs"));
+    assert!(plan.expect_code(0).out.contains("279 runs"));
     assert!(!shop.path("missing").exists());
     let first = ["diagnose", "case.toml", "--out", "missing", "--store", "kept"];
     let ended = shop.sphcut(&first).expect_code(0);
-    let ended = ended.expect_err("252 runs of the particle solver, 252 of them");
+    let ended = ended.expect_err("279 runs of the particle solver, 279 of them");
     assert!(!ended.err.contains("warning"), "{}", ended.err);
     let numbers: serde_json::Value =
         serde_json::from_str(&shop.read("missing/diagnosis.json")).unwrap();
@@ -267,7 +267,7 @@ fn paired_runs_explain_and_are_kept() {
     assert!(!without_embedded_data(&page).contains("NaN"));
     // Every run is a run of a sweep: what it sets, where it lies and what it gave.
     let runs = shop.read("missing/runs/library/table.csv");
-    assert_eq!(runs.lines().filter(|line| line.contains(",finished,")).count(), 252);
+    assert_eq!(runs.lines().filter(|line| line.contains(",finished,")).count(), 279);
     for law in ["speed_dependent", "temperature_dependent", "viscous_drag", "bump_height"] {
         assert!(runs.contains(law), "{law}");
     }
@@ -280,7 +280,7 @@ fn paired_runs_explain_and_are_kept() {
     shop.write("new.csv", "v_c [m/min],h [mm]\n120,0.1\n150,0.12\n");
     let predict = ["predict", "--diagnosis", "missing", "--conditions", "new.csv", "--out"];
     let ended = shop.sphcut(&[&predict[..], &["new_forces.csv"]].concat()).expect_code(130);
-    assert!(ended.out.contains("252 runs, 252 of them to be computed"), "{}", ended.out);
+    assert!(ended.out.contains("279 runs, 279 of them to be computed"), "{}", ended.out);
     ended.expect_err("--store");
     let kept = [&predict[..], &["new_forces.csv", "--store", "kept"]].concat();
     shop.sphcut(&kept).expect_code(0);
@@ -340,7 +340,7 @@ fn runs_that_cannot_be_made_are_refused_before_the_first() {
     shop.write("case.toml", &case.replace("travel = 5", "travel = 5\nmost = 100"));
     shop.sphcut(&command)
         .expect_code(2)
-        .expect_err("252 runs are needed")
+        .expect_err("279 runs are needed")
         .expect_err("raise `most`");
     shop.write("case.toml", &case);
     shop.write("cut.toml", &cut.replace("[window]\n", ""));

@@ -1,6 +1,7 @@
 //! Blind cases for the diagnosis: cuts of another physics with something hidden in them, and the score of what was
 //! claimed. Cases and answers follow from a key alone; the answers are encrypted with it.
 
+mod change_errors;
 mod claims;
 mod details;
 mod draw;
@@ -94,6 +95,16 @@ pub fn claim_with_runs(
     out: &Path,
 ) -> Result<(), String> {
     write(out, &particle_files::claims(cases, sphcut, store, &out.with_extension("pages"))?)
+}
+
+/// How wrong a library of paired runs is in what effects change, by opened cases of the particle solver: each of `worlds` the folder of the
+/// cases and the file of their key, `library` the scenario and the table of simulated cuts of its runs (`runs/library/simulated.csv` of a
+/// diagnosis). Root mean squares of ln y over the cuts of a case, without what chaos adds.
+///
+/// # Errors
+/// A file that cannot be read; a table in which runs are missing; a key that does not fit.
+pub fn change_errors(worlds: &[(&Path, &Path)], library: (&Path, &Path)) -> Result<String, String> {
+    change_errors::table(worlds, library)
 }
 
 /// Diagnoses the first cases (all without `first`) with the closed-form model on `threads` threads, and writes what is

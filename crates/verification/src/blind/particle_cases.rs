@@ -50,7 +50,7 @@ impl ParticleCase {
         Change {
             nuisances: BATCH_SCATTER.iter().map(|(key, _)| *key).zip(self.nuisances).collect(),
             effects: effects.map(|own| (own.effect.key, own.values().to_vec())).collect(),
-            wear_land: None,
+            ..Change::default()
         }
     }
 

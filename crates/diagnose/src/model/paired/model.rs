@@ -84,10 +84,16 @@ impl PairedRuns {
         if channels.is_empty() {
             return None;
         }
+        // What changes are told from: runs that went as far as they, where there are any.
+        let repeats: Vec<&PairedRun> = runs.iter().filter(|run| run.change.repeat > 0).collect();
+        let start = Channel::RECORDED.map(|channel| {
+            let own = base_field(&repeats, channel, &support);
+            own.or_else(|| base[channel.index()].clone())
+        });
         let changed = |wanted: &Change| -> Option<Fields> {
             let own: Vec<&PairedRun> = runs.iter().filter(|run| run.change == *wanted).collect();
             let fields = Channel::RECORDED.map(|channel| {
-                change_field(&own, channel, base[channel.index()].as_ref()?, &support)
+                change_field(&own, channel, start[channel.index()].as_ref()?, &support)
             });
             channels.iter().all(|c| fields[c.index()].is_some()).then_some(fields)
         };
