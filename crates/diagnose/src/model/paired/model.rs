@@ -51,7 +51,7 @@ struct Node {
 /// log y_c(x; n, k) = b_c(x) + sum_j n_j g_cj(x) + sum_k w_k(phi_k) d_ck(x)
 /// ```
 ///
-/// with the difference d of a run with the effect from the smoothed base, and weights w through no effect and the strengths that
+/// with b by long runs, the differences g and d of runs from smoothed ones without a change that go as far, and weights w through no effect and the strengths that
 /// were run: a line, through two strengths a parabola, beyond the stronger one straight on. The scatter of the forces
 /// of each run goes through to the uncertainty of b, g and d ([`Predictor::base_uncertainty`]): chaos parts two runs of
 /// the same particles after a fraction of a millimetre, so that pairs differ by the scatter of both.
@@ -311,7 +311,8 @@ impl Predictor for PairedRuns {
         &self.channels
     }
 
-    /// Those of the closed form.
+    /// Those of the closed form. In cuts of the solver with other constants, friction and spacing half of the changes are wrong by 5 % or less, one in
+    /// ten by more than 57 % (docs/diagnosis_method.md); a real cut differs by more.
     fn change_errors(&self) -> &[f64] {
         &CHANGE_ERRORS
     }

@@ -239,7 +239,7 @@ pub(super) fn sentences(page: &DiagnosisPage<'_>) -> Vec<String> {
     if !has_reference && has_published_constants(page) {
         words.push(
             "The constants of material and friction count as published ones, which differ from set to set by 25 to 60 %. Sizes of effects hang on them: of blind cuts \
-             of other constants, explained by paired runs, four of twelve lay beside their intervals. Constants that sphcut calibrate has fitted to \
+             of other constants, explained by paired runs, three of ten lay beside their intervals. Constants that sphcut calibrate has fitted to \
              this material, with what is left of the doubt in [priors], let weaker effects be seen."
                 .to_owned(),
         );
