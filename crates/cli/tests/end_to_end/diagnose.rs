@@ -56,6 +56,9 @@ fn what_the_example_conceals_is_among_what_is_claimed() {
     ] {
         assert!(page.contains(&format!("<h2>{heading}</h2>")), "{heading}");
     }
+    for unit in ["N", "%"] {
+        assert!(page.contains(&format!("feed force: measured less recalibrated, in {unit}.<")));
+    }
     assert!(page.contains(">Noise of a single cutting force<"));
     assert!(!page.contains("NaN") && !page.contains("src=\"http"));
     shop.sphcut(&command).expect_code(2).expect_err("use --force");

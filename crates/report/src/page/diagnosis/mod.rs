@@ -3,6 +3,7 @@
 mod compared;
 mod series;
 mod set;
+mod size;
 mod time;
 mod words;
 
@@ -94,9 +95,15 @@ fn where_it_is(page: &DiagnosisPage<'_>) -> Markup {
                 cannot follow it."
                 @if tools_differ { " A place on the maps is the mean over the tools that cut there; what differs between them is among the patterns." } }
             div.pair { @for (channel, points) in &location.maps {
-                (plotted(&map(page, points, size, channel.title()),
+                (plotted(&score_map(page, points, size, channel.title()),
                     &format!("{}: measured above the model is red, below is blue. Dots: recordings.", channel.title())))
             } }
+            p { "The same in size: measured less recalibrated, the mean of the recordings around each place (a window of 15 % of the range), as it is and in per cent of the \
+                recalibrated value. It shows where the fit gives way, with or without evidence." }
+            div.pair { @for (channel, _) in &location.maps { @for (around, unit) in size::sizes(page, *channel) {
+                (plotted(&map(page, (channel.title(), unit), around.largest(), &|place| around.mean(place)),
+                    &format!("{}: measured less recalibrated, in {unit}.", channel.title())))
+            } } }
             (table("Patterns of the residual. A discovery survives Benjamini and Hochberg: of all discoveries one in twenty is expected to be false.",
                 [Text("Channel"), Text("Pattern"), Number("Standard deviations"), Text("Discovery")],
                 &html! { @for contrast in location.contrasts.iter().take(MOST_PATTERNS) { tr {
@@ -109,7 +116,17 @@ fn where_it_is(page: &DiagnosisPage<'_>) -> Markup {
 }
 
 /// A map of the scores, interpolated between its points.
-fn map(page: &DiagnosisPage<'_>, points: &[MapPoint], size: f64, title: &str) -> String {
+fn score_map(page: &DiagnosisPage<'_>, points: &[MapPoint], size: f64, title: &str) -> String {
+    let shape = page.diagnosis.location.shape;
+    map(page, (title, "standard deviations"), size, &|input| interpolated(points, shape, input))
+}
+
+fn map(
+    page: &DiagnosisPage<'_>,
+    (title, quantity): (&str, &str),
+    size: f64,
+    surface: &dyn Fn(Input) -> f64,
+) -> String {
     let problem = &page.diagnosis.problem;
     let inputs: Vec<Input> = problem
         .sites
@@ -118,12 +135,12 @@ fn map(page: &DiagnosisPage<'_>, points: &[MapPoint], size: f64, title: &str) ->
         .map(|site| [site.condition.cutting_speed, site.condition.uncut_chip_thickness])
         .collect();
     let hull = Hull::around(&inputs);
-    let shape = page.diagnosis.location.shape;
-    let surface = |input: Input| interpolated(points, shape, input);
     Map {
         title: title.to_owned(),
-        description: format!("Residual of the {title} over cutting speed and uncut chip thickness"),
-        quantity: "standard deviations".to_owned(),
+        description: format!(
+            "Residual of the {title} over cutting speed and uncut chip thickness in {quantity}"
+        ),
+        quantity: quantity.to_owned(),
         colours: ColourScale::around_zero([size].into_iter()),
         hull: &hull,
         inputs: &inputs,
