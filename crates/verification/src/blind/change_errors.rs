@@ -56,7 +56,11 @@ fn library(scenario: &Path, table: &Path) -> Result<PairedRuns, String> {
     let places = speeds.len() * sizes.len();
     if rows.len() != all.len() * places {
         let wanted = all.len() * places;
-        return Err(format!("{}: {} rows, not {wanted}", table.display(), rows.len()));
+        return Err(format!(
+            "{}: {} rows, not {wanted}: runs are missing, or it is no library of this scenario",
+            table.display(),
+            rows.len()
+        ));
     }
     let run = |(place, row): (usize, &CutTableRow)| PairedRun {
         condition: condition(row),
