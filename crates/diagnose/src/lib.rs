@@ -51,7 +51,7 @@ pub use check::rerun::{
 };
 pub use check::self_test::{PositiveControl, Rate, Simulator};
 pub use data::mistakes::wrong_unit_of_thickness;
-pub use data::recordings::{ChannelNoise, NoiseSource, Recording, Recordings};
+pub use data::recordings::{ChannelNoise, NoiseSource, Recording, Recordings, same_cut};
 pub use error::DiagnoseError;
 pub use file::{
     AirRecord, DiagnosisCase, DiagnosisFile, PairedRunsPlan, ReferenceCuts, SeriesPlan,

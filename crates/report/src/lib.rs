@@ -14,11 +14,11 @@ mod picture;
 pub use error::ReportError;
 pub use page::{
     ComparedMaterial, CutCalibrationPage, DiagnosisPage, IdentificationPage, PreviewPage,
-    RecordingsPage, SeriesPage, SpringbackRun, SweepPage, WearPage, calibration_words,
-    compared_states, diagnosis_text, greybox_words, identification_words, recordings_words,
-    render_calibration, render_comparison, render_cut_calibration, render_diagnosis,
-    render_greybox, render_identification, render_materials, render_preview, render_recordings,
-    render_report, render_series, render_springback, render_sweep, render_wear, series_summary,
-    sweep_words, write_report,
+    RecordingsPage, SeriesPage, SimulatedPair, SpringbackRun, SweepPage, WearPage,
+    calibration_words, compared_states, diagnosis_text, greybox_words, identification_words,
+    recordings_words, render_calibration, render_comparison, render_cut_calibration,
+    render_diagnosis, render_greybox, render_identification, render_materials, render_preview,
+    render_recordings, render_report, render_series, render_springback, render_sweep, render_wear,
+    series_summary, sweep_words, write_report,
 };
 pub use picture::{ParticleField, PictureOptions, Style, View, render_layers, render_snapshot};

@@ -321,6 +321,13 @@ fn a_correction_in_closed_form_is_confirmed_in_the_particle_solver() {
     assert_eq!(numbers["particle_solver"]["conditions"], 2);
     let runs = shop.read("missing/runs/repaired/table.csv");
     assert!(runs.contains("speed_dependent"), "{runs}");
+    // Each condition as it was and corrected, side by side.
+    let page = shop.read("missing/diagnosis.html");
+    let (_, pairs) = page.split_once("The cut as simulated and corrected").expect("pictures");
+    let (pairs, _) = pairs.split_once("</section>").unwrap();
+    let count = |part: &str| pairs.matches(part).count();
+    assert_eq!((count("<img"), count(">As simulated: F"), count(">Corrected: F")), (4, 2, 2));
+    assert_eq!(pairs.matches("base64,").collect::<Vec<_>>().len(), 4);
     let without = ["diagnose", "case.toml", "--out", "other", "--confirm"];
     shop.sphcut(&without).expect_code(2).expect_err("--closed-form");
     let unused = ["diagnose", "case.toml", "--out", "other", "--closed-form", "--store", "kept"];

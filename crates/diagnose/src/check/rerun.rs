@@ -88,7 +88,8 @@ pub fn unseen_fits(
     Some((null, fit(&training, predictor, &repair.effects, &repair.unknowns)?))
 }
 
-/// What the three states change at a condition. `None` if the scenario has no key for an effect of the repair.
+/// What the three states change at a condition; the first goes only as far as the other two, which would else be compared with a hotter tool.
+/// `None` if the scenario has no key for an effect of the repair.
 #[must_use]
 pub fn rerun_changes(
     problem: &RegressionProblem,
@@ -99,7 +100,7 @@ pub fn rerun_changes(
     let changed = |fit: &Fit| fit.change(problem, predictor, condition.cut_length);
     let repaired = changed(repair);
     let runs = repaired.effects.iter().all(|(key, _)| can_be_run(key));
-    runs.then(|| [Change::default(), changed(null), repaired])
+    runs.then(|| [Change { repeat: 1, ..Change::default() }, changed(null), repaired])
 }
 
 /// Compares what was run at each condition in the three states with the recordings there. `None` if too little was run.

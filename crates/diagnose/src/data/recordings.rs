@@ -69,7 +69,8 @@ fn same(a: f64, b: f64) -> bool {
 }
 
 /// Whether two cuts have the same speed and thickness, and tools of the same shape.
-pub(crate) fn same_cut(a: &CuttingCondition, b: &CuttingCondition) -> bool {
+#[must_use]
+pub fn same_cut(a: &CuttingCondition, b: &CuttingCondition) -> bool {
     same(a.cutting_speed, b.cutting_speed)
         && same(a.uncut_chip_thickness, b.uncut_chip_thickness)
         && same_tool(&a.tool, &b.tool)

@@ -17,7 +17,8 @@ mod wear;
 pub use calibration::{calibration_words, render_calibration};
 pub use cut_calibration::{CutCalibrationPage, render_cut_calibration};
 pub use diagnosis::{
-    DiagnosisPage, SeriesPage, diagnosis_text, render_diagnosis, render_series, series_summary,
+    DiagnosisPage, SeriesPage, SimulatedPair, diagnosis_text, render_diagnosis, render_series,
+    series_summary,
 };
 pub use greybox::{greybox_words, render_comparison, render_greybox};
 pub use identification::{IdentificationPage, identification_words, render_identification};

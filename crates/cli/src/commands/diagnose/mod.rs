@@ -153,14 +153,17 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let found = pool.install(|| diagnose_case_as(case, model, ProgressListener(&told), |_| {}));
     display.finish();
     let (recordings, mut found) = found.map_err(mistaken)?;
+    let mut pairs = Vec::new();
     if (!arguments.closed_form || arguments.confirm)
         && let Some((runs, null, repair)) = Paired::repaired(case, arguments, (&found, model))?
     {
         match runs.run(arguments)? {
             Ended::Interrupted => return Ok(ExitCode::Interrupted),
             Ended::Finished(results) => {
-                let own = runs.in_order(&results);
+                let states = runs.in_order(&results);
+                let own = runs::without_folders(&states);
                 found.rerun = compare_rerun(&found.problem, (&null, &repair), &own, case.seed);
+                pairs = runs::pairs(&states)?;
             }
         }
     }
@@ -180,6 +183,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         recordings: &recordings,
         predictor: model,
         series: series.as_ref(),
+        pairs: &pairs,
     };
     files::save(&files[0], render_diagnosis(&page).as_bytes())?;
     let numbers = diagnosis_json(&provenance, &found, &recordings, model);

@@ -11,8 +11,12 @@ use sphcut_diagnose::{
     unseen_fits,
 };
 use sphcut_physics::CuttingCondition;
+use sphcut_report::SimulatedPair;
 use sphcut_sweep::Sweep;
+use std::path::PathBuf;
 
+/// Pairs of pictures on the page.
+const MOST_PAIRS: usize = 3;
 /// Folder of the runs in the output folder.
 const FOLDER: &str = "runs";
 
@@ -24,10 +28,19 @@ pub struct Paired {
     patch: String,
 }
 
+/// A result, and where its record lies.
+#[derive(Debug, Clone)]
+pub struct FinishedRun {
+    /// What was changed and what it gave.
+    pub run: PairedRun,
+    /// Folder of its record in the store.
+    pub folder: PathBuf,
+}
+
 /// How paired runs ended.
 pub enum Ended {
     /// With so many results.
-    Finished(Vec<PairedRun>),
+    Finished(Vec<FinishedRun>),
     /// The user stopped them, or computes them elsewhere; the same command goes on.
     Interrupted,
 }
@@ -122,11 +135,11 @@ impl Paired {
         Ok(Some((paired, null, repair)))
     }
 
-    /// The results in the order of the runs.
-    pub fn in_order(&self, results: &[PairedRun]) -> Vec<[Option<PairedRun>; STATES]> {
+    /// The results in the order of the runs, of each condition the three states.
+    pub fn in_order(&self, results: &[FinishedRun]) -> Vec<[Option<FinishedRun>; STATES]> {
         let of = |(condition, change): &(CuttingCondition, Change)| {
-            let found = results.iter().find(|r| r.condition == *condition && r.change == *change);
-            found.cloned()
+            let is_it = |run: &PairedRun| run.condition == *condition && run.change == *change;
+            results.iter().find(|one| is_it(&one.run)).cloned()
         };
         self.runs
             .chunks(STATES)
@@ -156,7 +169,9 @@ impl Paired {
         };
         let results = rows.iter().map(|row| {
             let (condition, change) = &self.runs[row.number - 1];
-            PairedRun { condition: *condition, change: change.clone(), means: listed::means(row) }
+            let means = listed::means(row);
+            let run = PairedRun { condition: *condition, change: change.clone(), means };
+            FinishedRun { run, folder: row.folder.clone() }
         });
         Ok(Ended::Finished(results.collect()))
     }
@@ -172,10 +187,35 @@ pub fn refused(error: DiagnoseError) -> Failure {
 }
 
 /// The library as a model.
-pub fn model(case: &DiagnosisCase, runs: &[PairedRun]) -> Result<PairedRuns, Failure> {
-    PairedRuns::new(runs, &case.scatter()).ok_or_else(|| {
+pub fn model(case: &DiagnosisCase, results: &[FinishedRun]) -> Result<PairedRuns, Failure> {
+    let runs: Vec<PairedRun> = results.iter().map(|one| one.run.clone()).collect();
+    PairedRuns::new(&runs, &case.scatter()).ok_or_else(|| {
         Failure::input(
             "too few of the runs without an effect have a result: there is nothing to compare with",
         )
     })
+}
+
+/// The results alone.
+pub fn without_folders(
+    states: &[[Option<FinishedRun>; STATES]],
+) -> Vec<[Option<PairedRun>; STATES]> {
+    let alone = |run: &Option<FinishedRun>| run.as_ref().map(|run| run.run.clone());
+    states.iter().map(|own| own.each_ref().map(alone)).collect()
+}
+
+/// Pictures of the first conditions, which lie farthest apart: as the scenario is beside the corrected one.
+pub fn pairs(states: &[[Option<FinishedRun>; STATES]]) -> Result<Vec<SimulatedPair>, Failure> {
+    let mut pairs = Vec::new();
+    for [as_it_is, _, corrected] in states {
+        let (Some(first), Some(second)) = (as_it_is, corrected) else { continue };
+        let drawn = [first, second].map(|one| (&one.run, one.folder.as_path()));
+        let pair = SimulatedPair::draw(drawn)
+            .map_err(|error| Failure::new(ExitCode::InputOutput, error.to_string()))?;
+        pairs.extend(pair);
+        if pairs.len() == MOST_PAIRS {
+            break;
+        }
+    }
+    Ok(pairs)
 }

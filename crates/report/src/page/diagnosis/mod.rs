@@ -1,12 +1,14 @@
 //! `diagnosis.html`: which physics a simulation left out.
 
 mod compared;
+mod pictures;
 mod series;
 mod set;
 mod size;
 mod time;
 mod words;
 
+pub use pictures::SimulatedPair;
 pub use series::{SeriesPage, render_series, series_summary};
 pub use words::diagnosis_text;
 
@@ -47,6 +49,8 @@ pub struct DiagnosisPage<'a> {
     pub predictor: &'a dyn Predictor,
     /// Forces over time.
     pub series: Option<&'a SeriesDiagnosis>,
+    /// Cuts as simulated and corrected, from the runs that confirm the correction.
+    pub pairs: &'a [SimulatedPair],
 }
 
 /// The text of `diagnosis.html`; nothing is loaded.
@@ -72,6 +76,7 @@ pub fn render_diagnosis(page: &DiagnosisPage<'_>) -> String {
         }
         (repair(page))
         (does_it_help(page))
+        (pictures::section(page))
         (trust(page))
         (next(page))
         (method(page))

@@ -218,6 +218,7 @@ mod tests {
             recordings: &recordings,
             predictor: &model,
             series: None,
+            pairs: &[],
         };
         let numbers = diagnosis_json(&provenance, &found, &recordings, &model);
         assert!(numbers.contains(r#""effect": "third""#) && numbers.contains(r#""rank": 1"#));
