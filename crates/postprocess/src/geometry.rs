@@ -140,9 +140,6 @@ pub(crate) fn measure(run: &Run, window: &SteadyWindow) -> Result<Geometry, RunE
     else {
         return Ok(Geometry::without(&Missing::NoCut));
     };
-    if !run.facts.passes.is_empty() {
-        return Ok(Geometry::without(&Missing::SeveralPasses));
-    }
     if run.snapshots.is_empty() {
         return Ok(Geometry::without(&Missing::NoSnapshots));
     }

@@ -9,9 +9,6 @@ pub enum Missing {
     /// In space.
     #[error("the uncut chip of this section is thinner than two spacings")]
     ThinSection,
-    /// Measured where one pass meets an uncut surface.
-    #[error("measured in runs of a single pass only")]
-    SeveralPasses,
     /// No snapshot in the window.
     #[error("the run has no snapshots")]
     NoSnapshots,

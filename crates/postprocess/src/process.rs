@@ -59,17 +59,22 @@ fn evaluate_by(
     let ranges = passes(run);
     let last = ranges.last().cloned().unwrap_or(0..samples.len());
     let PassResult { steady, window, forces, .. } = of_pass((0, last.clone()));
+    let passes: Vec<PassResult> = ranges.into_iter().enumerate().map(of_pass).collect();
+    // What the particles show is measured where the tool meets a surface that no pass has cut.
+    let first_pass = run.first_pass();
+    let cut = first_pass.as_ref().unwrap_or(run);
+    let cut_window = passes.first().map_or(&window, |pass| &pass.window);
     let mut result = ProcessResult {
         laws: run.provenance.effects.clone(),
         criterion: *criterion,
         feed_steady: verdict(ChannelId::FeedForce, &last, feed_criterion),
         feed_known: KnownForce::feed(samples, &window, &last, &run.facts, &forces.feed),
         forces,
-        passes: ranges.into_iter().enumerate().map(of_pass).collect(),
-        geometry: match run.facts.dimension {
-            2 => geometry::measure(run, &window)?,
-            _ => space::measure(run, &window)?,
+        geometry: match cut.facts.dimension {
+            2 => geometry::measure(cut, cut_window)?,
+            _ => space::measure(cut, cut_window)?,
         },
+        passes,
         residual_stress: Err(Missing::NoCut),
         temperature: temperatures(samples, &last, criterion),
         extremes: extremes(samples),
@@ -101,7 +106,6 @@ fn residual_stress(
         }
         Ok(found) => Ok(found.stress),
         Err(SpringbackError::Record(error)) => return Err(error),
-        Err(SpringbackError::SeveralPasses) => Err(Missing::SeveralPasses),
         Err(SpringbackError::NoCut) => Err(Missing::NoCut),
         Err(SpringbackError::NoSnapshots) => Err(Missing::NoSnapshots),
         Err(reason) => Err(Missing::Surface(reason.to_string())),

@@ -3,9 +3,9 @@
 use serde_json::Value;
 use sphcut_postprocess::synthetic::{AMBIENT, INTERFACE_TEMPERATURE, SyntheticCut};
 use sphcut_postprocess::{
-    AlongEdge, EdgeSection, Missing, ProcessResult, Warning, evaluate, summary_json,
+    AlongEdge, EdgeSection, Missing, ProcessResult, Warning, evaluate, springback, summary_json,
 };
-use sphcut_record::{Outcome, Run, Setting};
+use sphcut_record::{Outcome, Run, Setting, Snapshots};
 use sphcut_sph::ChannelId;
 use sphcut_sph::setup::Pass;
 
@@ -291,8 +291,32 @@ fn each_pass_has_its_own_forces_and_the_last_gives_those_of_the_run() {
     assert!(second.start > 0.0 && second.start < 0.6e-3, "{second:?}");
     assert_eq!(result.forces, result.passes[1].forces);
     assert_eq!(result.window, result.passes[1].window);
-    assert_eq!(result.geometry.chip, Err(Missing::SeveralPasses));
-    assert_eq!(result.residual_stress, Err(Missing::SeveralPasses));
+}
+
+/// Chip, contact and surface are those of the pass that meets an uncut surface, whatever comes later.
+#[test]
+fn the_particles_are_measured_in_the_first_pass() {
+    let mut run = two_passes();
+    let end = run.facts.passes[0].end;
+    let snapshots = (0..run.snapshots.len()).map(|k| {
+        let mut snapshot = (*run.snapshots.get(k).unwrap()).clone();
+        if snapshot.time > end {
+            snapshot.position.iter_mut().for_each(|place| place[1] *= 3.0);
+        }
+        snapshot
+    });
+    run.snapshots = Snapshots::in_memory(snapshots.collect());
+    let result = evaluate(&run).unwrap();
+    let chip = result.geometry.chip.clone().unwrap();
+    assert!((chip.compression_ratio - 2.2).abs() < 0.05, "{chip:?}");
+    let contact = result.geometry.contact.clone().unwrap();
+    assert!((contact.length() - 0.12e-3).abs() < 10e-6, "{contact:?}");
+    // Nine of 21 snapshots lie in the first pass.
+    assert!(result.geometry.snapshots > 3 && result.geometry.snapshots < 9);
+    assert!(result.residual_stress.is_ok());
+    let springback = springback::measure(&run, &result).unwrap();
+    assert_eq!(springback.snapshots, 9);
+    assert_eq!(springback.normal_force, result.passes[0].forces.feed);
 }
 
 #[test]

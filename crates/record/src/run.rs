@@ -1,7 +1,7 @@
 //! A run as data: what `run.h5` holds.
 
 use crate::{Facts, Provenance, Samples, Snapshots};
-use sphcut_sph::Diverged;
+use sphcut_sph::{ChannelId, Diverged};
 
 /// A run, finished or not, with where it comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +18,25 @@ pub struct Run {
     pub performance: Performance,
     /// How it ended.
     pub outcome: Outcome,
+}
+
+impl Run {
+    /// What is recorded of the first pass of a run of several, as a run of one pass; `None` of any other run.
+    #[must_use]
+    pub fn first_pass(&self) -> Option<Self> {
+        // Sums of steps and of legs differ by rounding.
+        let end = self.facts.passes.first()?.end * (1.0 + 1e-9);
+        let samples = self.samples.channel(ChannelId::Time).partition_point(|time| *time <= end);
+        let snapshots = self.snapshots.index().partition_point(|info| info.time <= end);
+        Some(Self {
+            facts: Facts { passes: Vec::new(), ..self.facts.clone() },
+            samples: self.samples.first(samples),
+            snapshots: self.snapshots.first(snapshots),
+            provenance: self.provenance.clone(),
+            performance: self.performance,
+            outcome: self.outcome.clone(),
+        })
+    }
 }
 
 /// How a run ended.

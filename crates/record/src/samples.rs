@@ -47,6 +47,11 @@ impl Samples {
         &self.columns
     }
 
+    /// The first `count` samples.
+    pub(crate) fn first(&self, count: usize) -> Self {
+        Self { columns: self.columns.iter().map(|column| column[..count].to_vec()).collect() }
+    }
+
     /// The sample `index`, if there is one.
     #[must_use]
     pub fn row(&self, index: usize) -> Option<Sample> {

@@ -58,6 +58,11 @@ impl Snapshots {
         Self { index, place: Place::File(path) }
     }
 
+    /// The first `count` snapshots.
+    pub(crate) fn first(&self, count: usize) -> Self {
+        Self { index: self.index[..count].to_vec(), place: self.place.clone() }
+    }
+
     /// Number of snapshots.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -40,9 +40,6 @@ pub(crate) fn measure(run: &Run, window: &SteadyWindow) -> Result<Geometry, RunE
     if !ProcessResult::is_cut(run) {
         return Ok(Geometry::without(&Missing::NoCut));
     }
-    if !run.facts.passes.is_empty() {
-        return Ok(Geometry::without(&Missing::SeveralPasses));
-    }
     if run.snapshots.is_empty() {
         return Ok(Geometry::without(&Missing::NoSnapshots));
     }

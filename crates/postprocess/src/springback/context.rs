@@ -75,16 +75,13 @@ impl SnapshotView<'_> {
 /// The context of a run.
 ///
 /// # Errors
-/// Several passes, no cut, no snapshots, a cut or a moving window that leaves too little machined surface.
+/// No cut, no snapshots, a cut or a moving window that leaves too little machined surface.
 pub(super) fn context(
     run: &Run,
     window_start: f64,
     least_window: f64,
 ) -> Result<Context, SpringbackError> {
     let facts = &run.facts;
-    if !facts.passes.is_empty() {
-        return Err(SpringbackError::SeveralPasses);
-    }
     let Some(thickness) = facts.uncut_chip_thickness.filter(|_| ProcessResult::is_cut(run)) else {
         return Err(SpringbackError::NoCut);
     };

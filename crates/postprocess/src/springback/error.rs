@@ -54,9 +54,6 @@ impl ErrorBar {
 /// Why a run has no springback.
 #[derive(Debug, thiserror::Error)]
 pub enum SpringbackError {
-    /// A run of several passes.
-    #[error("springback of a plane run is measured after a single pass; this one has several")]
-    SeveralPasses,
     /// A run without a tool and an uncut chip thickness.
     #[error("the run is no cut: it has no tool that cuts")]
     NoCut,

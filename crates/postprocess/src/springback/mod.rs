@@ -1,4 +1,4 @@
-//! Springback of the machined surface, and the residual stress below it; in space of the first pass, by
+//! Springback of the machined surface, and the residual stress below it, of several passes those of the first; in space by
 //! `slice.rs`.
 //!
 //! **Springback** s: normal distance between the lowest point of the tool and the machined surface
@@ -52,14 +52,17 @@ const SLICE_WINDOW: f64 = 10.0;
 /// Measures springback and residual stress of `run`, evaluated as `result`.
 ///
 /// # Errors
-/// A plane run of several passes, one that is no cut, one too short to leave a machined surface clear of
-/// the tool, a snapshot that cannot be read.
+/// A run that is no cut, one too short to leave a machined surface clear of the tool, a snapshot that cannot be read.
 pub fn measure(run: &Run, result: &ProcessResult) -> Result<Springback, SpringbackError> {
+    let first_pass = run.first_pass();
+    let run = first_pass.as_ref().unwrap_or(run);
+    let own = result.passes.first().map(|pass| (&pass.window, &pass.forces));
+    let (window, forces) = own.unwrap_or((&result.window, &result.forces));
     if run.facts.dimension == 3 {
-        let slice = slice::first_pass(run, result)?;
-        return measure_plane(&slice.run, slice.window_start, SLICE_WINDOW, result.forces.passive);
+        let slice = slice::middle_of_groove(run)?;
+        return measure_plane(&slice, window.start, SLICE_WINDOW, forces.passive);
     }
-    measure_plane(run, result.window.start, PLANE_WINDOW, result.forces.feed)
+    measure_plane(run, window.start, PLANE_WINDOW, forces.feed)
 }
 
 fn measure_plane(

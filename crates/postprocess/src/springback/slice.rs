@@ -1,4 +1,4 @@
-//! The first pass of a cut in space as a plane cut: a slice along the cut through the tool's lowest point,
+//! A cut in space as a plane cut: a slice along the cut through the tool's lowest point,
 //! its groove laid flat.
 //!
 //! ```text
@@ -14,9 +14,9 @@ use crate::cloud::CutPlane;
 use crate::geometry::uncut_surface;
 use crate::result::ProcessResult;
 use crate::space::Axes;
-use sphcut_record::{Facts, Run, Samples, Snapshots};
+use sphcut_record::{Facts, Run, Snapshots};
 use sphcut_sph::setup::{CuttingFrame, Vector};
-use sphcut_sph::{ChannelId, Snapshot};
+use sphcut_sph::Snapshot;
 
 /// Least half of the width of the slice in spacings.
 const LEAST_HALF_WIDTH: f64 = 3.0;
@@ -25,17 +25,11 @@ const RISE: f64 = 0.1;
 /// Places across the slice at which the tool's lowest line is known.
 const PLACES: usize = 121;
 
-/// A plane run, and the travel from which on the forces of the pass are steady.
-pub(super) struct Slice {
-    pub run: Run,
-    pub window_start: f64,
-}
-
-/// The first pass of `run` as a plane run.
+/// The middle of the groove that `run` cuts, as a plane run.
 ///
 /// # Errors
 /// No cut, no snapshots, a snapshot that cannot be read.
-pub(super) fn first_pass(run: &Run, result: &ProcessResult) -> Result<Slice, SpringbackError> {
+pub(super) fn middle_of_groove(run: &Run) -> Result<Run, SpringbackError> {
     if !ProcessResult::is_cut(run) {
         return Err(SpringbackError::NoCut);
     }
@@ -51,12 +45,8 @@ pub(super) fn first_pass(run: &Run, result: &ProcessResult) -> Result<Slice, Spr
     let slice = middle.slice(&first, &axes, spacing);
     let depth = uncut_surface(&slice, CutPlane::new(CuttingFrame::default())) - middle.tip[1];
     let profile = middle.widened(&first, &axes, RISE * depth);
-    let end = run.facts.passes.first().map_or(f64::INFINITY, |pass| pass.end * (1.0 + 1e-9));
     let mut slices = Vec::new();
     for number in 0..run.snapshots.len() {
-        if run.snapshots.index()[number].time > end {
-            break;
-        }
         slices.push(profile.slice(&*run.snapshots.get(number)?, &axes, spacing));
     }
     let speed = run.facts.cutting_speed();
@@ -65,24 +55,16 @@ pub(super) fn first_pass(run: &Run, result: &ProcessResult) -> Result<Slice, Spr
         uncut_chip_thickness: Some(depth),
         tool_velocity: Some([speed, 0.0, 0.0]),
         frame: CuttingFrame::default(),
-        passes: Vec::new(),
         ..run.facts.clone()
     };
-    let time = run.samples.channel(ChannelId::Time);
-    let count = time.partition_point(|time| *time <= end);
-    let columns = run.samples.columns().iter().map(|column| column[..count].to_vec()).collect();
-    let samples = Samples::from_columns(columns).expect("columns cut to one length");
-    let window_start = result.passes.first().map_or(result.window.start, |pass| pass.window.start);
-    let snapshots = Snapshots::in_memory(slices);
-    let run = Run {
+    Ok(Run {
         provenance: run.provenance.clone(),
         facts,
-        samples,
-        snapshots,
+        samples: run.samples.clone(),
+        snapshots: Snapshots::in_memory(slices),
         performance: run.performance,
         outcome: run.outcome.clone(),
-    };
-    Ok(Slice { run, window_start })
+    })
 }
 
 /// The lowest line of the tool's shadow near its lowest point.

@@ -3,7 +3,6 @@ use crate::evaluate;
 use crate::synthetic::SyntheticCut;
 use sphcut_record::Snapshots;
 use sphcut_sph::Snapshot;
-use sphcut_sph::setup::Pass;
 
 fn measured(cut: &SyntheticCut) -> Springback {
     let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut.clone() };
@@ -201,9 +200,6 @@ fn runs_without_a_machined_surface_are_refused() {
     assert!(measure(&enough, &evaluate(&enough).unwrap()).is_ok());
     let short = SyntheticCut::default().run(0.392e-3, 5);
     assert!(refused(&short).contains("0.394 mm are needed"), "{}", refused(&short));
-    run.facts.passes = vec![Pass { start: 0.0, end: 1.0 }, Pass { start: 2.0, end: 3.0 }];
-    assert!(refused(&run).contains("several"));
-    run.facts.passes.clear();
     run.facts.tool_velocity = None;
     assert!(refused(&run).contains("no cut"));
     assert!(refused(&SyntheticCut::default().run(1e-3, 0)).contains("no snapshots"));
