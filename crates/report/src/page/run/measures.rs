@@ -27,11 +27,15 @@ pub(super) fn section(run: &Run, result: &ProcessResult) -> Markup {
     rows.extend(contact_rows(run, geometry));
     rows.extend(along_edge_rows(geometry));
     rows.extend(surface_rows(result));
+    let pass = if result.passes.len() > 1 { " of the first pass" } else { "" };
+    let caption = format!(
+        "Means over the snapshots of the window{pass}, \u{b1} standard deviation between them; \
+         definitions and sources: docs/chip.md."
+    );
     html! {
         section id="chip" {
             h2 { "Chip and surface" }
-            (results("Means over the snapshots of the window, \u{b1} standard deviation between them; \
-                definitions and sources: docs/chip.md.", &rows))
+            (results(&caption, &rows))
         }
     }
 }
