@@ -152,13 +152,17 @@ pub struct MomentumBalances {
     pub cutting: MomentumBalance,
     /// Into the machined surface.
     pub feed: MomentumBalance,
+    /// Impulse of the tool on the workpiece across both, in space; reaction and momentum along it are not recorded.
+    pub passive_impulse: f64,
 }
 
 impl MomentumBalances {
-    /// Magnitude of the residual over the magnitude of the contact impulse; `None` without one.
+    /// Magnitude of the residual over the magnitude of the contact impulse; `None` without one. A plate that presses across both
+    /// directions has impulses along them that cancel: they are no measure of what may be left of them.
     #[must_use]
     pub fn closure(&self) -> Option<f64> {
         let impulse = self.cutting.contact_impulse.hypot(self.feed.contact_impulse);
+        let impulse = impulse.hypot(self.passive_impulse);
         let residual = self.cutting.residual().hypot(self.feed.residual());
         (impulse > 0.0).then(|| residual / impulse)
     }
@@ -190,6 +194,7 @@ pub(crate) fn momentum(samples: &Samples, first: usize) -> Option<MomentumBalanc
             reaction_impulse: impulse(ChannelId::ReactionFeed),
             momentum_change: change(ChannelId::MomentumFeed),
         },
+        passive_impulse: impulse(ChannelId::PassiveForce),
     })
 }
 
@@ -361,25 +366,31 @@ mod tests {
 
     #[test]
     fn momentum_closes_by_hand() {
-        let row = |time: f64, force: f64, reaction: f64, momentum: f64| {
-            let mut row = Sample { values: vec![0.0; CHANNELS.len()] };
-            row.values[ChannelId::Time as usize] = time;
-            row.values[ChannelId::CuttingForce as usize] = force;
-            row.values[ChannelId::ReactionCutting as usize] = reaction;
-            row.values[ChannelId::MomentumCutting as usize] = momentum;
-            row
+        let closed = |passive: f64| {
+            let row = |time: f64, force: f64, reaction: f64, momentum: f64| {
+                let mut row = Sample { values: vec![0.0; CHANNELS.len()] };
+                row.values[ChannelId::Time as usize] = time;
+                row.values[ChannelId::CuttingForce as usize] = force;
+                row.values[ChannelId::PassiveForce as usize] = passive;
+                row.values[ChannelId::ReactionCutting as usize] = reaction;
+                row.values[ChannelId::MomentumCutting as usize] = momentum;
+                row
+            };
+            let samples = record(&[
+                row(1.0, 9.0, 9.0, 0.5),
+                row(2.0, 10.0, -7.0, 3.5),
+                row(4.0, 10.0, -9.0, 5.4),
+            ]);
+            assert_eq!(momentum(&samples, 2), None);
+            momentum(&samples, 0).unwrap()
         };
-        let samples = record(&[
-            row(1.0, 9.0, 9.0, 0.5),
-            row(2.0, 10.0, -7.0, 3.5),
-            row(4.0, 10.0, -9.0, 5.4),
-        ]);
-        let balance = momentum(&samples, 0).unwrap();
+        let balance = closed(0.0);
         // Contact 10 * 1 + 10 * 2, supports -7 * 1 - 9 * 2, change 5.4 - 0.5.
         assert_eq!(balance.cutting.contact_impulse, 30.0);
         assert_eq!(balance.cutting.reaction_impulse, -25.0);
         assert!((balance.cutting.residual() - 0.1).abs() < 1e-12);
         assert!((balance.closure().unwrap() - 0.1 / 30.0).abs() < 1e-12);
-        assert_eq!(momentum(&samples, 2), None);
+        // 3, 4, 5: impulses 30 along the cut and 40 across it.
+        assert!((closed(40.0 / 3.0).closure().unwrap() - 0.1 / 50.0).abs() < 1e-12);
     }
 }
