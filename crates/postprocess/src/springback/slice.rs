@@ -15,8 +15,8 @@ use crate::geometry::uncut_surface;
 use crate::result::ProcessResult;
 use crate::space::Axes;
 use sphcut_record::{Facts, Run, Snapshots};
-use sphcut_sph::setup::{CuttingFrame, Vector};
 use sphcut_sph::Snapshot;
+use sphcut_sph::setup::{CuttingFrame, Vector};
 
 /// Least half of the width of the slice in spacings.
 const LEAST_HALF_WIDTH: f64 = 3.0;

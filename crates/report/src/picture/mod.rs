@@ -20,5 +20,5 @@ pub use layers::render_layers;
 pub(crate) use plane::time_text;
 pub use plane::{PictureOptions, render_snapshot};
 pub use raster::Style;
-pub(crate) use run::{draw_all, draw_setup, thumbnail, thumbnail_range};
+pub(crate) use run::{draw_all, draw_setup, thumbnail, thumbnail_range, thumbnail_view};
 pub use view::View;

@@ -155,15 +155,25 @@ pub(crate) fn thumbnail_range(run: &Run) -> Result<Option<(f64, f64)>, RunError>
     Ok(last.map(|last| ParticleField::Temperature.range([&*last])))
 }
 
+/// The part of the plane that suits the small picture of a run; `None` where that is all of it.
+pub(crate) fn thumbnail_view(run: &Run) -> Result<Option<View>, RunError> {
+    let last = run.snapshots.last()?.filter(|_| run.facts.dimension == 2);
+    Ok(last.and_then(|last| plane_about_edge(&run.facts, &last)))
+}
+
 /// A small picture of the end of a run by temperature, as a data URI; `None` for a run without snapshots or in space.
-pub(crate) fn thumbnail(run: &Run, range: (f64, f64)) -> Result<Option<String>, RunError> {
+pub(crate) fn thumbnail(
+    run: &Run,
+    range: (f64, f64),
+    view: Option<View>,
+) -> Result<Option<String>, RunError> {
     let Some(last) = run.snapshots.last()?.filter(|_| run.facts.dimension == 2) else {
         return Ok(None);
     };
     let options = PictureOptions {
         width: THUMBNAIL_WIDTH,
         text_scale: 1.3,
-        view: plane_about_edge(&run.facts, &last),
+        view,
         range: Some(range),
         style: Style::Material,
         temperature: run.provenance.temperature_unit(),

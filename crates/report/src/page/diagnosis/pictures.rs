@@ -5,14 +5,14 @@ use crate::ReportError;
 use crate::kit::numbers::{M_PER_MIN, MM, three_digits};
 use crate::kit::parity::channel_unit;
 use crate::kit::text::indexed;
-use crate::picture::{thumbnail, thumbnail_range};
+use crate::picture::{thumbnail, thumbnail_range, thumbnail_view};
 use maud::{Markup, html};
 use sphcut_diagnose::{PairedRun, same_cut};
 use sphcut_physics::{Channel, CuttingCondition};
 use sphcut_record::{Run, RunFiles};
 use std::path::Path;
 
-/// The ends of two runs of one cut, in one scale of colours.
+/// The ends of two runs of one cut, in one view and one scale of colours.
 #[derive(Debug, Clone)]
 pub struct SimulatedPair {
     condition: CuttingCondition,
@@ -42,9 +42,12 @@ impl SimulatedPair {
             return Ok(None);
         };
         let range = (first.0.min(second.0), first.1.max(second.1));
+        // They go equally far, so that the edge is at one place.
+        let [one, other] = [thumbnail_view(&records[0])?, thumbnail_view(&records[1])?];
+        let view = one.zip(other).map(|(one, other)| one.union(other));
         let mut drawn = Vec::new();
         for ((run, _), record) in states.iter().zip(&records) {
-            let Some(picture) = thumbnail(record, range)? else { return Ok(None) };
+            let Some(picture) = thumbnail(record, range, view)? else { return Ok(None) };
             let means = run.means.map(|mean| mean.map(|(mean, _)| mean));
             drawn.push(Drawn { picture, means });
         }

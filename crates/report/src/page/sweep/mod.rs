@@ -10,7 +10,7 @@ use crate::kit::numbers::{M_PER_MIN, MPA, grouped, minus, three_digits, with_end
 use crate::kit::shell::{Shell, next, note, plotted, tab};
 use crate::kit::table::{ColumnHead, NONE, table as kit_table};
 use crate::kit::text::indexed;
-use crate::picture::{thumbnail, thumbnail_range};
+use crate::picture::{thumbnail, thumbnail_range, thumbnail_view};
 use maud::{Markup, Render, html};
 use plots::ForceAt;
 use sphcut_record::{Run, ZERO_CELSIUS};
@@ -306,7 +306,8 @@ fn pictures(table: &SweepTable) -> Result<Vec<(&SweepRow, String)>, ReportError>
     }
     let mut shown = Vec::new();
     for (row, range) in chosen.into_iter().zip(range.into_iter().cycle()) {
-        if let Some(uri) = thumbnail(&load(row)?, range)? {
+        let run = load(row)?;
+        if let Some(uri) = thumbnail(&run, range, thumbnail_view(&run)?)? {
             shown.push((row, uri));
         }
     }
