@@ -192,6 +192,13 @@ mod tests {
                     // Flat cells: their centres lie higher, the surface does not.
                     lifted.position.push(place(x, y + 0.2 * spacing, across));
                     lifted.stress.push([yy, zz, xx, 0.0, 0.0, xy]);
+                    let [u, v, _] = snapshot.velocity[index];
+                    lifted.velocity.push([v, 0.0, u]);
+                    lifted.plastic_strain_rate.push(snapshot.plastic_strain_rate[index]);
+                    lifted.temperature.push(snapshot.temperature[index]);
+                    lifted.contact_area.push(snapshot.contact_area[index] * spacing);
+                    lifted.friction_use.push(snapshot.friction_use[index]);
+                    lifted.shear_friction_factor.push(snapshot.shear_friction_factor[index]);
                     let [fx, fy, _] = snapshot.contact_force[index];
                     lifted.contact_force.push([fy * spacing, 0.0, fx * spacing]);
                     lifted.half_thickness.push(snapshot.half_thickness[index] - 0.2 * spacing);
