@@ -7,6 +7,7 @@
 mod dependencies;
 mod glossary;
 mod house;
+mod links;
 mod rules;
 
 use crate::source::Source;
@@ -73,7 +74,7 @@ pub fn run(root: &Path) -> Result<(), String> {
     let mut findings: Vec<Finding> =
         files.iter().flat_map(|file| rules::ALL.iter().flat_map(|rule| rule(file))).collect();
     findings.extend(rules::folders(&files));
-    findings.extend(rules::dead_links(&files));
+    findings.extend(links::dead(&files));
     findings.extend(glossary::check(&files));
     findings.extend(house::doubled_names(&files));
     findings.extend(house::circles(&files));

@@ -1,4 +1,4 @@
-//! Rules about single files, and links between them.
+//! Rules about single files and folders.
 
 use super::{File, Finding};
 use std::collections::{BTreeMap, HashSet};
@@ -227,50 +227,6 @@ pub fn folders(files: &[File]) -> Vec<Finding> {
     findings
 }
 
-/// Relative links of the documents that lead to no file of the repository.
-pub fn dead_links(files: &[File]) -> Vec<Finding> {
-    let known: HashSet<&str> = files.iter().map(|file| file.path.as_str()).collect();
-    let exists = |target: &str| {
-        let folder = format!("{}/", target.trim_end_matches('/'));
-        known.contains(target) || known.iter().any(|path| path.starts_with(&folder))
-    };
-    let mut findings = Vec::new();
-    for file in files.iter().filter(|file| file.path.ends_with(".md")) {
-        for (index, line) in file.text.lines().enumerate() {
-            for link in links(line).filter(|link| !link.contains("://")) {
-                let target = resolve(&file.path, link);
-                if !target.is_empty() && !exists(&target) {
-                    findings.push(file.finding(index + 1, format!("dead link `{link}`")));
-                }
-            }
-        }
-    }
-    findings
-}
-
-/// The targets of `[text](target)` and `![text](target)` in a line, without anchors.
-fn links(line: &str) -> impl Iterator<Item = &str> {
-    line.split("](").skip(1).filter_map(|rest| {
-        let target = rest.split(')').next()?.split('#').next()?;
-        let is_path = !target.is_empty() && !target.contains(' ') && !target.starts_with("mailto:");
-        is_path.then_some(target)
-    })
-}
-
-/// The target of a link in `from` as a path from the top.
-fn resolve(from: &str, link: &str) -> String {
-    let mut parts: Vec<&str> = from.split('/').collect();
-    parts.pop();
-    for part in link.split('/') {
-        match part {
-            "" | "." => {}
-            ".." => drop(parts.pop()),
-            part => parts.push(part),
-        }
-    }
-    parts.join("/")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -352,16 +308,5 @@ mod tests {
         assert_eq!(nothing_left_open(&file("crates/sph/src/a.rs", "fn f() { todo!() }")).len(), 1);
         let mark = format!("# {}{}: finish", "TO", "DO");
         assert_eq!(nothing_left_open(&file("docs/a.md", &mark)).len(), 1);
-    }
-
-    #[test]
-    fn links_lead_somewhere() {
-        let files = [
-            file("docs/a.md", "[b](b.md#x) [c](../README.md) [d](https://example.org) [e](no.md)"),
-            file("docs/b.md", ""),
-            file("README.md", "[docs](docs) ![p](docs/images/p.png)"),
-        ];
-        let messages: Vec<String> = dead_links(&files).into_iter().map(|f| f.message).collect();
-        assert_eq!(messages, ["dead link `no.md`", "dead link `docs/images/p.png`"]);
     }
 }
