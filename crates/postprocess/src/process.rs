@@ -132,9 +132,10 @@ fn stated(run: &Run, key: &str) -> Option<f64> {
 /// ends within the pass.
 fn passes(run: &Run) -> Vec<Range<usize>> {
     let time = run.samples.channel(ChannelId::Time);
-    // Sums of steps and of legs differ by rounding.
-    let until = |end: f64| time.partition_point(|time| *time <= end * (1.0 + 1e-9));
-    let ranges = run.facts.passes.iter().map(|pass| until(pass.start)..until(pass.end));
+    let ranges = run.facts.passes.iter().map(|pass| {
+        let before = time.partition_point(|time| pass.begins_from(*time));
+        before..time.partition_point(|time| pass.ends_from(*time))
+    });
     ranges.filter(|range| !range.is_empty()).collect()
 }
 

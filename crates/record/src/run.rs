@@ -24,10 +24,10 @@ impl Run {
     /// What is recorded of the first pass of a run of several, as a run of one pass; `None` of any other run.
     #[must_use]
     pub fn first_pass(&self) -> Option<Self> {
-        // Sums of steps and of legs differ by rounding.
-        let end = self.facts.passes.first()?.end * (1.0 + 1e-9);
-        let samples = self.samples.channel(ChannelId::Time).partition_point(|time| *time <= end);
-        let snapshots = self.snapshots.index().partition_point(|info| info.time <= end);
+        let first = self.facts.passes.first()?;
+        let times = self.samples.channel(ChannelId::Time);
+        let samples = times.partition_point(|time| first.ends_from(*time));
+        let snapshots = self.snapshots.index().partition_point(|info| first.ends_from(info.time));
         Some(Self {
             facts: Facts { passes: Vec::new(), ..self.facts.clone() },
             samples: self.samples.first(samples),

@@ -17,6 +17,7 @@ pub mod options;
 pub mod output;
 mod parallel;
 mod particles;
+mod passes;
 pub mod setup;
 mod simulation;
 mod stage;

@@ -2,6 +2,7 @@
 //! the solver consumes. Plain data; building the particles is the solver's work.
 
 use crate::options;
+pub use crate::passes::{Grooves, Pass};
 pub use crate::tensor::Vector;
 use sphcut_geometry::tool_surface::ToolSurface;
 use sphcut_physics::effects::{ChosenEffect, EffectContext};
@@ -123,34 +124,6 @@ impl Setup {
     pub fn effect_context(&self) -> EffectContext {
         EffectContext { uncut_chip_thickness: self.uncut_chip_thickness }
     }
-}
-
-/// Grooves along the first axis of boxes, cut before the run: no particle lies above their line.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Grooves {
-    /// (z, y) in m before any rotation, by increasing z; there is no groove beyond its ends.
-    pub line: Vec<[f64; 2]>,
-}
-
-impl Grooves {
-    /// Whether a point of an unrotated box lies above the line.
-    #[must_use]
-    pub fn contain(&self, point: &Vector) -> bool {
-        let [_, y, z] = *point;
-        self.line.windows(2).any(|pair| {
-            let [[from, low], [to, high]] = [pair[0], pair[1]];
-            (from..to).contains(&z) && y > low + (z - from) / (to - from) * (high - low)
-        })
-    }
-}
-
-/// One of several passes of the tool; between them it returns through the air.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pass {
-    /// When it begins in s.
-    pub start: f64,
-    /// When it ends in s.
-    pub end: f64,
 }
 
 /// Unit vectors in which forces are reported. A force is that of the tool on the workpiece.

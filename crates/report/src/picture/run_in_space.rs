@@ -230,7 +230,7 @@ fn after_passes(run: &Run) -> Result<Vec<(usize, Arc<Snapshot>)>, RunError> {
     let index = run.snapshots.index();
     let mut shown = Vec::new();
     for (number, pass) in passes.iter().enumerate() {
-        let within = |time: f64| time >= pass.start && time <= pass.end * (1.0 + 1e-9);
+        let within = |time: f64| time >= pass.start && pass.ends_from(time);
         if let Some(last) = index.iter().rposition(|info| within(info.time)) {
             shown.push((number + 1, run.snapshots.get(last)?));
         }
