@@ -12,6 +12,10 @@ v_c [m/min],h [mm],F_c [N],F_f [N]
 200,0.12,900,420
 ";
 
+const CALIBRATE: [&str; 6] = ["calibrate", "cut.toml", "--measured", "cuts.csv", "--out", "twin"];
+
+const CLOSED_FORM: [&str; 2] = ["--model", "closed-form"];
+
 fn windowed() -> String {
     TINY.replace("[resolution]", "[window]\n\n[resolution]").replace("0.8 mm", "2.5 mm")
 }
@@ -25,16 +29,7 @@ fn the_closed_form_answers_at_once_and_its_patch_and_material_run() {
     let shop = Workshop::new("calibrate_closed_form");
     shop.write("cut.toml", &windowed());
     shop.write("cuts.csv", CUTS);
-    let command = [
-        "calibrate",
-        "cut.toml",
-        "--measured",
-        "cuts.csv",
-        "--out",
-        "twin",
-        "--model",
-        "closed-form",
-    ];
+    let command = [&CALIBRATE[..], &CLOSED_FORM].concat();
     let ended = shop.sphcut(&command).expect_code(0);
     assert!(ended.out.contains("Calibrated to 5 cuts"), "{}", ended.out);
     let found = numbers(&shop, "twin");
@@ -72,8 +67,7 @@ fn mistakes_of_single_cuts_are_told_before_anything_runs() {
     shop.write("cut.toml", &windowed());
     let run = |table: &str, more: &[&str]| {
         shop.write("cuts.csv", table);
-        let command = ["calibrate", "cut.toml", "--measured", "cuts.csv", "--out", "twin"];
-        shop.sphcut(&[&command[..], more].concat())
+        shop.sphcut(&[&CALIBRATE[..], more].concat())
     };
     run(&CUTS.replace("800,400", "0.8,400"), &[]).expect_code(2).expect_err(
         "line 3 of the table (150 m/min, 0.1 mm): F_c is about a thousand times too small",
@@ -106,22 +100,8 @@ fn a_friction_coefficient_is_found_with_particle_runs() {
     shop.sphcut(&["sweep", "truth_sweep.toml", "--out", "truth", "--quiet", "--threads", "1"])
         .expect_code(0);
     shop.write("cuts.csv", &shop.read("truth/simulated.csv"));
-    let command = [
-        "calibrate",
-        "cut.toml",
-        "--measured",
-        "cuts.csv",
-        "--out",
-        "twin",
-        "--fit",
-        "mu",
-        "--travel",
-        "6",
-        "--refreshes",
-        "1",
-        "--threads",
-        "1",
-    ];
+    let more = ["--fit", "mu", "--travel", "6", "--refreshes", "1", "--threads", "1"];
+    let command = [&CALIBRATE[..], &more].concat();
     let dry = shop.sphcut(&[&command[..], &["--dry-run"]].concat()).expect_code(0).out;
     assert!(dry.contains("9 runs") && dry.contains("processor time"), "{dry}");
     // The first round elsewhere: what is listed is a sweep, and its store is looked into.
@@ -158,20 +138,8 @@ fn an_effect_is_fitted_and_its_patch_runs() {
     let shop = Workshop::new("calibrate_effects");
     shop.write("cut.toml", &windowed());
     shop.write("cuts.csv", CUTS);
-    let command = [
-        "calibrate",
-        "cut.toml",
-        "--measured",
-        "cuts.csv",
-        "--out",
-        "twin",
-        "--model",
-        "closed-form",
-        "--fit",
-        "A,mu",
-        "--effects",
-        "speed_dependent_friction",
-    ];
+    let more = ["--fit", "A,mu", "--effects", "speed_dependent_friction"];
+    let command = [&CALIBRATE[..], &CLOSED_FORM, &more].concat();
     let said = shop.sphcut(&command).expect_code(0).out;
     assert!(said.contains("speed_dependent_friction"), "{said}");
     let found = numbers(&shop, "twin");
@@ -248,18 +216,7 @@ fn cuts_are_chosen_before_any_is_made_and_further_ones_after() {
         })
         .collect();
     shop.write("cuts.csv", &filled.join("\n"));
-    let command = [
-        "calibrate",
-        "cut.toml",
-        "--measured",
-        "cuts.csv",
-        "--out",
-        "twin",
-        "--model",
-        "closed-form",
-        "--next",
-        "2",
-    ];
+    let command = [&CALIBRATE[..], &CLOSED_FORM, &["--next", "2"]].concat();
     let said = shop.sphcut(&[&command[..], &["--dry-run"]].concat()).expect_code(0).out;
     assert!(said.contains("Most telling cuts"), "{said}");
     let said = shop.sphcut(&command).expect_code(0).out;
