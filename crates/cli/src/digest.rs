@@ -62,7 +62,10 @@ fn temperature(run: &Run, result: &ProcessResult) -> String {
         let (start, end) = (found.start * 1e3, found.end * 1e3);
         let state = if found.steady.reached { "steady" } else { "not steady" };
         let mean = unit.shown(found.mean);
-        format!("{mean} in contact with the tool ({state} from {start:.3} to {end:.3} mm)\n                   ")
+        let tool = result.heat.and_then(|heat| heat.tool);
+        let warming_up =
+            if tool.is_some_and(|tool| tool.is_warming_up()) { ", which is still warming up" } else { "" };
+        format!("{mean} in contact with the tool{warming_up} ({state} from {start:.3} to {end:.3} mm)\n                   ")
     });
     let highest = unit.shown(result.temperature.max);
     format!("temperature        {interface}{highest} at most, of any particle\n")

@@ -232,7 +232,16 @@ pub struct ToolHeatBalance {
     pub factors: [f64; 2],
 }
 
+/// A tool that still holds more than this of the heat that entered it is warming up.
+const WARMING_UP: f64 = 0.5;
+
 impl ToolHeatBalance {
+    /// Whether it is still warming up: most of the heat that entered is in it and has not passed on.
+    #[must_use]
+    pub fn is_warming_up(&self) -> bool {
+        self.content > WARMING_UP * (self.contact + self.friction).max(0.0)
+    }
+
     /// What the place where the tool is cut off has to do with the result: heat that passed there over the heat that
     /// entered, or its change of temperature over the highest rise, whichever is more.
     #[must_use]
@@ -357,6 +366,9 @@ mod tests {
         // 1 of 7 through the outer sides; they warm by 50 of 400 K, which is less.
         assert_eq!(tool.cut_off_share(), 1.0 / 7.0);
         assert_eq!(ToolHeatBalance { boundary: 0.0, ..tool }.cut_off_share(), 0.125);
+        // Of the 7 that entered 5.92 are still in it.
+        assert!(tool.is_warming_up());
+        assert!(!ToolHeatBalance { content: 3.4, ..tool }.is_warming_up());
         // In the plane the heats are per metre, in space those of the width of cut.
         assert_eq!(tool.factors, [facts.width_of_cut, 1.0]);
         let space = Facts { dimension: 3, ..facts };

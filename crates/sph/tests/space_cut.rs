@@ -156,6 +156,7 @@ fn heated_slab(rows: f64, contact_conductance: f64, coating: Option<f64>) -> Set
         fine_centre: [x, y, 0.5 * rows * SPACING],
         fine_reach: 0.15e-3,
         element_size: SPACING,
+        capacity_scaling: 1.0,
     });
     setup
 }

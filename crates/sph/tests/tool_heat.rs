@@ -33,6 +33,7 @@ fn heat(contact_conductance: f64) -> ToolHeat {
         fine_centre: [wedge()[0][0], wedge()[0][1], 0.0],
         fine_reach: 0.3e-3,
         element_size: 0.5 * SPACING,
+        capacity_scaling: 1.0,
     }
 }
 

@@ -226,7 +226,7 @@ impl Conduction {
             let parts: Vec<_> = masses
                 .iter()
                 .zip(&materials)
-                .map(|(mass, material)| (*mass, &material.specific_heat))
+                .map(|(mass, material)| (*mass * heat.capacity_scaling, &material.specific_heat))
                 .collect();
             Capacity::of(&parts)
         });

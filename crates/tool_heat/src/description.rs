@@ -24,6 +24,9 @@ pub struct ToolHeat {
     pub fine_reach: f64,
     /// Length of the smallest elements in m.
     pub element_size: f64,
+    /// Heat capacity of substrate and coating in the conduction over their own. The equation of conduction has the time only
+    /// over the capacity: with a thousandth a tool is after a millisecond under a flux as it would be after a second.
+    pub capacity_scaling: f64,
 }
 
 impl ToolHeat {

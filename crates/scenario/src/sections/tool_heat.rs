@@ -3,8 +3,8 @@
 use super::material::tabulated;
 use super::{LONGEST, ROOM_TEMPERATURE, temperature};
 use sphcut_input::section::{Field, Kind, Presence, Section, positive};
-use sphcut_physics::Quantity;
 use sphcut_physics::heat::CARBIDE;
+use sphcut_physics::{Quantity, Range};
 
 /// What may hold where the model of a tool is cut off.
 const OUTER: &[&str] = &["fixed", "adiabatic", "convective"];
@@ -71,6 +71,10 @@ pub(crate) fn tool_heat(name: &str) -> Section {
         .example("\"5 um\""),
         Field::derived("fine_reach", positive(Quantity::Length, LONGEST), "five uncut chip thicknesses (in turning depths of cut, or the groove) and the edge radius; of a wall: everywhere", "distance from the cutting edge up to which the elements are that small; farther they grow")
         .example("\"0.5 mm\""),
+        Field::derived("capacity_scaling", Kind::Quantity(Quantity::Dimensionless, Range::closed(1e-6, 1.0)), "1", "heat capacity of the tool in its conduction over its own: with 0.001 a cut of \
+             a millisecond warms the tool as a second of cutting does, up to where it is cut off. Temperatures are then those of a tool in use, which starts cold only once \
+             (docs/numerics.md, A tool in use)")
+        .example("0.001"),
         Field::optional("coating", Kind::Table, "a layer on all sides but the outer ones"),
     ]);
     Section::new(

@@ -91,6 +91,7 @@ pub(crate) fn tool_heat(
         fine_centre: around.centre,
         fine_reach,
         element_size,
+        capacity_scaling: record.number("capacity_scaling").unwrap_or(1.0),
     }))
 }
 

@@ -62,6 +62,7 @@ pub(super) fn description(coating: Option<Coating>, element_size: f64) -> ToolHe
         fine_centre: [20e-6, 0.0, 0.0],
         fine_reach: 60e-6,
         element_size,
+        capacity_scaling: 1.0,
     }
 }
 
@@ -146,6 +147,17 @@ fn a_half_space_under_a_flux_warms_with_the_root_of_time() {
     let finest = error(1e-6, 1600);
     let ratio = (error(1e-6, 25) - finest) / (error(1e-6, 100) - finest);
     assert!((3.0..6.0).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn a_hundredth_of_the_capacity_warms_a_hundred_times_as_fast() {
+    let flux = 1e8;
+    let slow = description(Some(coating(3e-6)), 1e-6);
+    let fast = ToolHeat { capacity_scaling: 0.01, ..slow.clone() };
+    let rise = |heat: &ToolHeat, time: f64| surface_under_flux(heat, flux, time, 50) - 300.0;
+    let [expected, found] = [rise(&slow, 1e-3), rise(&fast, 1e-5)];
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    assert!(found > 2.0 * rise(&slow, 1e-5));
 }
 
 #[test]

@@ -168,8 +168,15 @@ fn state_rows(run: &Run, result: &ProcessResult) -> Vec<ResultRow> {
     // Without a cut the window of the means has no travel.
     if let Some(interface) = temperature.interface.as_ref().filter(|_| ProcessResult::is_cut(run)) {
         let value = with_interval(unit.of(interface.mean), interface.half_width);
+        let tool = result.heat.and_then(|heat| heat.tool);
+        let warming_up = match tool.is_some_and(|tool| tool.is_warming_up()) {
+            true => {
+                "; of a tool that is still warming up: `capacity_scaling` in [tool.heat] gives that of a tool in use"
+            }
+            false => "",
+        };
         let note = format!(
-            "{:.0} K; from {} to {} mm of travel; highest of any interval: {}",
+            "{:.0} K; from {} to {} mm of travel; highest of any interval: {}{warming_up}",
             interface.mean,
             three_digits(interface.start * 1e3),
             three_digits(interface.end * 1e3),
