@@ -1,7 +1,11 @@
-//! The machined surface of a cut and the forces of its last pass, as `sphcut springback` and `sphcut run`
+//! The machined surface of a cut and the forces of its passes, as `sphcut springback` and `sphcut run`
 //! report them.
 
-use crate::observable::Observable;
+use crate::evidence::Evidence;
+use crate::observable::{Argument, Observable, ObservableArguments, argument};
+use sphcut_postprocess::Forces;
+
+const PASS: Argument = argument("pass", Some(1.0), "number of the pass, counted from 1");
 
 /// Mean springback of the machined surface.
 pub(crate) const CUT_SPRINGBACK: Observable = Observable {
@@ -36,20 +40,33 @@ pub(crate) const CUT_SPRINGBACK_INTERVAL: Observable = Observable {
     evaluate: |evidence, _| Ok(evidence.springback()?.error.statistical),
 };
 
-/// Mean cutting force of the last pass.
+/// Mean cutting force of a pass.
 pub(crate) const PASS_CUTTING_FORCE: Observable = Observable {
     name: "pass_cutting_force",
     unit: "N",
-    meaning: "mean cutting force of the last pass as `sphcut run` reports it (per width in 2D)",
-    arguments: &[],
-    evaluate: |evidence, _| Ok(evidence.result()?.forces.cutting.mean),
+    meaning: "mean cutting force of a pass as `sphcut run` reports it (per width in 2D)",
+    arguments: &[PASS],
+    evaluate: |evidence, arguments| Ok(forces(evidence, arguments)?.cutting.mean),
 };
 
-/// Mean passive force of the last pass.
+/// Mean passive force of a pass.
 pub(crate) const PASS_PASSIVE_FORCE: Observable = Observable {
     name: "pass_passive_force",
     unit: "N",
-    meaning: "mean passive force (into the machined surface) of the last pass, likewise",
-    arguments: &[],
-    evaluate: |evidence, _| Ok(evidence.result()?.forces.passive.mean),
+    meaning: "mean passive force (into the machined surface) of a pass, likewise",
+    arguments: &[PASS],
+    evaluate: |evidence, arguments| Ok(forces(evidence, arguments)?.passive.mean),
 };
+
+fn forces<'a>(
+    evidence: &'a Evidence,
+    arguments: &ObservableArguments,
+) -> Result<&'a Forces, String> {
+    let result = evidence.result()?;
+    let number = arguments.index("pass");
+    if result.passes.is_empty() && number == 1 {
+        return Ok(&result.forces);
+    }
+    let pass = result.passes.iter().find(|pass| pass.number == number);
+    pass.map(|pass| &pass.forces).ok_or_else(|| format!("the cut has no pass {number}"))
+}
