@@ -156,14 +156,16 @@ impl Chart<'_> {
     fn shade(&self, svg: &mut String, axes: &Axes) {
         let Some((from, to, name)) = self.window else { return };
         let (x0, x1) = (axes.x(from.max(axes.x.0)), axes.x(to.min(axes.x.1)));
+        // A name that would leave the chart on the right ends there.
+        let leaves = x0 + 6.0 + LETTER * name.chars().count() as f64 > WIDTH - RIGHT;
+        let (at, anchor) = if leaves { (x1 - 6.0, "end") } else { (x0 + 6.0, "start") };
         put(
             svg,
             format_args!(
-                r##"<rect x="{x0:.1}" y="{}" width="{:.1}" height="{:.1}" fill="#eef3f7"/><text class="note" x="{:.1}" y="{:.1}">{}</text>"##,
+                r##"<rect x="{x0:.1}" y="{}" width="{:.1}" height="{:.1}" fill="#eef3f7"/><text class="note" x="{at:.1}" y="{:.1}" text-anchor="{anchor}">{}</text>"##,
                 axes.top,
                 (x1 - x0).max(0.0),
                 axes.bottom - axes.top,
-                x0 + 6.0,
                 axes.top + 15.0,
                 svg_text(name)
             ),
@@ -456,6 +458,24 @@ mod tests {
         assert!(kept.contains(&54_321) && kept.contains(&777));
         assert!(kept.is_sorted());
         assert_eq!(thin_out(&values[..10]).len(), 10);
+    }
+
+    #[test]
+    fn the_name_of_a_window_at_the_right_end_stays_in_the_chart() {
+        let mut chart = Chart {
+            x: vec![0.0, 1.0],
+            height: 300.0,
+            lines: vec![ChartLine::new("a", "red", 1.0, vec![1.0, 2.0])],
+            window: Some((0.1, 1.0, "window of the means (not steady)")),
+            ..Chart::default()
+        };
+        let anchored = |chart: &Chart<'_>, end: &str| {
+            let svg = chart.svg().unwrap();
+            svg.contains(&format!("text-anchor=\"{end}\">window of the means"))
+        };
+        assert!(anchored(&chart, "start"));
+        chart.window = Some((0.9, 1.0, "window of the means (not steady)"));
+        assert!(anchored(&chart, "end"));
     }
 
     #[test]

@@ -21,24 +21,30 @@ pub(super) fn key_figures(run: &Run, result: &ProcessResult) -> Markup {
     };
     let unit = if in_space { "N" } else { "N/mm" };
     let geometry = &result.geometry;
+    // Forces are those of the last of several passes, chip and contact those of the first.
+    let of = |pass: &str, name: &str| match result.passes.len() {
+        0 | 1 => name.to_owned(),
+        _ => format!("{name} ({pass} pass)"),
+    };
+    let (last, first) = (|name: &str| of("last", name), |name: &str| of("first", name));
     html! {
         dl.figures {
             @if ProcessResult::is_cut(run) {
-                (figure("Cutting force F_c", &force(&result.forces.cutting), unit))
-                (figure("Feed force F_f", &force(&result.forces.feed), unit))
+                (figure(&last("Cutting force F_c"), &force(&result.forces.cutting), unit))
+                (figure(&last("Feed force F_f"), &force(&result.forces.feed), unit))
                 @if in_space {
-                    (figure("Passive force F_p", &force(&result.forces.passive), unit))
+                    (figure(&last("Passive force F_p"), &force(&result.forces.passive), unit))
                 }
                 @if let Ok(chip) = &geometry.chip {
-                    (figure("Chip thickness", &three_digits(chip.thickness * UM), "\u{b5}m"))
-                    (figure("Chip compression ratio", &three_digits(chip.compression_ratio), ""))
+                    (figure(&first("Chip thickness"), &three_digits(chip.thickness * UM), "\u{b5}m"))
+                    (figure(&first("Chip compression ratio"), &three_digits(chip.compression_ratio), ""))
                 }
                 @if let Ok(interface) = &geometry.interface {
-                    (figure("Contact length", &three_digits(interface.contact_length * UM), "\u{b5}m"))
+                    (figure(&first("Contact length"), &three_digits(interface.contact_length * UM), "\u{b5}m"))
                 }
             }
             @match result.temperature.interface.as_ref().filter(|_| ProcessResult::is_cut(run)) {
-                Some(interface) => { (temperature(run, "Contact temperature", interface.mean)) },
+                Some(interface) => { (temperature(run, &last("Contact temperature"), interface.mean)) },
                 None => { (temperature(run, "Highest temperature", result.temperature.max)) },
             }
             @if let Some(energy) = &result.energy {
