@@ -219,7 +219,7 @@ impl Changed {
             cut: &cut,
             law: law.as_ref(),
             heat_share: self.heat_share.as_deref(),
-            last_temperature: Cell::new(cut.workpiece.initial_temperature),
+            last_temperature: Cell::new((cut.workpiece.initial_temperature, 1.0)),
         };
         let sliding = || Sliding {
             friction_coefficient: cut.friction_coefficient,

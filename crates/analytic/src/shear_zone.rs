@@ -9,8 +9,10 @@ use sphcut_physics::flow_stress::{FlowState, FlowStressModel};
 use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Width of the bracket at which a temperature is taken as found, in K.
-const TEMPERATURE_WIDTH: f64 = 1e-9;
+/// Error at which a temperature is taken as found, and width of the bracket at which it is, in K.
+const TEMPERATURE_ERROR: f64 = 1e-9;
+/// Secant steps after which a temperature is looked for in a bracket instead.
+const SECANT_STEPS: usize = 8;
 
 /// The parallel-sided shear zone.
 ///
@@ -69,8 +71,8 @@ pub struct CutLaws<'a> {
     pub law: &'a dyn FlowStressModel,
     /// beta, where an effect says it.
     pub heat_share: Option<&'a dyn HeatShare>,
-    /// T_AB at the shear angle looked at last, in K: where the search for the next begins.
-    pub last_temperature: Cell<f64>,
+    /// T_AB at the shear angle looked at last, in K, and the slope of its error there: where the search for the next begins.
+    pub last_temperature: Cell<(f64, f64)>,
 }
 
 impl ParallelShearZone {
@@ -179,23 +181,41 @@ fn plane_temperature(
     };
     let start = workpiece.initial_temperature;
     let error = |temperature: f64| temperature - start - cut.plane_heat_share * rise(temperature);
-    let temperature = settled(error, material.last_temperature.get())
-        .or_else(|| settled(error, start))
-        .unwrap_or(start);
-    material.last_temperature.set(temperature);
+    let found = secant(error, material.last_temperature.get());
+    let (temperature, slope) =
+        found.unwrap_or_else(|| (bracketed(error, start).unwrap_or(start), 1.0));
+    material.last_temperature.set((temperature, slope));
     (temperature, rise(temperature))
 }
 
-/// The root of an error that rises at least as fast as its argument, looked for from `guess`: it then lies between the guess
+/// The root of an error that rises, and its slope there, by secants from a guess of both; `None` where it is not found at once.
+fn secant(error: impl Fn(f64) -> f64, (guess, slope): (f64, f64)) -> Option<(f64, f64)> {
+    let (mut last, mut slope) = ((guess, error(guess)), slope);
+    for _ in 0..SECANT_STEPS {
+        if last.1.abs() < TEMPERATURE_ERROR {
+            return Some((last.0, slope));
+        }
+        let next = last.0 - last.1 / slope;
+        let at_next = error(next);
+        let steepness = (at_next - last.1) / (next - last.0);
+        if steepness.is_nan() || steepness <= 0.0 {
+            return None;
+        }
+        (last, slope) = ((next, at_next), steepness);
+    }
+    None
+}
+
+/// The root of an error, looked for from `guess`: if it rises at least as fast as its argument, it lies between the guess
 /// and the guess less its error. Strain ageing may make it rise more slowly: the bracket is then doubled up to 8 times.
-fn settled(error: impl Fn(f64) -> f64, guess: f64) -> Option<f64> {
+fn bracketed(error: impl Fn(f64) -> f64, guess: f64) -> Option<f64> {
     let at_guess = error(guess);
     let mut reach = at_guess;
     for _ in 0..8 {
         let other = guess - reach;
         let at_other = error(other);
         if at_other == 0.0 || (at_other > 0.0) != (at_guess > 0.0) {
-            return root::between(error, (guess, at_guess), (other, at_other), TEMPERATURE_WIDTH);
+            return root::between(error, (guess, at_guess), (other, at_other), TEMPERATURE_ERROR);
         }
         reach *= 2.0;
     }
