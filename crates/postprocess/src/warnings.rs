@@ -131,8 +131,8 @@ pub enum Warning {
     },
     /// Heat has reached the sides where the tool is cut off.
     #[error(
-        "Heat has reached the sides where the tool is cut off ({} of what entered, or of the highest rise of \
-         temperature): what holds there decides about it; a larger tool would not.",
+        "Heat has reached the sides where the model of the tool ends ({} of the heat that entered it, or of its highest \
+         rise of temperature): its temperatures depend on what is kept there (`outer` under [tool.heat]).",
         percent(.share)
     )]
     ToolCutOff {
