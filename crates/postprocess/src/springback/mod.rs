@@ -38,7 +38,7 @@ pub use touched::{RecoveryBin, Touched};
 use crate::cloud::{CutParticles, PlanePoint};
 use crate::forces::Force;
 use crate::result::ProcessResult;
-use crate::steady::{MeanInterval, examine, window_mean};
+use crate::steady::{self, MeanInterval, window_mean};
 use context::{Lowest, SnapshotView, context};
 use residual::StressProfile;
 use sphcut_record::Run;
@@ -48,6 +48,9 @@ use touched::Followed;
 const PLANE_WINDOW: f64 = 20.0;
 /// The same for the slice of a cut in space, which is six spacings wide.
 const SLICE_WINDOW: f64 = 10.0;
+
+/// Least share of the heights that counts for their mean: springback wanders along the cut, and one of its swings is no run-in.
+const LEAST_WINDOW: f64 = 0.5;
 
 /// Measures springback and residual stress of `run`, evaluated as `result`.
 ///
@@ -92,7 +95,7 @@ fn measure_plane(
     let found = followed.finish(&context);
     let heights: Vec<f64> = found.touched.iter().map(|touch| touch.springback).collect();
     let entered = found.touched.iter().filter(|touch| touch.distance < context.entry).count();
-    let first = examine(&heights).first.max(entered).min(heights.len());
+    let first = steady::window_start(&heights, LEAST_WINDOW).max(entered).min(heights.len());
     let (within, record) = (&heights[first..], &heights[entered.min(first)..]);
     let mean = (!within.is_empty()).then(|| window_mean(&heights, first));
     let error = ErrorBar::new(run, found.contact_force, mean, context.spacing);

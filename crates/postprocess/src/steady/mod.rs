@@ -42,6 +42,8 @@ pub use interval::{AutocorrelationTime, MeanInterval, autocorrelation_time, mean
 
 pub use interval::t_quantile;
 
+pub(crate) use truncation::window_start;
+
 use interval::Batches;
 
 /// Fewest correlation lengths in a steady window.
@@ -55,6 +57,8 @@ pub const DRIFT_ALLOWANCE: f64 = 4.0;
 /// Share of the least travel that a record may fall short of: its first sample ends an interval later than
 /// it begins.
 const MISSING_TRAVEL: f64 = 5e-3;
+/// Least share of a record of forces that a window holds.
+const LEAST_WINDOW: f64 = 0.25;
 /// Fewest samples in a window.
 const MINIMUM_SAMPLES: usize = 40;
 /// The shares of the record on which the verdict must be the same.
@@ -245,7 +249,7 @@ pub struct Examination {
 /// Run-in, mean and drift of a finished record by the rules of [`detect`], for another verdict.
 #[must_use]
 pub fn examine(force: &[f64]) -> Examination {
-    let first = truncation::window_start(force);
+    let first = truncation::window_start(force, LEAST_WINDOW);
     let window = Window::new(force, first);
     Examination {
         first,
@@ -325,7 +329,7 @@ fn judge(series: Series<'_>, options: &SteadyOptions) -> SteadyState {
     if length < 2 {
         return state;
     }
-    let first = truncation::window_start(force);
+    let first = truncation::window_start(force, LEAST_WINDOW);
     let window = Window::new(force, first);
     let spacing = (travel[length - 1] - travel[0]) / (length - 1) as f64;
     state.first_sample = first;

@@ -5,9 +5,9 @@ const BATCH: usize = 5;
 
 /// Index of the first sample of the steady window by MSER-5: with the record averaged over
 /// batches of five, the cut d that minimises sum_{i >= d} (Y_i - mean_d)^2 / (n - d)^2.
-/// The window holds at least a quarter of the record: a shorter one may lie within a single swing
-/// of a correlated force and look calm by chance.
-pub(super) fn window_start(samples: &[f64]) -> usize {
+/// The window holds at least `least_share` of the record: a shorter one may lie within a single swing
+/// of a correlated series and look calm by chance.
+pub(crate) fn window_start(samples: &[f64], least_share: f64) -> usize {
     let means: Vec<f64> =
         samples.chunks_exact(BATCH).map(|batch| batch.iter().sum::<f64>() / BATCH as f64).collect();
     let reference = means.last().copied().unwrap_or(0.0);
@@ -20,7 +20,7 @@ pub(super) fn window_start(samples: &[f64]) -> usize {
         count += 1.0;
         let rule = (squares - sum * sum / count).max(0.0) / (count * count);
         // Of equal candidates the earliest: a constant record has no run-in.
-        if 4.0 * count >= means.len() as f64 && rule <= best.0 {
+        if count >= least_share * means.len() as f64 && rule <= best.0 {
             best = (rule, index);
         }
     }
@@ -43,14 +43,22 @@ mod tests {
     fn a_step_is_cut_off_exactly() {
         let mut samples = vec![0.0; 35];
         samples.extend((0..200).map(|k| 10.0 + if k % 2 == 0 { 0.5 } else { -0.5 }));
-        assert_eq!(window_start(&samples), 35);
+        assert_eq!(window_start(&samples, 0.25), 35);
         assert_eq!(first_reach(&samples, 40), 35);
     }
 
     #[test]
+    fn a_calm_end_is_no_window_where_half_of_the_record_has_to_count() {
+        let swinging = (0..140).map(|k| if k % 20 < 10 { 0.5 } else { -0.5 });
+        let samples: Vec<f64> = swinging.chain([0.0; 60]).collect();
+        assert_eq!(window_start(&samples, 0.25), 140);
+        assert!(window_start(&samples, 0.5) <= 100);
+    }
+
+    #[test]
     fn a_constant_record_has_no_run_in() {
-        assert_eq!(window_start(&[3.0; 100]), 0);
-        assert_eq!(window_start(&[]), 0);
-        assert_eq!(window_start(&[1.0; 3]), 0);
+        assert_eq!(window_start(&[3.0; 100], 0.25), 0);
+        assert_eq!(window_start(&[], 0.25), 0);
+        assert_eq!(window_start(&[1.0; 3], 0.25), 0);
     }
 }
