@@ -105,7 +105,7 @@ fn a_cut_gets_its_page_its_numbers_and_its_verdict() {
     let numbers: serde_json::Value =
         serde_json::from_str(&shop.read("sb/springback.json")).unwrap();
     let run = &numbers["runs"][0];
-    assert_eq!(numbers["schema_version"], "1.3");
+    assert_eq!(numbers["schema_version"], "1.4");
     assert_eq!(run["cutting_speed_m_per_min"], 150.0);
     // Within the spacing: the particles followed belong to the surface.
     assert!(run["springback_um"].as_f64().unwrap().abs() < 40.0, "{run}");

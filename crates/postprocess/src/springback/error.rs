@@ -1,7 +1,7 @@
 //! What a springback is worth, and why there may be none.
 
 use crate::steady::MeanInterval;
-use sphcut_record::{Run, RunError};
+use sphcut_record::RunError;
 
 /// Error of the recovered height of a surface in terms of the spacing: twice the largest error against
 /// known answers at three and four spacings (`validation/springback_resolution`,
@@ -9,37 +9,50 @@ use sphcut_record::{Run, RunError};
 /// `docs/springback.md`), rounded up, because they are few.
 pub const RESOLUTION_SHARE: f64 = 0.01;
 
+/// Error of the overlap in terms of itself: twice what the springback of one cut moves by between contacts of three
+/// stiffnesses, in terms of what their overlaps move by (`validation/springback_cut`, table in `docs/springback.md`). A slope g'
+/// of the overlap at the lowest point of an edge of radius R moves the point at which the surface is lowest: by `R g'^2 / 2`.
+pub const OVERLAP_SHARE: f64 = 0.2;
+
+/// The overlap of the surface with the tool at the tool's lowest point, by which a contact with a penalty shifts
+/// the surface and a hard one does not. In m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overlap {
+    /// Mean of the touched particles.
+    pub mean: f64,
+    /// Twice its standard error: overlaps of neighbours are not correlated; infinite with fewer than two particles.
+    pub half_width: f64,
+}
+
+impl Overlap {
+    pub(super) fn of(values: &[f64]) -> Self {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count.max(1.0);
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let half_width = match values.len() {
+            0 | 1 => f64::INFINITY,
+            _ => 2.0 * (squares / (count - 1.0) / count).sqrt(),
+        };
+        Self { mean, half_width }
+    }
+}
+
 /// What the mean springback is worth, in m. The parts are added: the last two are no random errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorBar {
     /// Half width of the 95 % interval of the mean; infinite with fewer than twenty particles.
     pub statistical: f64,
-    /// Half of the mean overlap of the touched particles with the tool, `g / 2 = f / (2 kappa M)`, f the contact
-    /// force per width (2D) normal to the machined plane, M the p-wave modulus. While it was pressed the material lay less deep than a
-    /// hard contact would have it, by nothing to g where it left the tool: the mean is less by g / 2, and known to that.
+    /// [`OVERLAP_SHARE`] times the overlap.
     pub overlap: f64,
     /// [`RESOLUTION_SHARE`] times the spacing.
     pub resolution: f64,
 }
 
 impl ErrorBar {
-    pub(super) fn new(
-        run: &Run,
-        contact_force: f64,
-        mean: Option<MeanInterval>,
-        spacing: f64,
-    ) -> Self {
-        let stiffness = run.provenance.number("contact", "stiffness");
-        let stiffness = stiffness.filter(|stiffness| *stiffness > 0.0).unwrap_or(1.0);
-        let modulus = run
-            .facts
-            .materials
-            .first()
-            .map_or(0.0, |m| m.bulk_modulus + 4.0 / 3.0 * m.shear_modulus);
-        let overlap = if modulus > 0.0 { 0.5 * contact_force / (stiffness * modulus) } else { 0.0 };
+    pub(super) fn new(mean: Option<MeanInterval>, overlap: Overlap, spacing: f64) -> Self {
         Self {
             statistical: mean.map_or(f64::INFINITY, |mean| mean.half_width),
-            overlap,
+            overlap: OVERLAP_SHARE * overlap.mean.abs(),
             resolution: RESOLUTION_SHARE * spacing,
         }
     }

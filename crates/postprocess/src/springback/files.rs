@@ -9,7 +9,7 @@ use sphcut_physics::csv;
 use std::fmt::Write;
 
 /// Version of the schema of `springback.json`.
-pub const SCHEMA_VERSION: &str = "1.3";
+pub const SCHEMA_VERSION: &str = "1.4";
 
 const UM: f64 = 1e6;
 const MM: f64 = 1e3;
@@ -83,6 +83,7 @@ fn run(entry: &SpringbackEntry<'_>, measurements: &[Measurement]) -> Value {
         "median_um": found.median.map(|median| median.median * UM),
         "median_ci95_um": found.median.map(|median| median.bounds.map(|bound| bound * UM)),
         "ci95_um": found.error.statistical * UM,
+        "contact_overlap_um": found.overlap.mean * UM,
         "overlap_um": found.error.overlap * UM,
         "resolution_um": found.error.resolution * UM,
         "error_um": found.error.total() * UM,

@@ -1,6 +1,6 @@
 //! What is found of the machined surface of a run.
 
-use super::error::ErrorBar;
+use super::error::{ErrorBar, Overlap};
 use super::median::MedianInterval;
 use super::strips::Strips;
 use super::touched::{RecoveryBin, Touched};
@@ -29,7 +29,7 @@ pub struct Springback {
     pub touched: Vec<Touched>,
     /// Touched particles that lie further than 1.5 spacings from the tool's lowest plane: torn out.
     pub torn: usize,
-    /// Mean springback with its 95 % interval, less half of the overlap in the contact; `None` without a touched particle.
+    /// Mean springback with its 95 % interval, in which that of the overlap is; `None` without a touched particle.
     pub mean: Option<MeanInterval>,
     /// Median of the same particles, likewise: unlike the mean it does not follow a crumb that stands up from the surface.
     pub median: Option<MedianInterval>,
@@ -45,6 +45,8 @@ pub struct Springback {
     pub stress: Vec<StressBin>,
     /// What the mean is worth.
     pub error: ErrorBar,
+    /// What the contact adds to the height of the surface, and is taken off.
+    pub overlap: Overlap,
     /// Snapshots that were used.
     pub snapshots: usize,
 }

@@ -257,7 +257,7 @@ mod tests {
             residual_stress: -300e6,
             ..SyntheticCut::default()
         };
-        let plane = cut.run(1.2e-3, 41);
+        let plane = cut.run(1.2e-3, 43);
         let expected = measure(&plane, &evaluate(&plane).unwrap()).unwrap();
         let run = groove(&plane);
         let found = measure(&run, &evaluate(&run).unwrap()).unwrap();
@@ -267,7 +267,7 @@ mod tests {
         // All nine rows.
         assert_eq!(found.touched.len(), 9 * expected.touched.len());
         assert!((found.clear_distance - expected.clear_distance).abs() < 2e-6);
-        assert!((found.error.overlap - expected.error.overlap).abs() < 1e-12);
+        assert!((found.overlap.mean - expected.overlap.mean).abs() < 1e-9);
         for (bin, same) in found.stress.iter().zip(&expected.stress) {
             assert!((bin.cutting - same.cutting).abs() < 5e6, "{bin:?} {same:?}");
             assert!((bin.normal - same.normal).abs() < 5e6, "{bin:?} {same:?}");

@@ -6,7 +6,7 @@ use sphcut_sph::Snapshot;
 
 fn measured(cut: &SyntheticCut) -> Springback {
     let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut.clone() };
-    let run = cut.run(1.2e-3, 41);
+    let run = cut.run(1.2e-3, 43);
     measure(&run, &evaluate(&run).unwrap()).unwrap()
 }
 
@@ -46,7 +46,7 @@ fn without_disorder_the_strips_agree_and_loose_particles_do_not_matter() {
 fn what_carries_a_force_across_a_gap_is_no_surface() {
     let cut = SyntheticCut { springback: 1e-6, disorder: 0.0, ..SyntheticCut::default() };
     let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut };
-    let run = cut.run(1.2e-3, 41);
+    let run = cut.run(1.2e-3, 43);
     let rows = (cut.height / cut.particle_spacing).round() as u64;
     let lowered = |snapshot: &Snapshot| {
         let mut snapshot = snapshot.clone();
@@ -68,28 +68,45 @@ fn what_carries_a_force_across_a_gap_is_no_surface() {
     assert!(found.touched.len() > 15 && found.touched.len() < 30, "{}", found.touched.len());
 }
 
-/// The mean begins where springback is steady by itself, whatever the forces do.
-#[test]
-fn a_run_in_of_springback_is_left_out() {
+/// A springback of 1 um, of 0.7 um up to `end` of the cut; the particles lie up to 0.1 um off.
+fn with_run_in_to(end: f64) -> Springback {
     let cut = SyntheticCut { springback: 1e-6, disorder: 0.02, ..SyntheticCut::default() };
     let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut };
-    let run = cut.run(1.2e-3, 41);
+    let run = cut.run(1.2e-3, 43);
     let lowered = |snapshot: &Snapshot| {
         let mut snapshot = snapshot.clone();
+        let left = snapshot.tool[0][0] - cut.particle_spacing;
         for position in &mut snapshot.position {
-            // Three tenths of a micrometre, which touch all the same.
-            position[1] -= if position[0] < 0.6e-3 { 0.3e-6 } else { 0.0 };
+            // Three tenths of a micrometre less once the tool has left it.
+            position[1] -= if position[0] < end.min(left) { 0.3e-6 } else { 0.0 };
         }
         snapshot
     };
     let snapshots: Vec<Snapshot> =
         (0..run.snapshots.len()).map(|k| lowered(&run.snapshots.get(k).unwrap())).collect();
     let run = Run { snapshots: Snapshots::in_memory(snapshots), ..run };
-    let found = measure(&run, &evaluate(&run).unwrap()).unwrap();
+    measure(&run, &evaluate(&run).unwrap()).unwrap()
+}
+
+/// The mean begins where springback is steady by itself, whatever the forces do.
+#[test]
+fn a_run_in_of_springback_is_left_out() {
+    let found = with_run_in_to(0.45e-3);
     assert!(found.window[0] < 0.4e-3, "{:?}", found.window);
-    assert!((0.57e-3..0.7e-3).contains(&found.averaged_from), "{}", found.averaged_from);
+    assert!((0.42e-3..0.55e-3).contains(&found.averaged_from), "{}", found.averaged_from);
     // Disorder of up to 0.1 um, evenly: 0.06 um over the root of some thirty particles, three times that.
     assert!((found.mean.unwrap().mean - 1e-6).abs() < 0.035e-6, "{:?}", found.mean);
+}
+
+/// A mean that has to count half of the surface cannot leave out a run-in of more: its interval says so.
+#[test]
+fn a_run_in_of_more_than_half_of_the_surface_widens_the_interval() {
+    let found = with_run_in_to(0.65e-3).mean.unwrap();
+    assert!((0.7e-6..0.95e-6).contains(&found.mean), "{found:?}");
+    assert!(
+        found.mean + found.half_width > 1e-6 && found.mean - found.half_width < 0.7e-6,
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -164,30 +181,37 @@ fn stress_that_alternates_between_the_rows_is_not_taken_for_residual_stress() {
     }
 }
 
+/// A tool that lies lower overlaps the surface it has made: a softer contact.
 #[test]
-fn the_error_bar_has_the_overlap_of_the_contact_force() {
-    let cut = SyntheticCut { flank_force: 14e3, ..SyntheticCut::default() };
-    let mut run = cut.run(1.2e-3, 41);
-    run.facts.materials = vec![sphcut_record::MaterialFacts {
-        name: "steel".to_owned(),
-        density: 7850.0,
-        bulk_modulus: 160e9,
-        shear_modulus: 90e9,
-        specific_heat: 450.0,
-        thermal_conductivity: 50.0,
-        flow_stress_law: "elastic".to_owned(),
-        flow_stress: Vec::new(),
-    }];
-    let found = measure(&run, &evaluate(&run).unwrap()).unwrap();
-    // Half of 14 kN/m over 1 times 280 GPa: 0.025 um, by which the mean is less; 1 % of 10 um.
-    assert!((found.error.overlap - 0.025e-6).abs() < 1e-12, "{:?}", found.error);
-    let raw = found.touched.iter().skip_while(|touch| touch.distance < found.averaged_from);
-    let raw: Vec<f64> = raw.map(|touch| touch.springback).collect();
-    let raw = raw.iter().sum::<f64>() / raw.len() as f64;
-    assert!((found.mean.unwrap().mean - raw + 0.025e-6).abs() < 1e-12, "{raw} {:?}", found.mean);
-    assert!((found.error.resolution - 0.1e-6).abs() < 1e-15);
-    let sum = found.mean.unwrap().half_width + 0.125e-6;
-    assert!((found.error.total() - sum).abs() < 1e-12);
+fn what_the_contact_adds_at_the_lowest_point_is_taken_off() {
+    let cut = SyntheticCut { springback: 1e-6, disorder: 0.0, ..SyntheticCut::default() };
+    let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut };
+    let run = cut.run(1.2e-3, 43);
+    let pressed_by = |overlap: f64| {
+        let lowered = (0..run.snapshots.len()).map(|number| {
+            let mut snapshot = (*run.snapshots.get(number).unwrap()).clone();
+            snapshot.tool.iter_mut().for_each(|corner| corner[1] -= overlap);
+            snapshot
+        });
+        let lowered = Snapshots::in_memory(lowered.collect());
+        let run = Run { snapshots: lowered, facts: run.facts.clone(), ..cut.run(1.2e-3, 43) };
+        measure(&run, &evaluate(&run).unwrap()).unwrap()
+    };
+    let (hard, soft) = (pressed_by(0.0), pressed_by(0.2e-6));
+    assert!((soft.overlap.mean - hard.overlap.mean - 0.2e-6).abs() < 1e-9, "{:?}", soft.overlap);
+    assert!((soft.mean.unwrap().mean - hard.mean.unwrap().mean).abs() < 1e-9, "{:?}", soft.mean);
+    assert!((soft.error.overlap - OVERLAP_SHARE * soft.overlap.mean).abs() < 1e-15);
+    assert!((soft.error.resolution - 0.1e-6).abs() < 1e-15);
+    let sum = soft.mean.unwrap().half_width + soft.error.overlap + 0.1e-6;
+    assert!((soft.error.total() - sum).abs() < 1e-12);
+}
+
+#[test]
+fn an_overlap_of_one_particle_is_not_known() {
+    assert_eq!(Overlap::of(&[1e-7]).half_width, f64::INFINITY);
+    let two = Overlap::of(&[1e-7, 3e-7]);
+    // A standard deviation of 0.1414 um over the root of two.
+    assert!((two.mean - 2e-7).abs() < 1e-15 && (two.half_width - 2e-7).abs() < 1e-12, "{two:?}");
 }
 
 #[test]
@@ -236,13 +260,13 @@ fn a_window_that_keeps_the_surface_until_it_is_clear_gives_the_same_springback()
         flank_force: 14e3,
         ..SyntheticCut::default()
     };
-    let measure = |run: &Run| measure(run, &evaluate(&cut.run(1.2e-3, 41)).unwrap());
-    let whole = measure(&cut.run(1.2e-3, 41)).unwrap();
-    let kept = measure(&windowed(cut.run(1.2e-3, 41), 0.4e-3)).unwrap();
+    let measure = |run: &Run| measure(run, &evaluate(&cut.run(1.2e-3, 43)).unwrap());
+    let whole = measure(&cut.run(1.2e-3, 43)).unwrap();
+    let kept = measure(&windowed(cut.run(1.2e-3, 43), 0.4e-3)).unwrap();
     assert!((kept.mean.unwrap().mean - 1e-6).abs() < 1e-11, "{:?}", kept.mean);
     assert_eq!(kept.window, whole.window);
     // Clear of the tool are 150 um, and four spacings of 10 um for the particles to be seen.
-    let short = measure(&windowed(cut.run(1.2e-3, 41), 0.12e-3));
+    let short = measure(&windowed(cut.run(1.2e-3, 43), 0.12e-3));
     let refused = short.err().map(|error| error.to_string()).unwrap_or_default();
     assert!(refused.starts_with("the moving window keeps 0.1"), "{refused}");
     assert!(refused.ends_with("0.190 mm are needed: `behind` in [window]"), "{refused}");
@@ -285,7 +309,7 @@ fn the_files_hold_the_figures_with_their_units() {
         flank_force: 14e3,
         ..SyntheticCut::default()
     }
-    .run(1.2e-3, 21);
+    .run(1.2e-3, 22);
     let result = evaluate(&run).unwrap();
     let springback = measure(&run, &result).unwrap();
     let entry = SpringbackEntry { name: "a, \"b\"", result: &result, springback: &springback };

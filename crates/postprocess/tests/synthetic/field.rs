@@ -102,9 +102,10 @@ impl Field<'_> {
         } else {
             0.0
         };
-        // The first row under the tip touches it.
+        // The first row under the land touches it.
         let spacing = cut.particle_spacing;
-        let touches = offset[0].abs() < spacing && offset[1] < 0.0 && offset[1] > -spacing;
+        let touches =
+            (0.0..spacing).contains(&offset[0]) && offset[1] < 0.0 && offset[1] > -spacing;
         State {
             velocity: [0.2 * cut.cutting_speed * near, 0.1 * cut.cutting_speed * near],
             temperature: AMBIENT + 450.0 * near + 200.0 * burnished,

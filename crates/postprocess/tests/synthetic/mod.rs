@@ -61,7 +61,8 @@ pub struct SyntheticCut {
     pub residual_stress: f64,
     /// Depth at which it has fallen to 1/e.
     pub residual_depth: f64,
-    /// Contact force of each particle of the first row under the tip in N/m.
+    /// Contact force in N/m of each particle of the first row under a land of one spacing in front of the tip; without a
+    /// force the tool is sharp.
     pub flank_force: f64,
 }
 
@@ -124,12 +125,16 @@ impl SyntheticCut {
         let corner =
             |direction: [f64; 2]| [tip[0] + size * direction[0], tip[1] + size * direction[1], 0.0];
         let back = [along[0] + heel[0], along[1] + heel[1]];
+        let mut tool = vec![[tip[0], tip[1], 0.0], corner(along), corner(back), corner(heel)];
+        if self.flank_force != 0.0 {
+            tool.insert(1, [tip[0] + self.particle_spacing, tip[1], 0.0]);
+        }
         Snapshot {
             time: travel / self.cutting_speed,
             step: (travel / self.cutting_speed * 1e9) as u64,
             dimension: 2,
             particle_spacing: self.particle_spacing,
-            tool: vec![[tip[0], tip[1], 0.0], corner(along), corner(back), corner(heel)],
+            tool,
             ..Snapshot::default()
         }
     }

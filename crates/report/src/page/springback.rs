@@ -10,7 +10,7 @@ use crate::kit::table::{ColumnHead, or_dash, table};
 use maud::{Markup, PreEscaped, html};
 use sphcut_postprocess::ProcessResult;
 use sphcut_postprocess::springback::{
-    Agreement, Measurement, MedianInterval, RESOLUTION_SHARE, Springback,
+    Agreement, Measurement, MedianInterval, OVERLAP_SHARE, RESOLUTION_SHARE, Springback,
 };
 use sphcut_record::Run;
 
@@ -133,7 +133,7 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
         Number("Springback in \u{b5}m"),
         Number("interval"),
         Number("median and its interval"),
-        Number("half of the overlap"),
+        Number("overlap"),
         Number("resolution"),
         Number("Measured in \u{b5}m"),
         Number("F_c in N"),
@@ -160,8 +160,8 @@ fn overview(runs: &[SpringbackRun<'_>], measurements: &[Measurement]) -> Markup 
     html! {
         section {
             h2 { "Springback and forces" }
-            (table("Springback with its error bar: 95 % interval of the mean, plus half of the overlap of \
-                particles and tool, plus what the spacing resolves. The median does not follow crumbs \
+            (table("Springback with its error bar: 95 % interval of the mean, plus a fifth of the overlap of \
+                particles and tool that was taken off, plus what the spacing resolves. The median does not follow crumbs \
                 that stand up from the surface. Forces with their 95 % interval; the last is that \
                 into the machined surface: the feed force of a plane cut, the passive force in turning.", columns, &rows))
         }
@@ -389,13 +389,12 @@ fn definitions() -> Markup {
     html! {
         section {
             h2 { "Definitions and limits" }
-            p { "A particle of the surface has touched the tool with its radius, half a spacing; its \
-                springback is the height of its centre plus that radius above the tool's lowest point once it is \
-                clear of the tool. Averaged are those after the run-in of springback itself. In a contact with a penalty the surface lies \
-                less deep than in a hard one, where it leaves the tool by nothing to the mean overlap: the mean is less by half of that. The error bar adds the 95 % interval of the mean (correlation taken into \
-                account), half of the overlap of particles and tool in the contact (force over penalty \
-                stiffness), and " (three_digits(RESOLUTION_SHARE * 100.0)) " % of a spacing, the error of a \
-                released surface with a known answer (validation cases springback_resolution and springback_cylinder)." }
+            p { "A particle of the surface has touched the tool; its springback is the height of its outer side \
+                above the tool's lowest point once it is clear of the tool, less the mean overlap of these particles with the tool at \
+                that point: so far a contact with a penalty lifts the surface, and a hard one does not. Averaged are those after the \
+                run-in of springback itself. The error bar adds the 95 % interval of the mean (correlation and overlap taken into \
+                account), " (three_digits(OVERLAP_SHARE * 100.0)) " % of that overlap, and " (three_digits(RESOLUTION_SHARE * 100.0)) " % of a spacing, \
+                the error of a released surface with a known answer (validation cases springback_resolution and springback_cylinder)." }
             p { "At a spacing of 10 \u{b5}m springback of 1 \u{b5}m is a tenth of a spacing. The smooth surface of a \
                 released block is resolved far better than that; the surface of a cut is rough by a good part \
                 of a spacing, so its mean needs many particles. Whether the spacing resolves the flow under \
