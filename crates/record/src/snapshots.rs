@@ -46,10 +46,11 @@ impl SnapshotInfo {
 impl Snapshots {
     /// Snapshots held in memory.
     #[must_use]
-    pub fn in_memory(snapshots: Vec<Snapshot>) -> Self {
+    pub fn in_memory<S: Into<Arc<Snapshot>>>(snapshots: Vec<S>) -> Self {
+        let snapshots: Vec<Arc<Snapshot>> = snapshots.into_iter().map(Into::into).collect();
         Self {
-            index: snapshots.iter().map(SnapshotInfo::of).collect(),
-            place: Place::Memory(snapshots.into_iter().map(Arc::new).collect()),
+            index: snapshots.iter().map(|snapshot| SnapshotInfo::of(snapshot)).collect(),
+            place: Place::Memory(snapshots),
         }
     }
 

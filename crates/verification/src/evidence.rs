@@ -4,10 +4,10 @@ use crate::table::ReferenceTable;
 use serde::Deserialize;
 use sphcut_postprocess::springback::{Springback, measure};
 use sphcut_postprocess::{ProcessResult, evaluate};
-use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Setting, Snapshots};
+use sphcut_record::{Facts, Outcome, Performance, Provenance, Run, Samples, Snapshots};
 use sphcut_sph::setup::{Dimension, Vector};
 use sphcut_sph::{ChannelId, Sample, Setup, Simulation, Snapshot};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Whether a run is stepped to its end or only set up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -28,7 +28,7 @@ pub struct Evidence {
     /// The channels, one sample per interval.
     pub samples: Vec<Sample>,
     /// The particles, at the start, at the end and evenly between.
-    pub snapshots: Vec<Snapshot>,
+    pub snapshots: Vec<Arc<Snapshot>>,
     /// Number of time steps.
     pub steps: u64,
     /// The case's `reference.csv`; empty if there is none.
@@ -69,7 +69,7 @@ impl Evidence {
         }
         let mut simulation =
             Simulation::new(evidence.setup.clone()).map_err(|error| error.to_string())?;
-        evidence.snapshots.push(simulation.snapshot());
+        evidence.snapshots.push(simulation.snapshot().into());
         let interval = evidence.setup.end_time / f64::from(snapshots.max(1));
         let mut due = interval;
         while !simulation.is_finished() {
@@ -81,11 +81,11 @@ impl Evidence {
                 progress(report.time / evidence.setup.end_time);
             }
             if report.time >= due && !simulation.is_finished() {
-                evidence.snapshots.push(simulation.snapshot());
+                evidence.snapshots.push(simulation.snapshot().into());
                 due = (report.time / interval).floor() * interval + interval;
             }
         }
-        evidence.snapshots.push(simulation.snapshot());
+        evidence.snapshots.push(simulation.snapshot().into());
         Ok(evidence)
     }
 
@@ -110,15 +110,8 @@ impl Evidence {
     fn as_run(&self) -> Run {
         let mut samples = Samples::default();
         self.samples.iter().for_each(|sample| samples.push(sample));
-        // What evaluations read of the settings.
-        let stiffness = Setting {
-            section: "contact".to_owned(),
-            key: "stiffness".to_owned(),
-            value: self.setup.contact.get("stiffness").to_string(),
-            ..Setting::default()
-        };
         Run {
-            provenance: Provenance { settings: vec![stiffness], ..Provenance::default() },
+            provenance: Provenance::default(),
             facts: Facts::of(&self.setup),
             samples,
             snapshots: Snapshots::in_memory(self.snapshots.clone()),
@@ -127,14 +120,22 @@ impl Evidence {
         }
     }
 
+    /// The particles over time.
+    pub(crate) fn snapshots(&self) -> impl DoubleEndedIterator<Item = &Snapshot> {
+        self.snapshots.iter().map(AsRef::as_ref)
+    }
+
     /// The particles at the start.
     pub(crate) fn first(&self) -> Result<&Snapshot, String> {
-        self.snapshots.first().ok_or_else(|| "the run was not stepped".to_owned())
+        self.snapshots
+            .first()
+            .map(AsRef::as_ref)
+            .ok_or_else(|| "the run was not stepped".to_owned())
     }
 
     /// The particles at the end.
     pub(crate) fn last(&self) -> Result<&Snapshot, String> {
-        self.snapshots.last().ok_or_else(|| "the run was not stepped".to_owned())
+        self.snapshots.last().map(AsRef::as_ref).ok_or_else(|| "the run was not stepped".to_owned())
     }
 
     /// The channels at the end.

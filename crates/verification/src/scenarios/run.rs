@@ -102,7 +102,7 @@ impl ScenarioRuns {
             return Err(failed(format!("{}: another scenario, `{other}`", folder.display())));
         }
         let snapshots = (0..finished.snapshots.len())
-            .map(|number| finished.snapshots.get(number).map(|snapshot| (*snapshot).clone()))
+            .map(|number| finished.snapshots.get(number))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| failed(error.to_string()))?;
         let evidence = Evidence {

@@ -81,7 +81,7 @@ pub(crate) const CONTACT_SHEAR_STRESS: Observable = Observable {
                 split(&force, &normal).1 / covered(places, spacing)
             }
         };
-        Ok(evidence.snapshots.iter().map(stress).fold(0.0, f64::max))
+        Ok(evidence.snapshots().map(stress).fold(0.0, f64::max))
     },
 };
 

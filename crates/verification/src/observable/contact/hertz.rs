@@ -82,8 +82,7 @@ fn mean(
 ) -> Result<f64, String> {
     let start = (1.0 - arguments.get("share")) * evidence.last()?.time;
     let ratios: Vec<f64> = evidence
-        .snapshots
-        .iter()
+        .snapshots()
         .filter(|snapshot| snapshot.time >= start)
         .filter_map(|snapshot| contact(evidence, arguments.get("radius"), snapshot))
         .map(|contact| ratio(&contact))

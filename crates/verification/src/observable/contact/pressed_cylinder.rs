@@ -103,7 +103,7 @@ impl<'a> Phases<'a> {
         let hold = arguments.get("loaded_from")..=arguments.get("loaded_to");
         let released = arguments.get("released");
         let of = |wanted: &dyn Fn(f64) -> bool| -> Vec<&Snapshot> {
-            evidence.snapshots.iter().filter(|snapshot| wanted(snapshot.time)).collect()
+            evidence.snapshots().filter(|snapshot| wanted(snapshot.time)).collect()
         };
         let phases =
             Self { loaded: of(&|time| hold.contains(&time)), free: of(&|time| time >= released) };

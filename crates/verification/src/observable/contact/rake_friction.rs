@@ -108,7 +108,7 @@ fn bins(evidence: &Evidence, arguments: &ObservableArguments) -> Result<Vec<Bin>
     let start = (1.0 - arguments.get("share")) * evidence.last()?.time;
     let mut bins: BTreeMap<i64, Bin> = BTreeMap::new();
     let mut snapshots = 0.0;
-    for snapshot in evidence.snapshots.iter().filter(|snapshot| snapshot.time >= start) {
+    for snapshot in evidence.snapshots().filter(|snapshot| snapshot.time >= start) {
         if snapshot.dimension != 2 {
             return Err("the rake face is told in 2D only".to_owned());
         }

@@ -68,7 +68,7 @@ fn ring_inner_change(evidence: &Evidence, arguments: &ObservableArguments) -> Re
     let drawn = evidence.first()?;
     let middle = drawn.position.iter().map(|x| x[2]).fold(f64::INFINITY, f64::min);
     let first = means(drawn, middle);
-    let course = evidence.snapshots.iter();
+    let course = evidence.snapshots();
     let course: Vec<(f64, f64)> =
         course.map(|snapshot| ring.change(first, means(snapshot, middle))).collect();
     let around = course.windows(2).find(|pair| pair[0].0 <= wanted && wanted <= pair[1].0);

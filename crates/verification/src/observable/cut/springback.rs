@@ -74,8 +74,7 @@ fn poisson_ratio(moduli: &ElasticModuli) -> f64 {
 fn nearest(evidence: &Evidence, time: f64) -> Result<&Snapshot, String> {
     let distance = |snapshot: &&Snapshot| (snapshot.time - time).abs();
     evidence
-        .snapshots
-        .iter()
+        .snapshots()
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .ok_or_else(|| "the run was not stepped".to_owned())
 }
@@ -129,7 +128,7 @@ fn springback_ratio(evidence: &Evidence, arguments: &ObservableArguments) -> Res
     let volume_ratio = (loaded + strain(evidence, arguments, at, 0)?).exp();
     let released = arguments.get("released");
     let (mut sum, mut count) = (0.0, 0.0);
-    for snapshot in evidence.snapshots.iter().filter(|snapshot| snapshot.time >= released) {
+    for snapshot in evidence.snapshots().filter(|snapshot| snapshot.time >= released) {
         if snapshot.contact_force.iter().any(|force| force[1] != 0.0) {
             return Err(format!("the block still touches at {} s", snapshot.time));
         }
@@ -152,7 +151,7 @@ fn surface_springback_error(
     let between = [arguments.get("from_x"), arguments.get("to_x")];
     let mut heights = Vec::new();
     let released = arguments.get("released");
-    for snapshot in evidence.snapshots.iter().filter(|snapshot| snapshot.time >= released) {
+    for snapshot in evidence.snapshots().filter(|snapshot| snapshot.time >= released) {
         if snapshot.contact_force.iter().any(|force| force[1] != 0.0) {
             return Err(format!("the block still touches at {} s", snapshot.time));
         }

@@ -19,7 +19,7 @@ fn contact_temperature(
 ) -> Result<f64, String> {
     let start = (1.0 - arguments.get("share")) * evidence.last()?.time;
     let (mut weight, mut sum) = (0.0, 0.0);
-    for snapshot in evidence.snapshots.iter().filter(|snapshot| snapshot.time >= start) {
+    for snapshot in evidence.snapshots().filter(|snapshot| snapshot.time >= start) {
         for (force, temperature) in snapshot.contact_force.iter().zip(&snapshot.temperature) {
             let force = force[0].hypot(force[1]).hypot(force[2]);
             weight += force;

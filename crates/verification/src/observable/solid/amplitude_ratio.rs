@@ -29,6 +29,6 @@ fn amplitude_ratio(evidence: &Evidence, arguments: &ObservableArguments) -> Resu
     let probe = evidence.nearest(["x", "y", "z"].map(|key| arguments.get(key)))?;
     let (axis, from) = (arguments.index("axis"), arguments.get("from"));
     let speed = |snapshot: &sphcut_sph::Snapshot| snapshot.velocity[probe][axis].abs();
-    let late = evidence.snapshots.iter().filter(|snapshot| snapshot.time >= from);
+    let late = evidence.snapshots().filter(|snapshot| snapshot.time >= from);
     Ok(late.map(speed).fold(0.0, f64::max) / speed(evidence.first()?))
 }

@@ -17,7 +17,7 @@ pub(crate) const MOMENTUM_DRIFT: Observable = Observable {
             let now = momentum(evidence, snapshot);
             (0..3).map(|axis| (now[axis] - start[axis]).powi(2)).sum::<f64>().sqrt() / scale
         };
-        Ok(evidence.snapshots.iter().map(drift).fold(0.0, f64::max))
+        Ok(evidence.snapshots().map(drift).fold(0.0, f64::max))
     },
 };
 

@@ -60,7 +60,7 @@ fn period(
     signal: impl Fn(&Snapshot) -> f64,
 ) -> Result<f64, String> {
     let points: Vec<(f64, f64)> =
-        evidence.snapshots.iter().map(|snapshot| (snapshot.time, signal(snapshot))).collect();
+        evidence.snapshots().map(|snapshot| (snapshot.time, signal(snapshot))).collect();
     let mut zeros: Vec<f64> = points.iter().take(skip).map(|point| point.0).collect();
     zeros.extend(crossings(points.get(skip..).unwrap_or_default()));
     if zeros.len() < 2 {

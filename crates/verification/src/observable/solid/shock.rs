@@ -64,8 +64,7 @@ pub(crate) const SHOCKED_DENSITY: Observable = Observable {
 fn nearest(evidence: &Evidence, time: f64) -> Result<&Snapshot, String> {
     let distance = |snapshot: &&Snapshot| (snapshot.time - time).abs();
     evidence
-        .snapshots
-        .iter()
+        .snapshots()
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .ok_or_else(|| "the run has no snapshots".to_owned())
 }

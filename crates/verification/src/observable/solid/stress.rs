@@ -9,7 +9,7 @@ pub(crate) const LARGEST_STRESS: Observable = Observable {
     meaning: "largest von Mises stress or |pressure| of all snapshots, divided by `scale`",
     arguments: &[argument("scale", Some(1.0), "stress by which it is divided in Pa")],
     evaluate: |evidence, arguments| {
-        let stresses = evidence.snapshots.iter().flat_map(|snapshot| {
+        let stresses = evidence.snapshots().flat_map(|snapshot| {
             snapshot.von_mises_stress.iter().chain(&snapshot.pressure).map(|value| value.abs())
         });
         Ok(stresses.fold(0.0, f64::max) / arguments.get("scale"))
@@ -24,7 +24,7 @@ pub(crate) const LARGEST_DENSITY_CHANGE: Observable = Observable {
     arguments: &[],
     evaluate: |evidence, _| {
         let mut largest: f64 = 0.0;
-        for snapshot in &evidence.snapshots {
+        for snapshot in evidence.snapshots() {
             for (density, body) in snapshot.density.iter().zip(&snapshot.body) {
                 let material = evidence.setup.bodies[*body as usize].material;
                 let initial = evidence.setup.materials[material].density;
