@@ -10,8 +10,8 @@ use sphcut_record::RunError;
 pub const RESOLUTION_SHARE: f64 = 0.01;
 
 /// Error of the overlap in terms of itself: twice what the springback of one cut moves by between contacts of three
-/// stiffnesses, in terms of what their overlaps move by (`validation/springback_cut`, table in `docs/springback.md`). A slope g'
-/// of the overlap at the lowest point of an edge of radius R moves the point at which the surface is lowest: by `R g'^2 / 2`.
+/// stiffnesses, in terms of what their overlaps move by (`validation/springback_cut`, table in `docs/springback.md`). Neglected
+/// is that a slope g' of the overlap along an edge of radius R lowers what it adds by `R g'^2 / 2`.
 pub const OVERLAP_SHARE: f64 = 0.2;
 
 /// The overlap of the surface with the tool at the tool's lowest point, by which a contact with a penalty shifts
