@@ -83,7 +83,7 @@ fn run(entry: &SpringbackEntry<'_>, measurements: &[Measurement]) -> Value {
         "median_um": found.median.map(|median| median.median * UM),
         "median_ci95_um": found.median.map(|median| median.bounds.map(|bound| bound * UM)),
         "ci95_um": found.error.statistical * UM,
-        "contact_overlap_um": found.overlap.mean * UM,
+        "contact_overlap_um": found.overlap.half_width.is_finite().then_some(found.overlap.mean * UM),
         "overlap_um": found.error.overlap * UM,
         "resolution_um": found.error.resolution * UM,
         "error_um": found.error.total() * UM,

@@ -109,6 +109,12 @@ fn measure_plane(
     let mean = (!within.is_empty())
         .then(|| window_mean(&heights, first))
         .map(|mean| MeanInterval { half_width: mean.half_width.hypot(overlap.half_width), ..mean });
+    // Hollows of the surface are in its overlap, too: off the median goes the median overlap.
+    let pressed = median::median_interval(&pressed, &pressed).map_or(0.0, |found| found.median);
+    let median = median::median_interval(within, record).map(|found| MedianInterval {
+        median: found.median + overlap.mean - pressed,
+        bounds: found.bounds.map(|bound| bound + overlap.mean - pressed),
+    });
     Ok(Springback {
         cutting_speed: run.facts.cutting_speed(),
         particle_spacing: context.spacing,
@@ -120,7 +126,7 @@ fn measure_plane(
         touched,
         torn: found.torn,
         mean,
-        median: median::median_interval(within, record),
+        median,
         recovery: found.recovery,
         tool,
         normal_force,

@@ -206,6 +206,29 @@ fn what_the_contact_adds_at_the_lowest_point_is_taken_off() {
     assert!((soft.error.total() - sum).abs() < 1e-12);
 }
 
+/// Every third column lies 0.3 um lower, under the tool and behind it: neither mean nor median has it.
+#[test]
+fn a_hollow_under_the_tool_is_no_springback() {
+    let cut = SyntheticCut { springback: 1e-6, disorder: 0.0, ..SyntheticCut::default() };
+    let cut = SyntheticCut { length: 1.5e-3, height: 0.3e-3, flank_force: 14e3, ..cut };
+    let run = cut.run(1.2e-3, 241);
+    let rows = (cut.height / cut.particle_spacing).round() as u64;
+    let hollow = (0..run.snapshots.len()).map(|number| {
+        let mut snapshot = (*run.snapshots.get(number).unwrap()).clone();
+        for index in 0..snapshot.id.len() {
+            if (snapshot.id[index] / rows).is_multiple_of(3) {
+                snapshot.position[index][1] -= 0.3e-6;
+            }
+        }
+        snapshot
+    });
+    let hollow = Snapshots::in_memory(hollow.collect());
+    let run = Run { snapshots: hollow, facts: run.facts.clone(), ..cut.run(1.2e-3, 43) };
+    let found = measure(&run, &evaluate(&run).unwrap()).unwrap();
+    assert!((found.mean.unwrap().mean - 1e-6).abs() < 0.02e-6, "{:?}", found.mean);
+    assert!((found.median.unwrap().median - 1e-6).abs() < 1e-9, "{:?}", found.median);
+}
+
 #[test]
 fn an_overlap_of_one_particle_is_not_known() {
     assert_eq!(Overlap::of(&[1e-7]).half_width, f64::INFINITY);
