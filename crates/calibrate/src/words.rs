@@ -198,8 +198,11 @@ fn fit_words(found: &CutCalibration) -> String {
         })
         .collect();
     format!(
-        "Calibrated to {} cuts with {} runs; errors of the simulation (root mean square): {}.",
-        found.cuts.len(),
+        "Calibrated to {} with {} runs; errors of the simulation (root mean square): {}.",
+        match found.cuts.len() {
+            1 => "one cut".to_owned(),
+            cuts => format!("{cuts} cuts"),
+        },
         found.runs.len(),
         parts.join(", ")
     )

@@ -10,6 +10,7 @@ use crate::model::predictor::Predictor;
 use crate::progress::ProgressListener;
 use crate::session::{Diagnosis, DiagnosisRequest, diagnose};
 use sphcut_input::CutTableRow;
+use sphcut_scenario::Scenario;
 
 /// The recordings of a case and what they say against `model`.
 ///
@@ -32,9 +33,10 @@ pub fn diagnose_case_as(
     told: ProgressListener<'_>,
     change: impl FnOnce(&mut DiagnosisRequest<'_>),
 ) -> Result<(Recordings, Diagnosis), DiagnoseError> {
-    let measured = recordings(&case.measured, model, "measured")?;
+    let measured = recordings(&case.measured, model, &case.base, "measured")?;
     let reference = case.reference.as_ref();
-    let cuts = reference.map(|cuts| recordings(&cuts.rows, model, "reference")).transpose()?;
+    let cuts =
+        reference.map(|cuts| recordings(&cuts.rows, model, &case.base, "reference")).transpose()?;
     let reference = cuts.as_ref().zip(reference).map(|(cuts, stated)| {
         let comparison = if stated.difference {
             ReferenceComparison::Difference
@@ -82,6 +84,7 @@ fn range(case: &DiagnosisCase) -> Option<[[f64; 2]; 2]> {
 pub(crate) fn recordings(
     rows: &[CutTableRow],
     model: &dyn Predictor,
+    scenario: &Scenario,
     section: &'static str,
 ) -> Result<Recordings, DiagnoseError> {
     let cuts = rows.iter().map(|row| Recording {
@@ -91,6 +94,6 @@ pub(crate) fn recordings(
         deviations: row.deviations,
     });
     Recordings::new(cuts.collect(), model.channels())
-        .and_then(|found| refuse_mistakes(&found, model).map(|()| found))
+        .and_then(|found| refuse_mistakes(&found, model, scenario).map(|()| found))
         .map_err(|reason| DiagnoseError::Table { section, reason: Box::new(reason) })
 }

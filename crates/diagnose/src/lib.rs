@@ -50,7 +50,7 @@ pub use check::rerun::{
     Rerun, RerunChannel, STATES, compare_rerun, rerun_changes, rerun_conditions, unseen_fits,
 };
 pub use check::self_test::{PositiveControl, Rate, Simulator};
-pub use data::mistakes::wrong_unit_of_thickness;
+pub use data::mistakes::{wrong_unit_of_speed, wrong_unit_of_thickness};
 pub use data::recordings::{ChannelNoise, NoiseSource, Recording, Recordings, same_cut};
 pub use error::DiagnoseError;
 pub use file::{

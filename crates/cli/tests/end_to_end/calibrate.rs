@@ -75,6 +75,13 @@ fn mistakes_of_single_cuts_are_told_before_anything_runs() {
     run(&CUTS.replace("150,0.1,", "150,100,"), &[])
         .expect_code(2)
         .expect_err("(150 m/min, 100 mm): nobody cuts such h, probably um under a head in mm");
+    run(&CUTS.replace("[m/min]", "[m/s]"), &[])
+        .expect_code(2)
+        .expect_err("the column probably holds m/min and is headed `v_c [m/s]`");
+    shop.write("others.csv", "v_c [m/min],h [mm],F_c [N]\n150,0.1,0.8\n");
+    run(CUTS, &["--held-out", "others.csv"]).expect_code(2).expect_err(
+        "`others.csv`: line 1 of the table (150 m/min, 0.1 mm): F_c is about a thousand",
+    );
     shop.write("others.csv", "v_c [m/min],h [mm],rake [deg],F_c [N]\n150,0.1,5,800\n");
     run(CUTS, &["--held-out", "others.csv"]).expect_code(2).expect_err("`rake` is only here");
     run(CUTS, &["--fit", "A,x"]).expect_code(2).expect_err("`x` is no constant");

@@ -7,9 +7,12 @@ use crate::model::predictor::Predictor;
 use nalgebra::DVector;
 use sphcut_physics::{Channel, CuttingCondition};
 use sphcut_postprocess::statistics::median;
+use sphcut_scenario::Scenario;
 
 /// Thicknesses that are cut, in m: below, millimetres stand for micrometres; above, micrometres for millimetres.
 const THICKNESSES: [f64; 2] = [1e-6, 10e-3];
+/// Speeds that are a sixtieth of the scenario's, or sixty times as high, within this factor are in the other unit.
+const SIXTIETH_MARGIN: f64 = 2.0;
 /// The logarithm by which a whole column may miss a power of a thousand and still be of another unit. No model of a cut is wrong by thirty.
 const UNIT_MARGIN: f64 = 1.5;
 /// Factor by which values follow the prediction better with two columns exchanged, as mean squares of the logarithm.
@@ -49,8 +52,11 @@ impl Compared {
 pub(crate) fn refuse_mistakes(
     recordings: &Recordings,
     model: &dyn Predictor,
+    scenario: &Scenario,
 ) -> Result<(), DiagnoseError> {
-    let found = thickness(recordings).or_else(|| {
+    let speeds = || recordings.all().iter().map(|r| r.condition.cutting_speed).collect::<Vec<_>>();
+    let speed = || wrong_unit_of_speed(&speeds(), scenario);
+    let found = thickness(recordings).or_else(speed).or_else(|| {
         let all = compared(recordings, model);
         let units = all.iter().find_map(unit);
         units
@@ -70,6 +76,32 @@ pub fn wrong_unit_of_thickness(h: f64) -> Option<[&'static str; 2]> {
         _ if h > high => Some(["um", "mm"]),
         _ => None,
     }
+}
+
+/// What is said of cutting speeds, in m/s, of which the median is about a sixtieth of the speed of `scenario` or sixty times it: m/s under
+/// a head in m/min, or the reverse. Forces change so little over the speed that no value shows it. The speed of the scenario is not
+/// cut where a table says the speeds, so that who does cut there can put it among them.
+#[must_use]
+pub fn wrong_unit_of_speed(speeds: &[f64], scenario: &Scenario) -> Option<String> {
+    let entry =
+        scenario.description.iter().find(|e| e.section == "process" && e.key == "cutting_speed");
+    let stated = entry?.number?;
+    let middle = median(speeds);
+    let ratio = (middle / stated).ln();
+    let is_wrong = (ratio.abs() - 60.0_f64.ln()).abs() < SIXTIETH_MARGIN.ln();
+    let (times, meant, written) = if ratio < 0.0 {
+        ("a sixtieth of", "m/s", "m/min")
+    } else {
+        ("sixty times", "m/min", "m/s")
+    };
+    is_wrong.then(|| {
+        format!(
+            "the cutting speeds, {:.1} m/min in the median, are about {times} the {:.1} m/min of the scenario: the column probably \
+             holds {meant} and is headed `v_c [{written}]`; if they are right, give the scenario one of them",
+            middle * 60.0,
+            stated * 60.0
+        )
+    })
 }
 
 fn thickness(recordings: &Recordings) -> Option<String> {
@@ -260,7 +292,7 @@ mod tests {
         let mut case = load_diagnosis(&root.join("example.toml"), &LoadOptions::default()).unwrap();
         spoil(&mut case);
         let model = ClosedForm::new(closed_form_cut(&case.base).unwrap(), &case.scatter());
-        let found = crate::case::recordings(&case.measured, &model, "measured");
+        let found = crate::case::recordings(&case.measured, &model, &case.base, "measured");
         found.err().map(|error| error.to_string())
     }
 
@@ -296,6 +328,13 @@ mod tests {
         });
         expect("the column probably holds mm and is headed `h [um]`", |case| {
             case.measured.iter_mut().for_each(|row| row.uncut_chip_thickness *= 1e-3);
+        });
+        // 1.1 to 5.3 m/s under a head in m/min.
+        expect("the column probably holds m/s and is headed `v_c [m/min]`", |case| {
+            case.measured.iter_mut().for_each(|row| row.cutting_speed /= 60.0);
+        });
+        expect("sixty times the", |case| {
+            case.measured.iter_mut().for_each(|row| row.cutting_speed *= 60.0);
         });
         expect(
             "chip_thickness is about a thousand times too small: the column probably holds mm",

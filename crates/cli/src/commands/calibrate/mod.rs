@@ -14,7 +14,7 @@ use sphcut_calibrate::{
     expected_words, free_constants, grid, material_file, measured_cuts, mistakes, next_csv,
     next_cuts, next_words, published_sets,
 };
-use sphcut_diagnose::{DiagnoseError, closed_form_cut, scenario_patch};
+use sphcut_diagnose::{DiagnoseError, closed_form_cut, scenario_patch, wrong_unit_of_speed};
 use sphcut_input::{CutTableRow, read_condition_table, read_cut_table};
 use sphcut_physics::{CuttingCondition, ToolGeometry};
 use sphcut_report::{CutCalibrationPage, render_cut_calibration};
@@ -268,11 +268,17 @@ fn read(arguments: &CutCalibrationArguments) -> Result<CalibrationInput, Failure
     let held_out = arguments.held_out.as_deref().map(of).transpose()?.unwrap_or_default();
     let quick = ClosedCut::new(&scenario, &constants).map_err(refused)?;
     let stated: Vec<f64> = constants.iter().map(|c| c.coordinate(c.stated)).collect();
-    let wrong = mistakes(&cuts, &quick, &stated);
-    if !wrong.is_empty() {
-        let message = format!("`{}`: {}", arguments.measured_name(), wrong.join("; "));
-        return Err(Failure::input(message)
-            .advise("correct the table; a single wrong value may be left out, as an empty cell"));
+    for (path, cuts) in [(&arguments.measured, &cuts), (&arguments.held_out, &held_out)] {
+        let speeds: Vec<f64> = cuts.iter().map(|cut| cut.condition.cutting_speed).collect();
+        let speed = (!cuts.is_empty()).then(|| wrong_unit_of_speed(&speeds, &scenario)).flatten();
+        let mut wrong = mistakes(cuts, &quick, &stated);
+        wrong.extend(speed);
+        if let (Some(path), false) = (path, wrong.is_empty()) {
+            let message = format!("`{}`: {}", path.display(), wrong.join("; "));
+            let advice =
+                "correct the table; a single wrong value may be left out, as an empty cell";
+            return Err(Failure::input(message).advise(advice));
+        }
     }
     let candidates = match &arguments.candidates {
         None => grid(&cuts),
