@@ -1,5 +1,5 @@
-//! Ten measured cuts of docs/calibration.md drawn at random, the others predicted: beside a power law, the scenario with its errors regressed, and a quadratic
-//! of logarithms.
+//! Ten cuts of the tables of docs/calibration.md, two of them measured and one of a twin, drawn at random, the others predicted: beside a power law,
+//! the scenario with its errors regressed, and a quadratic of logarithms.
 //!
 //! `cargo run --release -p sphcut-calibrate --example measured_cuts [draws] [cuts]`
 //!
