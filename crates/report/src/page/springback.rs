@@ -81,8 +81,8 @@ fn sentence(run: &SpringbackRun<'_>, measurements: &[Measurement]) -> String {
     let spacing = three_digits(found.particle_spacing * UM);
     if !error.statistical.is_finite() {
         return format!(
-            "{start}{} \u{b5}m from {} particles: too few for an interval, twenty are needed. A \
-             longer cut or more snapshots give more.",
+            "{start}{} \u{b5}m from {} particles: too few for an interval, which needs twenty behind \
+             the tool and two at its lowest point. A longer cut or more snapshots give more.",
             three_digits(mean.mean * UM),
             found.in_window()
         );
