@@ -9,7 +9,7 @@ use sphcut_physics::{Channel, CuttingCondition};
 
 fn conditions() -> Vec<CuttingCondition> {
     let mut conditions = Vec::new();
-    for (order, speed) in [0.5, 1.5, 3.0, 6.0].into_iter().enumerate() {
+    for (order, speed) in [0.5, 6.0].into_iter().enumerate() {
         for (place, thickness) in [0.03e-3, 0.1e-3, 0.25e-3].into_iter().enumerate() {
             let run_order = f64::from(u32::try_from(3 * order + place).unwrap());
             conditions.push(CuttingCondition {
