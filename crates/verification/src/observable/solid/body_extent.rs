@@ -47,7 +47,7 @@ pub(crate) const LARGEST_RADIUS: Observable = Observable {
 pub(crate) const FOOT_RADIUS: Observable = Observable {
     name: "foot_radius",
     unit: "m",
-    meaning: "mean reach from the z axis of 32 sectors, over the particles within three spacings of the lowest one at \
+    meaning: "mean reach from the z axis of 16 sectors, over the particles within three spacings of the lowest one at \
               the end, half a spacing added",
     arguments: &[],
     evaluate: |evidence, _| {
@@ -60,7 +60,7 @@ pub(crate) const FOOT_RADIUS: Observable = Observable {
 pub(crate) const ROUNDNESS: Observable = Observable {
     name: "roundness",
     unit: "",
-    meaning: "smallest over largest reach from the z axis of 32 sectors, over the particles within \
+    meaning: "smallest over largest reach from the z axis of 16 sectors, over the particles within \
               three spacings of the lowest one at the end, half a spacing added",
     arguments: &[],
     evaluate: |evidence, _| {
@@ -90,8 +90,9 @@ fn lowest(positions: &[[f64; 3]]) -> f64 {
     positions.iter().map(|position| position[2]).fold(f64::INFINITY, f64::min)
 }
 
-/// Number of sectors of [`FOOT_RADIUS`] and [`ROUNDNESS`]: 11.25 deg each.
-const SECTORS: usize = 32;
+/// Number of sectors of [`FOOT_RADIUS`] and [`ROUNDNESS`]: 22.5 deg each, several spacings of drawn-out material at a rim, the
+/// first about the x axis. Particles of a lattice lie on the axes and diagonals by symmetry; no boundary may.
+const SECTORS: usize = 16;
 
 /// Reach of each sector from the z axis in m.
 fn reaches(evidence: &Evidence) -> Result<[f64; SECTORS], String> {
@@ -100,7 +101,7 @@ fn reaches(evidence: &Evidence) -> Result<[f64; SECTORS], String> {
     let mut radii = [0.0_f64; SECTORS];
     for position in positions.iter().filter(|position| position[2] <= top) {
         let angle = position[1].atan2(position[0]).rem_euclid(TAU);
-        let sector = ((angle / TAU * SECTORS as f64) as usize).min(SECTORS - 1);
+        let sector = (angle / TAU * SECTORS as f64).round() as usize % SECTORS;
         radii[sector] = radii[sector].max(position[0].hypot(position[1]));
     }
     if radii.iter().any(|radius| *radius > 0.0) {
