@@ -12,8 +12,8 @@ use sphcut_physics::Quantity;
 const KEYS: [&str; 4] = ["particle_spacing", "preset", "particles_across_chip", EDGE];
 const EDGE: &str = "particles_across_edge";
 
-/// Particles across the edge radius that a preset has at least: with 0.9 a draft errs by 7 % in F_c and 13 % in F_f. With 2.3, where
-/// nothing is halved, a draft of 0.06 mm still lacks 6 and 8 % (`validation/resolution_presets`).
+/// Particles across the edge radius that a preset has at least: with 0.9 a draft errs by 7 % in F_c and 13 % in F_f, with 1.9 by 3
+/// and 1 % (`validation/resolution_presets`).
 const PRESET_ACROSS_EDGE: f64 = 1.8;
 /// Most halvings by a preset: each doubles the steps.
 const PRESET_HALVINGS: u8 = 2;
