@@ -165,10 +165,15 @@ fn a_grading_follows_from_the_edge_the_chip_and_what_is_written() {
     // Twice 7.17 um is 0.4 % more than h/7.
     let (_, doublings) = grading("preset = \"draft\"\nparticles_across_edge = 2.79\ngrading = {}");
     assert_eq!(doublings, [2, 1]);
-    let (band, doublings) = grading("preset = \"fine\"\ngrading = { fine_below = \"0.1 mm\" }");
-    // Three spacings are more than the radius.
+    let (band, doublings) = grading("preset = \"fine\"");
+    // Three spacings are more than the radius; a chip as fine as the edge has coarser rows from one thickness below on.
     around(-0.2e-3, -0.1e-3 + 3e-4 / 14.0, band);
     assert_eq!(doublings, [1, 0]);
+    let (band, _) = grading("preset = \"fine\"\ngrading = { fine_below = \"50 um\" }");
+    around(-0.15e-3, -0.1e-3 + 3e-4 / 14.0, band);
+    // A spacing alone asks for nothing in the chip.
+    let (band, _) = grading("particle_spacing = \"4 um\"\ngrading = {}");
+    around(-0.12e-3, -0.08e-3, band);
     let (_, doublings) = grading(
         "particle_spacing = \"4 um\"\ngrading = { doublings_above = 2, doublings_below = 0 }",
     );

@@ -14,6 +14,10 @@ use toml::de::DeTable;
 const SPACINGS: f64 = 3.0;
 /// The same in uncut chip thicknesses, where the edge is sharp or unknown.
 const SHARP: f64 = 0.5;
+/// Least thickness of the fine band below that plane in uncut chip thicknesses, where it is as fine as the chip is asked to be and
+/// no finer: coarser rows closer by let rows of the lattice pass the shear zone whole, with 5 % less F_c in four of seven starts
+/// (`docs/numerics.md`, *Small particles where the cut is*).
+const BELOW: f64 = 1.0;
 /// By so much may the chip be coarser than asked, where a doubling would just miss it.
 const ROUNDED: f64 = 1.05;
 /// Most doublings of the spacing.
@@ -42,14 +46,20 @@ pub(crate) fn grading(
     let thickness = cut.process.depth;
     let usual = cut.tool.edge_radius.filter(|radius| *radius > 0.0);
     let usual = usual.map_or(SHARP * thickness, |radius| radius.max(SPACINGS * finest));
-    let mut length = |key: &'static str| {
+    // As coarse as the preset or the count across the chip, beside that across the edge, would have it.
+    let asked = spacing::across_chip(&outer, thickness);
+    let coarser = asked.map_or(0.0, |asked| (ROUNDED * asked / finest).log2().floor());
+    let coarser = coarser.clamp(0.0, f64::from(MOST)) as u8;
+    let uniform_chip = asked.is_some() && coarser == 0;
+    let usual_below = if uniform_chip { usual.max(BELOW * thickness) } else { usual };
+    let mut length = |key: &'static str, usual: f64| {
         if record.is_written(key) {
             return record.number(key);
         }
         findings.derived("resolution.grading", key, Quantity::Length, usual);
         Some(usual)
     };
-    let (above, below) = (length("fine_above"), length("fine_below"));
+    let (above, below) = (length("fine_above", usual), length("fine_below", usual_below));
     let mut doublings = |key: &'static str, usual: u8| {
         if record.is_written(key) {
             return Some(u8::try_from(record.count(key)?).expect("bounded by the section"));
@@ -57,10 +67,7 @@ pub(crate) fn grading(
         findings.derived("resolution.grading", key, Quantity::Dimensionless, f64::from(usual));
         Some(usual)
     };
-    // As coarse as the preset or the count across the chip, beside that across the edge, would have it.
-    let asked = spacing::across_chip(&outer, thickness).unwrap_or(finest);
-    let usual = (ROUNDED * asked / finest).log2().floor().clamp(0.0, f64::from(MOST)) as u8;
-    let doublings_above = doublings("doublings_above", usual)?;
+    let doublings_above = doublings("doublings_above", coarser)?;
     let doublings_below = doublings("doublings_below", (doublings_above + 1).min(MOST))?;
     let (above, below) = (above?, below?);
     let aspect = cut.resolution.discretisation.lattice_aspect;

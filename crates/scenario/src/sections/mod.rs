@@ -154,22 +154,18 @@ pub(crate) fn resolution() -> Section {
 
 /// `[resolution.grading]`.
 pub(crate) fn grading() -> Section {
-    let length = |key, meaning| {
-        Field::derived(
-            key,
-            positive(Quantity::Length, LONGEST),
-            "r_n, three spacings at least; h/2 for a sharp edge",
-            meaning,
-        )
+    let length = |key, rule, meaning| {
+        Field::derived(key, positive(Quantity::Length, LONGEST), rule, meaning)
     };
+    let edge = "r_n, three spacings at least; h/2 for a sharp edge";
     let doublings =
         |key, rule, meaning| Field::derived(key, Kind::Count { min: 0, max: 4 }, rule, meaning);
     Section::new(
         "resolution.grading",
         "Between `fine_above` over and `fine_below` under the plane in which the chip parts the spacing is that of [resolution]; beyond, it doubles every five rows.",
         vec![
-            length("fine_above", "fine material that enters the chip: its underside").example("\"40 um\""),
-            length("fine_below", "fine material under the machined surface").example("\"0.1 mm\""),
+            length("fine_above", edge, "fine material that enters the chip: its underside").example("\"40 um\""),
+            length("fine_below", "as `fine_above`; h at least, where a preset or `particles_across_chip` asks for a chip as fine as the edge", "fine material under the machined surface").example("\"0.1 mm\""),
             doublings("doublings_above", "up to the spacing that the preset has in the chip, or `particles_across_chip` beside `particles_across_edge`; else 0", "how often the spacing doubles towards the free side of the chip").example("1"),
             doublings("doublings_below", "one more than `doublings_above`", "how often the spacing doubles towards the bottom").example("2"),
         ],
