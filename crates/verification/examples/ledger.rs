@@ -36,6 +36,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = root.join("validation");
     let store = CaseStore::new(&folder);
     let cases = cases(&folder)?;
+    let known = |name: &String| cases.iter().any(|case| case.head.name == *name);
+    if let Some(name) = names.iter().find(|name| !known(name)) {
+        return Err(format!("no case is called `{name}`").into());
+    }
     for [case, run, folder] in &adopted {
         let found = cases.iter().find(|known| known.head.name == *case);
         let Some(Case { head, body: CaseBody::Scenarios(runs) }) = found else {
