@@ -26,6 +26,8 @@ const FITTED: usize = 10;
 const HELD_OUT: usize = 20;
 /// Noise of a recording.
 const NOISE: f64 = 0.03;
+/// Half width of a 95 % interval in standard deviations.
+const STANDARD: f64 = 1.96;
 /// Travel of every run in thicknesses.
 const TRAVEL: f64 = 15.0;
 /// Middle of the range, and its width in logarithms: v_c in m/s, h in m.
@@ -142,10 +144,10 @@ fn simulated<'r>(rows: &'r [CutTableRow], cut: &CuttingCondition) -> Option<&'r 
     })
 }
 
-/// A table of recordings with noise.
+/// A table of recordings with noise. What a force is known to is stated: the noise, and how well so short a run knows its own mean.
 fn table(cuts: &[CuttingCondition], rows: &[CutTableRow], random: &mut Random) -> String {
     let heads = RECORDED.map(|(_, head, _)| head).join(",");
-    let mut text = format!("v_c [m/min],h [mm],{heads}\n");
+    let mut text = format!("v_c [m/min],h [mm],{heads},F_c_sd [N],F_f_sd [N]\n");
     for cut in cuts {
         let Some(row) = simulated(rows, cut) else { continue };
         text += &format!("{},{}", cut.cutting_speed * 60.0, cut.uncut_chip_thickness * 1e3);
@@ -154,6 +156,13 @@ fn table(cuts: &[CuttingCondition], rows: &[CutTableRow], random: &mut Random) -
             let value =
                 row.values[channel.index()].map(|value| format!("{:.6e}", value * factor * shown));
             text += &format!(",{}", value.unwrap_or_default());
+        }
+        for (channel, ..) in &RECORDED[..2] {
+            let place = channel.index();
+            let known = row.values[place].zip(row.half_widths[place]);
+            let deviation = known.map(|(value, half)| (NOISE * value).hypot(half / STANDARD));
+            let deviation = deviation.map(|deviation| format!("{deviation:.6e}"));
+            text += &format!(",{}", deviation.unwrap_or_default());
         }
         text.push('\n');
     }
